@@ -286,6 +286,8 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 /* Before the first step: this lane starts as the system says, which stays where it is. Every lane
  * has to be set, by a copy if need be. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
+/* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
+void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
 /* The next steps of all of them, nothing checked. row [count][2][LANES]: the first variable and how
  * fast it changes, after them; NULL: not wanted. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);

@@ -90,6 +90,9 @@ struct plan {
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error);
+/* Of a fixed step dt > 0 only steps, whole, partial and exact_end. */
+bool plan_grid(const struct system *system, double dt, double span, struct plan *plan,
+               struct error *error);
 /* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0
  * none, NaN not linear. Takes milliseconds. */
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag);

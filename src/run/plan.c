@@ -101,6 +101,19 @@ static double predicted_growth(const struct system *system, const struct method 
                                                : NAN;
 }
 
+bool plan_grid(const struct system *system, double dt, double span, struct plan *plan,
+               struct error *error)
+{
+    const struct stretch stretch = stretch_measure(system->t0, system->t0 + span, dt);
+    if (!check_grid(system->t0, dt, span, &stretch, error))
+        return false;
+    plan->whole = stretch.whole;
+    plan->partial = fabs(stretch.partial);
+    plan->exact_end = stretch.exact;
+    plan->steps = (double)stretch.whole + (stretch.partial != 0);
+    return true;
+}
+
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error)
@@ -151,13 +164,8 @@ bool plan_make(const struct system *system, const struct method *method,
     }
     if (adaptive || isinf(span))
         return adaptive || check_grid(system->t0, dt, span, &stretch, error);
-    if (!check_grid(system->t0, dt, span, &stretch, error))
+    if (!plan_grid(system, dt, span, plan, error))
         return false;
-
-    plan->whole = stretch.whole;
-    plan->partial = fabs(stretch.partial);
-    plan->exact_end = stretch.exact;
-    plan->steps = (double)stretch.whole + (stretch.partial != 0);
     plan->seconds = plan->steps * step_ns(system, method) * 1e-9;
     if (timed)
         return true;

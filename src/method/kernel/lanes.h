@@ -58,7 +58,7 @@ void typed_lanes_destroy(struct typed_lanes *lanes);
 /* For systems like this one; *lanes is made, or used again. False: no memory. */
 bool typed_lanes_begin(struct typed_lanes **lanes, const struct method *method, enum drag drag,
                        const struct system *like, double h);
-void typed_lanes_set(struct typed_lanes *lanes, int lane, const struct system *system);
+void typed_lanes_set(struct typed_lanes *lanes, int lane, const struct system *system, double h);
 void typed_lanes_march(struct typed_lanes *lanes, int64_t count, double *row);
 void typed_lanes_row(struct typed_lanes *lanes, double *row);
 void typed_lanes_state(const struct typed_lanes *lanes, int lane, double *y);

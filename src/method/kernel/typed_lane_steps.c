@@ -24,18 +24,29 @@ static inline void fill(double *lane, double value)
         lane[l] = value;
 }
 
+/* A time. */
+struct moment {
+    const double *t; /* [LANES] each lane's own; NULL: the same in all lanes: */
+    double all;
+};
+
+static inline double time_of(struct moment at, int lane)
+{
+    return at.t ? at.t[lane] : at.all;
+}
+
 /* Adds what a built-in term adds. */
-static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term, double t,
+static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term, struct moment at,
                          double *out)
 {
     const double *state = lanes->input + LANES;
     if (term->once) {
         double a = -0.0;
-        term->row->add(lanes->system[0]->term[term->index].c, t, lanes->system[0]->start, &a);
+        term->row->add(lanes->system[0]->term[term->index].c, at.all, lanes->system[0]->start, &a);
         for (int lane = 0; lane < LANES; lane++)
             out[lane] += a;
-    } else if (term->add) {
-        term->add(term->c, t, state, out);
+    } else if (term->add && !(at.t && term->row->flags & TERM_TIME)) {
+        term->add(term->c, at.all, state, out);
     } else {
         for (int lane = 0; lane < LANES; lane++) {
             double y[LIMIT_VARIABLES], a[LIMIT_VARIABLES];
@@ -43,7 +54,7 @@ static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term
                 y[i] = state[i * LANES + lane];
             for (int i = 0; i < lanes->rows; i++)
                 a[i] = out[i * LANES + lane];
-            term->row->add(lanes->system[lane]->term[term->index].c, t, y, a);
+            term->row->add(lanes->system[lane]->term[term->index].c, time_of(at, lane), y, a);
             for (int i = 0; i < lanes->rows; i++)
                 out[i * LANES + lane] = a[i];
         }
@@ -51,11 +62,14 @@ static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term
 }
 
 /* out [rows]: the sum of the forces whose flags under `mask` are `wanted` */
-INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, double t, double *out)
+INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, struct moment at,
+                   double *out)
 {
     bool first = true;
-    if (lanes->timed)
-        fill(lanes->input, t);
+    if (lanes->timed && at.t)
+        memcpy(lanes->input, at.t, LANES * sizeof *at.t);
+    else if (lanes->timed)
+        fill(lanes->input, at.all);
     for (int i = 0; i < lanes->terms; i++) {
         const struct lane_term *term = &lanes->term[i];
         if ((term->row->flags & mask) != wanted)
@@ -69,7 +83,7 @@ INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, do
         } else {
             for (int l = 0; first && l < lanes->rows * LANES; l++)
                 out[l] = -0.0;
-            add_built_in(lanes, term, t, out);
+            add_built_in(lanes, term, at, out);
         }
         first = false;
     }
@@ -77,12 +91,23 @@ INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, do
         out[l] = -0.0;
 }
 
-INLINE void slope(struct typed_lanes *lanes, double t, double *out)
+INLINE void slope(struct typed_lanes *lanes, struct moment at, double *out)
 {
     const int positions = lanes->n - lanes->rows;
     memcpy(out, lanes->input + (1 + lanes->n - positions) * LANES,
            (size_t)positions * LANES * sizeof *out);
-    forces(lanes, 0, 0, t, out + positions * LANES);
+    forces(lanes, 0, 0, at, out + positions * LANES);
+}
+
+/* So much of a step after its beginning; own: [LANES], where lanes have their own. */
+INLINE struct moment moment_of(const struct typed_lanes *lanes, double c, double *own)
+{
+    const double step = (double)lanes->step;
+    if (!lanes->own)
+        return (struct moment){.all = (lanes->t0 + step * lanes->h) + c * lanes->h};
+    for (int lane = 0; lane < LANES; lane++)
+        own[lane] = (lanes->own_t0[lane] + step * lanes->own_h[lane]) + c * lanes->own_h[lane];
+    return (struct moment){.t = own};
 }
 
 static bool alike(const double *value, int count)
@@ -97,7 +122,8 @@ static bool alike(const double *value, int count)
 /* Before the first step: in what do the lanes agree? */
 static void begin(struct typed_lanes *lanes)
 {
-    unsigned char known[1 + LIMIT_VARIABLES + TERM_VALUES] = {LANES_ALIKE}; /* t */
+    unsigned char known[1 + LIMIT_VARIABLES + TERM_VALUES] = {lanes->own ? 0 : LANES_ALIKE}; /* t */
+    double at[LANES];
     const double *value = lanes->input + (1 + lanes->n) * LANES;
     for (int i = 0; i < lanes->values; i++)
         known[1 + lanes->n + i] =
@@ -107,12 +133,13 @@ static void begin(struct typed_lanes *lanes)
         if (term->program)
             program_prepare_lanes(term->program, lanes->input, known, term->frame);
         else
-            term->once =
-                !term->row->jacobian && lanes->rows == 1 && alike(term->c, TERM_COEFFICIENTS);
+            term->once = !lanes->own && !term->row->jacobian && lanes->rows == 1 &&
+                         alike(term->c, TERM_COEFFICIENTS);
     }
     if (lanes->method->tableau) {
         memcpy(lanes->y, lanes->input + LANES, (size_t)lanes->n * LANES * sizeof *lanes->y);
-        slope(lanes, lanes->t0, lanes->k);
+        stages_take(lanes->weights, lanes->method->tableau, lanes->own ? 1 : lanes->h);
+        slope(lanes, moment_of(lanes, 0, at), lanes->k);
     }
     lanes->ready = true;
 }
@@ -121,21 +148,25 @@ static void begin(struct typed_lanes *lanes)
 
 typedef double eight __attribute__((vector_size(64), aligned(64), may_alias));
 
-/* z = y + sum_j share_j k_j, each [n] */
-INLINE void combine(const struct weights *sum, int n, const double *k, const double *y, double *z)
+/* z = y + sum_j share_j k_j, each [n]; h: NULL, or what the shares are of [LANES] */
+INLINE void combine(const struct weights *sum, const double *h, int n, const double *k,
+                    const double *y, double *z)
 {
     enum { AT_ONCE = 4 };
     const eight *from = (const eight *)(const void *)y;
     eight *to = (eight *)(void *)z;
     const int size = n * LANES / 8;
     for (int q = 0; q < size; q += AT_ONCE) {
+        const eight *const own = (const eight *)(const void *)h + q % (LANES / 8);
         eight total[AT_ONCE];
         const eight *slope = (const eight *)(const void *)k + sum->stage[0] * size + q;
-        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] = sum->weight[0] * slope[p];
+        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] =
+            (h ? own[p] * sum->weight[0] : sum->weight[0] - (eight){0}) * slope[p];
         for (int j = 1; j < sum->count; j++) {
             const double weight = sum->weight[j];
             slope = (const eight *)(const void *)k + sum->stage[j] * size + q;
-            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] += weight * slope[p];
+            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] +=
+                (h ? own[p] * weight : weight - (eight){0}) * slope[p];
         }
         UNROLL for (int p = 0; p < AT_ONCE; p++) to[q + p] = from[q + p] + total[p];
     }
@@ -155,7 +186,7 @@ INLINE bool any_turns(const double *v0, const double *v1)
 }
 
 /* z: the states after a step that is taken again by those that turned in it */
-static __attribute__((noinline)) void turn(struct typed_lanes *lanes, double t, double *z)
+static __attribute__((noinline)) void turn(struct typed_lanes *lanes, double *z)
 {
     const int n = lanes->n, v = n / 2 * LANES;
     double *last = lanes->k + (lanes->method->tableau->stages - 1) * n * LANES;
@@ -168,8 +199,8 @@ static __attribute__((noinline)) void turn(struct typed_lanes *lanes, double t, 
             slope[i] = lanes->k[i * LANES + lane];
         }
         struct step step = {.system = lanes->system[lane],
-                            .t = t,
-                            .h = lanes->h,
+                            .t = lanes->own_t0[lane] + (double)lanes->step * lanes->own_h[lane],
+                            .h = lanes->own_h[lane],
                             .y = y,
                             .work = lanes->work,
                             .kernel = lanes->scalar};
@@ -193,7 +224,8 @@ static void look(struct typed_lanes *lanes, double *row)
         memcpy(row + LANES, lanes->k, size);
     } else { /* the last slope belongs to t + h, which rounds in another way than the time of the
                 next step */
-        slope(lanes, lanes->t0 + (double)lanes->step * lanes->h, lanes->spare);
+        double at[LANES];
+        slope(lanes, moment_of(lanes, 0, at), lanes->spare);
         memcpy(row + LANES, lanes->spare, size);
     }
 }
@@ -203,24 +235,24 @@ CLONES static void rk_march(struct typed_lanes *lanes, int64_t count, double *ro
     const struct tableau *tableau = lanes->method->tableau;
     const int n = lanes->n, stages = tableau->stages;
     const size_t size = (size_t)n * LANES * sizeof(double);
-    const double h = lanes->h;
+    const double *const h = lanes->own ? lanes->own_h : NULL;
+    double at[LANES];
     double *z = lanes->input + LANES, *y = lanes->y, *k = lanes->k;
     for (int64_t i = 0; i < count; i++) {
-        const double t = lanes->t0 + (double)lanes->step * h;
         for (int s = 1; s < stages; s++) {
-            combine(&lanes->weights[s], n, k, y, z);
-            slope(lanes, t + tableau->c[s] * h, k + s * n * LANES);
+            combine(&lanes->weights[s], h, n, k, y, z);
+            slope(lanes, moment_of(lanes, tableau->c[s], at), k + s * n * LANES);
         }
         if (!tableau->fsal)
-            combine(&lanes->weights[0], n, k, y, z);
+            combine(&lanes->weights[0], h, n, k, y, z);
         if (lanes->turns && any_turns(y + n / 2 * LANES, z + n / 2 * LANES))
-            turn(lanes, t, z);
+            turn(lanes, z);
         lanes->step++;
         memcpy(y, z, size);
         if (tableau->fsal)
             memcpy(k, k + (stages - 1) * n * LANES, size);
         else
-            slope(lanes, lanes->t0 + (double)lanes->step * h, k);
+            slope(lanes, moment_of(lanes, 0, at), k);
         if (row)
             look(lanes, row + i * 2 * LANES);
     }
@@ -240,21 +272,22 @@ static void flow(const struct typed_lanes *lanes, double *v)
 }
 
 /* As split_kick(). */
-INLINE void kick(struct typed_lanes *lanes, int index, double t, double w, double *restrict v)
+INLINE void kick(struct typed_lanes *lanes, int index, struct moment at, const double *w,
+                 double *restrict v)
 {
     const double *restrict pull = lanes->pull, *restrict drag = lanes->drag;
     const int count = lanes->rows * LANES;
     if (lanes->way.drag == DRAG_EXPLICIT) {
-        forces(lanes, TERM_VELOCITY, TERM_VELOCITY, t, lanes->drag);
+        forces(lanes, TERM_VELOCITY, TERM_VELOCITY, at, lanes->drag);
         for (int l = 0; l < count; l++)
-            v[l] += w * (pull[l] + drag[l]);
+            v[l] += w[l % LANES] * (pull[l] + drag[l]);
     } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.around) {
         const double *lost = lanes->frozen + 2 * index * LANES, *weight = lost + LANES;
         for (int l = 0; l < count; l++)
             v[l] += pull[l] * weight[l % LANES] - v[l] * lost[l % LANES];
     } else {
         for (int l = 0; l < count; l++)
-            v[l] += w * pull[l];
+            v[l] += w[l % LANES] * pull[l];
     }
 }
 
@@ -265,19 +298,24 @@ CLONES static void split_march(struct typed_lanes *lanes, int64_t count, double 
     const int max = lanes->rows * LANES;
     double *restrict q = lanes->input + LANES, *restrict v = q + max;
     for (int64_t i = 0; i < count; i++) {
-        double t = lanes->t0 + (double)lanes->step * lanes->h;
+        double time[LANES], w[LANES];
+        struct moment at = moment_of(lanes, 0, time);
         if (way->around)
             flow(lanes, v);
         for (int index = 0; index < splitting->count; index++) {
-            const double w = splitting_weight(splitting, index) * lanes->h;
+            const double weight = splitting_weight(splitting, index);
+            for (int lane = 0; lane < LANES; lane++)
+                w[lane] = weight * lanes->own_h[lane];
             if ((index % 2 == 0) == splitting->kick_first) {
                 if (!(index == 0 && way->continues && lanes->step > 0))
-                    forces(lanes, TERM_VELOCITY, 0, t, lanes->pull);
-                kick(lanes, index, t, w, v);
+                    forces(lanes, TERM_VELOCITY, 0, at, lanes->pull);
+                kick(lanes, index, at, w, v);
             } else {
                 for (int l = 0; l < max; l++)
-                    q[l] += w * v[l];
-                t += w;
+                    q[l] += w[l % LANES] * v[l];
+                at.all += weight * lanes->h;
+                for (int lane = 0; lane < LANES && at.t; lane++)
+                    time[lane] += w[lane];
             }
         }
         if (way->around)

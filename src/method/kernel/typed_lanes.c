@@ -22,6 +22,7 @@ static void lay_out(struct typed_lanes *lanes)
     lanes->used = 0;
     take(lanes, &lanes->input, (1 + n + (size_t)lanes->values) * LANES);
     take(lanes, &lanes->spare, n * LANES);
+    take(lanes, &lanes->own_h, LANES);
     if (tableau) {
         take(lanes, &lanes->y, n * LANES);
         take(lanes, &lanes->k, (size_t)tableau->stages * n * LANES);
@@ -104,35 +105,32 @@ bool typed_lanes_begin(struct typed_lanes **made, const struct method *method, e
     }
     lay_out(lanes);
     lanes->step = 0;
-    lanes->ready = false;
+    lanes->ready = lanes->own = false;
     for (int i = 0; i < lanes->terms; i++)
         lanes->term[i].add = lanes->term[i].program ? NULL : lane_term(lanes->term[i].row);
-    for (int s = 1; method->tableau && s < method->tableau->stages; s++)
-        weights_take(&lanes->weights[s], tableau_row(method->tableau, s), s, h);
-    if (method->tableau)
-        weights_take(&lanes->weights[0], method->tableau->b, method->tableau->stages, h);
     lanes->scalar = lanes->turns ? method_step_kernel(method, like) : NULL;
     return true;
 }
 
 /* ---- each lane ---- */
 
-static void set_drag(struct typed_lanes *lanes, int lane, const struct oscillator *oscillator)
+static void set_drag(struct typed_lanes *lanes, int lane, const struct oscillator *oscillator,
+                     double h)
 {
     const struct split_way *way = &lanes->way;
-    const struct drag_flow half = oscillator_drag_flow(oscillator, lanes->h / 2);
+    const struct drag_flow half = oscillator_drag_flow(oscillator, h / 2);
     lanes->half[lane] = half.keep;
     lanes->half[LANES + lane] = half.min;
     lanes->half[2 * LANES + lane] = half.pull;
     for (int i = 0; i < way->splitting->count; i++) {
         const struct frozen frozen =
-            frozen_over(oscillator, splitting_weight(way->splitting, i) * lanes->h);
+            frozen_over(oscillator, splitting_weight(way->splitting, i) * h);
         lanes->frozen[2 * i * LANES + lane] = frozen.lost;
         lanes->frozen[(2 * i + 1) * LANES + lane] = frozen.pull;
     }
 }
 
-void typed_lanes_set(struct typed_lanes *lanes, int lane, const struct system *system)
+void typed_lanes_set(struct typed_lanes *lanes, int lane, const struct system *system, double h)
 {
     double *state = lanes->input + LANES, *value = state + lanes->n * LANES;
     for (int i = 0; i < lanes->n; i++)
@@ -144,8 +142,11 @@ void typed_lanes_set(struct typed_lanes *lanes, int lane, const struct system *s
             lanes->term[i].c[j * LANES + lane] = system->term[i].c[j];
     lanes->system[lane] = system;
     lanes->extra[lane] = 0;
+    lanes->own_t0[lane] = system->t0;
+    lanes->own_h[lane] = h;
+    lanes->own |= system->t0 != lanes->t0 || h != lanes->h;
     if (lanes->method->splitting && lanes->way.drag == DRAG_EXACT)
-        set_drag(lanes, lane, &system->oscillator);
+        set_drag(lanes, lane, &system->oscillator, h);
 }
 
 void typed_lanes_state(const struct typed_lanes *lanes, int lane, double *y)

@@ -27,6 +27,8 @@ struct typed_lanes {
     int64_t step; /* taken */
     int n, rows, values;
     bool timed, turns;
+    bool own; /* lanes step by clocks of their own: */
+    double own_t0[LANES];
     bool ready; /* the first slope is there, and what the lanes have in common is known */
     const struct system *system[LANES];
     step_function *scalar;
@@ -36,8 +38,9 @@ struct typed_lanes {
     struct weights weights[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
     /* Of [LANES] each, in the room: */
     double *input; /* t, the state [n] of the stage, values [values]: the names of the programs */
-    double *y;     /* [n] Runge-Kutta: the state at the start of the step */
-    double *k;     /* [stages][n] its slopes */
+    double *own_h;
+    double *y;           /* [n] Runge-Kutta: the state at the start of the step */
+    double *k;           /* [stages][n] its slopes */
     double *pull, *drag; /* [n/2] splittings: forces */
     double *spare;       /* [n] */
     double *half;        /* [3] exact drag: its flow over h/2 (keep, least, pull) */

@@ -12,14 +12,13 @@
 /* The last, shorter step, as a run takes it. */
 static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
 {
-    const struct sweep_job *job = worker->job;
     const struct system *system = &worker->system[lane];
-    const struct method *method = job->request->method;
-    const double h = job->request->settings.dt;
+    const struct lane_clock *clock = &worker->clock[lane];
+    const struct method *method = worker->job->request->method;
     struct step step = {.system = system,
                         .drag = worker->drag,
-                        .t = system->t0 + (double)job->whole * h,
-                        .h = job->rest,
+                        .t = system->t0 + (double)clock->whole * clock->h,
+                        .h = clock->rest,
                         .y = y,
                         .work = worker->work};
     const bool ok = method_turning_step(method, &step) == STEP_OK;
@@ -51,7 +50,7 @@ static double lane_measure(const struct sweep_worker *worker, int lane,
     }
 }
 
-static bool suspicious(const double *y, int n)
+bool lane_suspicious(const double *y, int n)
 {
     for (int i = 0; i < n; i++)
         if (!(fabs(y[i]) <= SUSPICIOUS))
@@ -64,23 +63,12 @@ static bool all_suspicious(const struct sweep_worker *worker)
     double y[LIMIT_VARIABLES];
     for (int lane = 0; lane < LANES; lane++) {
         lanes_state(worker->lanes, lane, y);
-        if (!suspicious(y, worker->system[0].n))
+        if (!lane_suspicious(y, worker->system[0].n))
             return false;
     }
     return true;
 }
 
-/* The speeds at the end of the last step, whose time is the end's own. */
-static void speeds_at_end(const struct sweep_worker *worker, double end, double *speeds)
-{
-    double y[LIMIT_VARIABLES];
-    for (int lane = 0; lane < worker->used; lane++) {
-        lanes_state(worker->lanes, lane, y);
-        speeds[lane] = watch_speed(&worker->system[lane], 0, end, y);
-    }
-}
-
-/* Does a velocity change its sign from one row to the next? */
 CLONES static bool any_turns(const double *before, const double *row)
 {
     uint64_t turned = 0;
@@ -93,6 +81,20 @@ CLONES static bool any_turns(const double *before, const double *row)
     return turned >> 63;
 }
 
+bool lanes_any_turns(const double *before, const double *row)
+{
+    return any_turns(before, row);
+}
+
+/* ---- stretches of steps in which no lane comes to its end and no window begins ---- */
+
+struct stretch_watch {
+    int64_t first, count;
+    bool alike;                            /* all lanes step by one clock */
+    double open[LANES];                    /* has the window begun? */
+    double t0[LANES], h[LANES], to[LANES]; /* to: the time after the last step */
+};
+
 CLONES static void add_areas(double h, const double *restrict before, const double *restrict row,
                              double *restrict area)
 {
@@ -101,30 +103,62 @@ CLONES static void add_areas(double h, const double *restrict before, const doub
             watch_area(h, before[lane], before[LANES + lane], row[lane], row[LANES + lane]);
 }
 
-/* One row after another: whose velocity has changed its sign? before: the row before these. */
-static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t opening,
-                        int64_t first, int64_t count)
+/* The same where lanes have their own steps and windows. */
+CLONES static void add_own_areas(const struct stretch_watch *of, double number, bool last,
+                                 const double *restrict before, const double *restrict row,
+                                 double *restrict area, double *restrict span)
 {
-    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt;
-    const bool ends = first + count == worker->job->whole && worker->job->rest == 0;
-    if (ends && worker->system[0].order == 1)
-        speeds_at_end(worker, t0 + worker->job->request->duration,
-                      worker->row + (2 * count - 1) * LANES);
-    for (int64_t i = 0; i < count; i++) {
-        const double *row = worker->row + i * 2 * LANES;
-        const double from = t0 + (double)(first + i) * h;
-        const double to = ends && i == count - 1 ? t0 + worker->job->request->duration
-                                                 : t0 + (double)(first + i + 1) * h;
-        const bool turns = any_turns(before, row);
-        for (int lane = 0; lane < worker->used && turns; lane++)
-            if (watch_turns(before[LANES + lane], row[LANES + lane]))
-                watch_turn(&worker->watch[lane], from, before[lane], before[LANES + lane], to,
-                           row[lane], row[LANES + lane]);
-        if (worker->job->means && first >= opening) {
-            add_areas(to - from, before, row, worker->area);
-            worker->span += to - from;
+    for (int lane = 0; lane < LANES; lane++) {
+        const double from = of->t0[lane] + number * of->h[lane],
+                     next = of->t0[lane] + (number + 1) * of->h[lane],
+                     h = (last ? of->to[lane] : next) - from,
+                     more = watch_area(h, before[lane], before[LANES + lane], row[lane],
+                                       row[LANES + lane]);
+        area[lane] += of->open[lane] != 0 ? more : 0;
+        span[lane] += of->open[lane] != 0 ? h : 0;
+    }
+}
+
+/* Comes the lane to its end, which needs no shorter step, with this one? */
+static bool ends_after(const struct lane_clock *clock, int64_t steps)
+{
+    return clock->whole == steps && clock->rest == 0;
+}
+
+/* One row after another: whose velocity has changed its sign? before: the row before these. */
+static void watch_lanes(struct sweep_worker *worker, const double *before,
+                        const struct stretch_watch *of)
+{
+    double *const row_end = worker->row + 2 * (of->count - 1) * LANES;
+    for (int lane = 0; lane < worker->used; lane++)
+        if (worker->system[0].order == 1 &&
+            ends_after(&worker->clock[lane], of->first + of->count)) { /* its time is the end's */
+            double y[LIMIT_VARIABLES];
+            lanes_state(worker->lanes, lane, y);
+            row_end[LANES + lane] = watch_speed(&worker->system[lane], 0, of->to[lane], y);
         }
-        before = row;
+    const double *row = worker->row;
+    for (int64_t i = 0; i < of->count; i++, before = row, row += 2 * LANES) {
+        const bool turns = any_turns(before, row), last = i == of->count - 1;
+        const double number = (double)(of->first + i);
+        for (int lane = 0; lane < worker->used && turns; lane++)
+            if (of->first < worker->clock[lane].whole &&
+                watch_turns(before[LANES + lane], row[LANES + lane]))
+                watch_turn(&worker->watch[lane], of->t0[lane] + number * of->h[lane], before[lane],
+                           before[LANES + lane],
+                           last ? of->to[lane] : of->t0[lane] + (number + 1) * of->h[lane],
+                           row[lane], row[LANES + lane]);
+        if (!worker->job->means)
+            continue;
+        if (!of->alike) {
+            add_own_areas(of, number, last, before, row, worker->area, worker->span);
+        } else if (of->open[0] != 0) {
+            const double from = of->t0[0] + number * of->h[0],
+                         h = (last ? of->to[0] : of->t0[0] + (number + 1) * of->h[0]) - from;
+            add_areas(h, before, row, worker->area);
+            for (int lane = 0; lane < LANES; lane++)
+                worker->span[lane] += h;
+        }
     }
 }
 
@@ -135,8 +169,9 @@ static void keep_rows(struct sweep_worker *worker, int64_t first, int64_t count)
     enum { AT_ONCE = 4 };
     for (int64_t begin = 0; begin < count; begin += AT_ONCE)
         for (int lane = 0; lane < worker->used; lane++) {
-            double *kept = worker->replay + (lane * worker->job->whole + first) * 2;
-            for (int64_t i = begin; i < count && i < begin + AT_ONCE; i++) {
+            double *kept = worker->replay + (lane * worker->job->room + first) * 2;
+            for (int64_t i = begin;
+                 i < count && i < begin + AT_ONCE && first + i < worker->clock[lane].whole; i++) {
                 kept[2 * i] = worker->row[i * 2 * LANES + lane];
                 kept[2 * i + 1] = worker->row[(i * 2 + 1) * LANES + lane];
             }
@@ -144,16 +179,15 @@ static void keep_rows(struct sweep_worker *worker, int64_t first, int64_t count)
 }
 
 /* The first step at whose end the window is open. */
-static int64_t opening_step(const struct sweep_worker *worker)
+static int64_t opening_step(const struct sweep_job *job, double t0, const struct lane_clock *clock)
 {
-    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt,
-                 opens = t0 + worker->job->opens;
-    int64_t i = (int64_t)floor(worker->job->opens / h);
+    const double h = clock->h, opens = t0 + job->opens;
+    int64_t i = (int64_t)floor(job->opens / h);
     while (i > 0 && t0 + (double)i * h >= opens)
         i--;
     while (t0 + (double)i * h < opens)
         i++;
-    return i < worker->job->whole ? i : worker->job->whole;
+    return i < clock->whole ? i : clock->whole;
 }
 
 static int64_t min(int64_t a, int64_t b)
@@ -161,41 +195,102 @@ static int64_t min(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
+/* Before the first step. */
+static void begin_watching(struct sweep_worker *worker, struct stretch_watch *of)
+{
+    const struct sweep_job *job = worker->job;
+    *of = (struct stretch_watch){.alike = true};
+    for (int lane = 0; lane < LANES; lane++) {
+        struct lane_clock *clock = &worker->clock[lane];
+        const double t0 = worker->system[lane < worker->used ? lane : worker->used - 1].t0;
+        if (lane >= worker->used)
+            *clock = worker->clock[worker->used - 1];
+        of->t0[lane] = t0;
+        of->h[lane] = clock->h;
+        of->alike &= t0 == of->t0[0] && clock->h == of->h[0];
+        if (job->clocks || lane == 0)
+            clock->opening =
+                job->watches && !job->replays ? opening_step(job, t0, clock) : clock->whole;
+        else
+            clock->opening = worker->clock[0].opening;
+        worker->area[lane] = worker->span[lane] = 0;
+    }
+    for (int lane = 0; lane < worker->used; lane++)
+        watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
+}
+
+/* How far no lane ends and no window begins after step i; is anybody in its window? */
+static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *open)
+{
+    int64_t next = INT64_MAX;
+    *open = false;
+    for (int lane = 0; lane < worker->used; lane++) {
+        const struct lane_clock *clock = &worker->clock[lane];
+        if (clock->opening > i)
+            next = min(next, clock->opening);
+        if (clock->whole > i)
+            next = min(next, clock->whole);
+        *open |= clock->opening <= i && clock->whole > i;
+    }
+    return next;
+}
+
+/* Those that are at their last whole step, and those that are nowhere in the end. */
+static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
+{
+    for (int lane = 0; lane < worker->used; lane++) {
+        struct lane_clock *clock = &worker->clock[lane];
+        if (clock->whole == i || (all && clock->whole > i)) {
+            lanes_state(worker->lanes, lane, clock->end);
+            clock->evals = lanes_evals(worker->lanes, lane);
+        }
+    }
+}
+
 /* False: cancelled. */
 static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
-    const int64_t opening = job->watches && !job->replays ? opening_step(worker) : job->whole;
+    struct stretch_watch of;
     double before[2 * LANES];
-    for (int lane = 0; lane < worker->used; lane++)
-        watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
-    memset(worker->area, 0, sizeof worker->area);
-    worker->span = 0;
-    for (int64_t i = 0; i < job->whole;) {
-        const bool watching = job->replays || job->tops || (job->watches && i >= opening);
-        const int64_t count = min(i < opening ? opening - i : job->whole - i,
-                                  watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
+    bool open;
+    begin_watching(worker, &of);
+    take_ends(worker, 0, false);
+    for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
+        const bool watching = job->replays || job->tops || (job->watches && open);
+        const int64_t count = min(next - i, watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
             lanes_row(worker->lanes, before);
-        for (int lane = 0; lane < worker->used && watching && i == opening; lane++)
-            watch_open(&worker->watch[lane], before[lane]);
+        for (int lane = 0; lane < LANES; lane++) {
+            const struct lane_clock *clock = &worker->clock[lane];
+            of.open[lane] = clock->opening <= i && i < clock->whole;
+            of.to[lane] = ends_after(clock, i + count)
+                              ? of.t0[lane] + job->request->duration
+                              : of.t0[lane] + (double)(i + count) * of.h[lane];
+            if (watching && lane < worker->used && i == clock->opening && i < clock->whole)
+                watch_open(&worker->watch[lane], before[lane]);
+        }
         lanes_march(worker->lanes, count, watching ? worker->row : NULL);
+        of.first = i;
+        of.count = count;
         if (job->replays)
             keep_rows(worker, i, count);
         else if (watching)
-            watch_lanes(worker, before, opening, i, count);
+            watch_lanes(worker, before, &of);
         i += count;
+        take_ends(worker, i, false);
         if (cancelled(job->request->cancel))
             return false;
-        if (all_suspicious(worker))
+        if (all_suspicious(worker)) {
+            take_ends(worker, i, true);
             break;
+        }
     }
     return true;
 }
 
-/* What is measured of a lane that has come to its end. */
-static void measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
-                         int64_t evals)
+void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
+                        int64_t evals)
 {
     const struct sweep_request *request = worker->job->request;
     const int64_t i = worker->point[lane];
@@ -208,142 +303,51 @@ static void measure_lane(struct sweep_worker *worker, int lane, const double *y,
     worker->steps += (double)steps;
 }
 
+/* After the last, shorter step from `was` to y. */
+static void finish_watch(struct sweep_worker *worker, int lane, const double *was, const double *y)
+{
+    const struct lane_clock *clock = &worker->clock[lane];
+    const struct system *system = &worker->system[lane];
+    struct extremes *watch = &worker->watch[lane];
+    const double from = system->t0 + (double)clock->whole * clock->h,
+                 end = system->t0 + worker->job->request->duration;
+    if (!watch->open && (clock->rest == 0 ? end : from) >= system->t0 + worker->job->opens)
+        watch_open(watch, was[0]);
+    const double speed0 = watch_speed(system, 0, from, was),
+                 speed1 = watch_speed(system, 0, end, y);
+    if (clock->rest != 0 && watch_turns(speed0, speed1))
+        watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
+    watch->area = worker->area[lane];
+    watch->span = worker->span[lane];
+    if (!watch->open) {
+        watch_open(watch, y[0]);
+    } else if (clock->rest != 0) {
+        watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
+        watch->span += end - from;
+    }
+    watch_end(watch, y[0]);
+}
+
 static void finish_lanes(struct sweep_worker *worker)
 {
-    struct sweep_job *job = worker->job;
-    const struct sweep_request *request = job->request;
-    for (int lane = 0; lane < worker->used; lane++) {
-        const int64_t i = worker->point[lane];
-        struct extremes *watch = &worker->watch[lane];
-        const struct system *system = &worker->system[lane];
-        int64_t evals = lanes_evals(worker->lanes, lane);
-        double y[LIMIT_VARIABLES], was[LIMIT_VARIABLES];
-        lanes_state(worker->lanes, lane, y);
-        memcpy(was, y, sizeof y);
-        if (suspicious(y, system->n) || (job->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
-            sweep_alone(worker, i);
-            continue;
-        }
-        if (job->replays) {
-            sweep_replay(worker, i, worker->replay + lane * job->whole * 2, evals);
-            worker->side_by_side++;
-            continue;
-        }
-        if (job->watches) {
-            const double from = system->t0 + (double)job->whole * request->settings.dt,
-                         end = system->t0 + request->duration;
-            if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
-                watch_open(watch, was[0]);
-            const double speed0 = watch_speed(system, 0, from, was),
-                         speed1 = watch_speed(system, 0, end, y);
-            if (job->rest != 0 && watch_turns(speed0, speed1))
-                watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
-            watch->area = worker->area[lane];
-            watch->span = worker->span;
-            if (!watch->open) {
-                watch_open(watch, y[0]);
-            } else if (job->rest != 0) {
-                watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
-                watch->span += end - from;
-            }
-            watch_end(watch, y[0]);
-        }
-        measure_lane(worker, lane, y, job->whole + (job->rest != 0), evals);
-    }
-}
-
-/* ---- steps whose size follows the error ---- */
-
-struct adaptive_watch {
-    double open[LANES], span[LANES]; /* has the window begun? how long it is [s] */
-    int closed;                      /* windows that have not */
-};
-
-CLONES static void add_own_areas(const double *restrict before, const double *restrict row,
-                                 const double *restrict open, double *restrict area,
-                                 double *restrict span)
-{
-    for (int lane = 0; lane < LANES; lane++) {
-        const double h = row[lane] - before[lane];
-        const double more = watch_area(h, before[LANES + lane], before[2 * LANES + lane],
-                                       row[LANES + lane], row[2 * LANES + lane]);
-        area[lane] += open[lane] != 0 ? more : 0;
-        span[lane] += open[lane] != 0 ? h : 0;
-    }
-}
-
-/* Rows of t, y, v after attempts; before: the row before these. */
-static void watch_attempts(struct sweep_worker *worker, const double *before, int64_t count,
-                           struct adaptive_watch *of)
-{
-    const double opens = worker->system[0].t0 + worker->job->opens;
-    const double *row = worker->row;
-    for (int64_t i = 0; i < count; i++, before = row, row += 3 * LANES) {
-        const bool turns = any_turns(before + LANES, row + LANES);
-        for (int lane = 0; lane < worker->used && turns; lane++)
-            if (watch_turns(before[2 * LANES + lane], row[2 * LANES + lane]))
-                watch_turn(&worker->watch[lane], before[lane], before[LANES + lane],
-                           before[2 * LANES + lane], row[lane], row[LANES + lane],
-                           row[2 * LANES + lane]);
-        if (worker->job->means)
-            add_own_areas(before, row, of->open, worker->area, of->span);
-        for (int lane = 0; lane < worker->used && of->closed > 0; lane++)
-            if (of->open[lane] == 0 && row[lane] >= opens) {
-                watch_open(&worker->watch[lane], row[LANES + lane]);
-                of->open[lane] = 1;
-                of->closed--;
-            }
-    }
-}
-
-/* False: cancelled. */
-static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *of)
-{
     const struct sweep_job *job = worker->job;
-    const struct sweep_request *request = job->request;
-    const double t0 = worker->system[0].t0;
-    double before[3 * LANES] = {0};
-    *of = (struct adaptive_watch){.closed = worker->used};
-    memset(worker->area, 0, sizeof worker->area);
     for (int lane = 0; lane < worker->used; lane++) {
-        const double *start = worker->system[lane].start;
-        watch_begin(&worker->watch[lane], start[0]);
-        before[lane] = t0;
-        before[LANES + lane] = start[0];
-        before[2 * LANES + lane] = start[1];
-    }
-    lanes_control(worker->lanes, worker->used, worker->tol, t0 + request->duration, RUN_CREEP);
-    lanes_adapted_row(worker->lanes, worker->row);
-    for (int64_t count = 1, more = 1; more; count = SWEEP_ROWS) {
-        if (count > 1)
-            more = lanes_adapt(worker->lanes, count, job->watches ? worker->row : NULL);
-        if (job->watches) {
-            watch_attempts(worker, before, count, of);
-            memcpy(before, worker->row + 3 * (count - 1) * LANES, sizeof before);
-        }
-        if (cancelled(request->cancel))
-            return false;
-    }
-    return true;
-}
-
-static void finish_adaptive(struct sweep_worker *worker, const struct adaptive_watch *of)
-{
-    for (int lane = 0; lane < worker->used; lane++) {
-        struct extremes *watch = &worker->watch[lane];
-        int64_t steps, evals;
+        const struct lane_clock *clock = &worker->clock[lane];
+        const int n = worker->system[lane].n;
+        int64_t evals = clock->evals;
         double y[LIMIT_VARIABLES];
-        lanes_state(worker->lanes, lane, y);
-        if (!lanes_adapted(worker->lanes, lane, &steps, &evals) ||
-            suspicious(y, worker->system[lane].n) ||
-            (worker->job->watches && steps >= LIMIT_SAMPLES - 1)) {
+        memcpy(y, clock->end, sizeof y);
+        if (lane_suspicious(y, n) || (clock->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
             sweep_alone(worker, worker->point[lane]);
-            continue;
+        } else if (job->replays) {
+            sweep_replay(worker, worker->point[lane], worker->replay + lane * job->room * 2,
+                         clock->whole, evals);
+            worker->side_by_side++;
+        } else {
+            if (job->watches)
+                finish_watch(worker, lane, clock->end, y);
+            sweep_measure_lane(worker, lane, y, clock->whole + (clock->rest != 0), evals);
         }
-        watch->area = worker->area[lane];
-        watch->span = of->span[lane];
-        watch_end(watch, y[0]);
-        measure_lane(worker, lane, y, steps, evals);
     }
 }
 
@@ -364,18 +368,18 @@ void sweep_flush(struct sweep_worker *worker)
         return;
     const bool begun =
         worker->used > few(worker) &&
-        lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
-    for (int lane = 0; begun && lane < LANES; lane++)
-        lanes_set(worker->lanes, lane,
-                  &worker->system[lane < worker->used ? lane : worker->used - 1]);
+        lanes_begin(worker->lanes, request->method, worker->drag, first, worker->clock[0].h);
+    for (int lane = 0; begun && lane < LANES; lane++) {
+        const int from = lane < worker->used ? lane : worker->used - 1;
+        lanes_set_step(worker->lanes, lane, &worker->system[from], worker->clock[from].h);
+    }
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
         sweep_alone(worker, worker->point[lane]);
-    struct adaptive_watch adaptive;
     if (begun && worker->section)
         section_march(worker);
-    else if (begun && worker->job->adapts && march_adaptive(worker, &adaptive))
-        finish_adaptive(worker, &adaptive);
-    else if (begun && !worker->job->adapts && march(worker))
+    else if (begun && worker->job->adapts)
+        sweep_adapt(worker);
+    else if (begun && march(worker))
         finish_lanes(worker);
     worker->used = 0;
 }
@@ -398,23 +402,41 @@ bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, e
                                                        request->settings.dt);
 }
 
+/* False: its steps are too many for lanes, or refused. */
+static bool set_clock(const struct sweep_worker *worker, const struct system *system, double h,
+                      struct lane_clock *clock)
+{
+    const struct sweep_job *job = worker->job;
+    struct plan plan = {.whole = job->whole, .partial = job->rest};
+    struct error ignored = {0};
+    bool fits = true;
+    if (job->clocks && !job->adapts)
+        fits = plan_grid(system, h, job->request->duration, &plan, &ignored) &&
+               (!job->watches || plan.steps <= LIMIT_SAMPLES) &&
+               (!job->replays || (plan.whole > 0 && plan.whole <= job->room));
+    *clock = (struct lane_clock){.h = h, .rest = plan.partial, .whole = plan.whole};
+    return fits;
+}
+
 void sweep_gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
-    const double h = request->settings.dt;
+    struct lane_clock clock;
     struct error error = {0};
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
         !bind_point(request, &worker->scene, system, &error) ||
         !method_applies(request->method, system, &drag, &error) ||
-        (!job->adapts && !method_fits(request->method, system, drag, h, &error))) {
+        (!job->adapts &&
+         !method_fits(request->method, system, drag, worker->settings.dt, &error))) {
         sweep_refuse(worker, i, &error);
         return;
     }
     const double tol = worker->settings.tol; /* which points that go alone change */
-    if (!sweep_lanes_fit(job, system, drag)) {
+    if (!sweep_lanes_fit(job, system, drag) ||
+        !set_clock(worker, system, worker->settings.dt, &clock)) {
         sweep_alone(worker, i);
         return;
     }
@@ -425,6 +447,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     }
     worker->drag = drag;
     worker->tol[worker->used] = tol;
+    worker->clock[worker->used] = clock;
     worker->point[worker->used++] = i;
     if (worker->used == LANES)
         sweep_flush(worker);

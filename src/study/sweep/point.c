@@ -31,7 +31,7 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
                    sizeof *worker->work);
     }
     if (job->replays)
-        worker->replay = malloc((size_t)LANES * (size_t)job->whole * 2 * sizeof(double));
+        worker->replay = malloc((size_t)LANES * (size_t)job->room * 2 * sizeof(double));
     if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)) &&
         (!job->replays || worker->replay) &&
         (!job->request->section.wanted || section_create(worker)))
@@ -184,10 +184,11 @@ static bool needs_work(const struct sweep_job *job)
 
 void sweep_alone(struct sweep_worker *worker, int64_t i)
 {
-    sweep_replay(worker, i, NULL, 0);
+    sweep_replay(worker, i, NULL, 0, 0);
 }
 
-void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t evals)
+void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t whole,
+                  int64_t evals)
 {
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
@@ -214,7 +215,7 @@ void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int
         .t = needs_no_run(request) ? run->system.t0 : run->system.t0 + request->duration,
         .steps = -1};
     if (row)
-        run_give(run, row, job->whole);
+        run_give(run, row, whole);
     while (run_advance(run, &target, 0, request->cancel)) {
     }
     if (row)

@@ -139,13 +139,22 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
            scene_bind(&scene, system, &ignored);
 }
 
-/* The drive at one end of an axis is another one than at its beginning. */
-static bool drives(const struct sweep_request *request, const struct sweep *sweep, int64_t end)
+/* Points along it step by other times. */
+static bool sets_clock(const struct sweep_axis *axis)
+{
+    return axis->target == SWEEP_DT || text_is(text_of(axis->name), "t0");
+}
+
+/* The drive at one end of an axis, or its times, are others than at its beginning. */
+static bool drives(const struct sweep_request *request, const struct sweep *sweep, int axis,
+                   int64_t end)
 {
     struct system *a = malloc(sizeof *a), *b = malloc(sizeof *b);
     const bool differs =
-        a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
-        (a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase);
+        sets_clock(&request->axis[axis]) ||
+        (a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
+         (a->oscillator.omega != b->oscillator.omega ||
+          a->oscillator.phase != b->oscillator.phase));
     free(a);
     free(b);
     return differs;
@@ -159,8 +168,8 @@ static int choose_along(const struct sweep_request *request, const struct sweep 
         return 0;
     const int count[] = {request->axis[0].count, request->axis[1].count},
               longer = count[0] <= count[1];
-    const bool first = drives(request, sweep, (int64_t)(count[0] - 1) * count[1]);
-    const bool second = drives(request, sweep, count[1] - 1);
+    const bool first = drives(request, sweep, 0, (int64_t)(count[0] - 1) * count[1]);
+    const bool second = drives(request, sweep, 1, count[1] - 1);
     return first == second || count[first] <= SWEEP_FEW ? longer : first;
 }
 
@@ -233,24 +242,25 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
         plan_make(system, request->method, settings, request->duration, plan, &ignored);
     bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL;
     for (int a = 0; a < request->axes; a++)
-        possible &=
-            request->axis[a].target != SWEEP_DT && !text_is(text_of(request->axis[a].name), "t0");
+        job->clocks |= sets_clock(&request->axis[a]);
     for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
         possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* that is long in itself */
     }
     if (job->replays) /* whose states are what lanes show on the way */
-        possible = possible && system->order == 2 && system->n == 2 && plan->whole > 0 &&
-                   plan->whole <= SWEEP_REPLAYED && !request->section.wanted;
+        possible = possible && system->order == 2 && system->n == 2 && !request->section.wanted &&
+                   (job->clocks || (plan->whole > 0 && plan->whole <= SWEEP_REPLAYED));
     job->adapts = planned && plan->adaptive;
-    possible = possible && (job->adapts ? !job->replays && !request->section.wanted
-                                        : !job->watches || plan->steps <= LIMIT_SAMPLES);
+    possible = possible && !(job->clocks && (job->adapts || request->section.wanted)) &&
+               (job->adapts ? !job->replays && !request->section.wanted
+                            : job->clocks || !job->watches || plan->steps <= LIMIT_SAMPLES);
     free(system);
     job->in_lanes = possible;
     job->replays &= possible;
     if (possible) {
         job->whole = plan->whole;
         job->rest = plan->partial;
+        job->room = job->clocks ? SWEEP_REPLAYED : plan->whole;
     }
 }
 

@@ -60,9 +60,11 @@ struct sweep_job {
     bool in_lanes; /* as far as that does not depend on the point */
     bool adapts;   /* the size of steps follows the error */
     bool replays;  /* measured of runs that are given the steps that the lanes took */
+    bool clocks;   /* dt or t0 is swept: points have other steps, unless: */
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
     double rest;
+    int64_t room;                /* steps of which states are kept to be replayed */
     int along;                   /* the axis along which lanes lie */
     int64_t width;               /* points of a block */
     int64_t line, block;         /* the first that hold points of this sweep */
@@ -71,18 +73,27 @@ struct sweep_job {
     atomic_llong idle;           /* in which nothing was to be computed */
 };
 
+/* How a lane gets to its end by fixed steps: whole ones, and the rest [s]. */
+struct lane_clock {
+    double h, rest;
+    int64_t whole, opening; /* after so many the window is open */
+    double end[LIMIT_VARIABLES];
+    int64_t evals; /* after the whole steps, as is the state */
+};
+
 struct sweep_worker {
     struct sweep_job *job;
     struct scene scene; /* of the present point */
     struct run_settings settings;
     struct lanes *lanes; /* NULL: none are used */
     double *row;
-    double *replay;        /* [LANES][whole][2]; NULL: nothing is replayed */
+    double *replay;        /* [LANES][room][2]; NULL: nothing is replayed */
     struct system *system; /* [LANES] */
     struct extremes watch[LANES];
     double tol[LANES];
-    double area[LANES], span; /* what means are made of: the same span for all lanes */
-    int64_t point[LANES];     /* of each lane: place in the sweep */
+    double area[LANES], span[LANES]; /* what means are made of */
+    int64_t point[LANES];            /* of each lane: place in the sweep */
+    struct lane_clock clock[LANES];
     int used;
     double *work;                /* of a step alone */
     double part[SWEEP_MEASURES]; /* measures of a point, where columns are made of them */
@@ -124,13 +135,23 @@ double sweep_measured(const struct sweep_measure *measure, const struct system *
                       const double *y);
 void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
 /* The same, its whole steps known already: row [whole][n]; evals: what all of its steps took. */
-void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t evals);
+void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t whole,
+                  int64_t evals);
 
 /* ---- in lanes (sweep_lanes.c) ---- */
 
 bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag);
 void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
 void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
+/* lanes_adaptive.c: the same after lanes_set(), where steps follow the error */
+void sweep_adapt(struct sweep_worker *worker);
+/* Does a velocity change its sign from one row to the next? rows of y, v [LANES] */
+bool lanes_any_turns(const double *before, const double *row);
+/* So far out that it goes alone. */
+bool lane_suspicious(const double *y, int n);
+/* What is measured of a lane that has come to its end. */
+void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
+                        int64_t evals);
 
 /* ---- at a section (section.c, section_lanes.c) ---- */
 

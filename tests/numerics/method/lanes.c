@@ -17,8 +17,15 @@
 #define STEPS 150
 #define H 0.0123
 
+enum { SHARED_CLOCK, OWN_STEP, OWN_CLOCK, CLOCKS }; /* the last: another t0, too */
+
+static double lane_step(int clock, int lane)
+{
+    return clock == SHARED_CLOCK ? H : H * (1 + 0.0037 * lane);
+}
+
 /* Each lane another oscillator of the same kind. `alike`: driven by the same force. */
-static void lane_scene(unsigned which, int lane, bool alike, struct system *system)
+static void lane_scene(unsigned which, int lane, bool alike, int clock, struct system *system)
 {
     static const struct {
         const char *name;
@@ -39,7 +46,8 @@ static void lane_scene(unsigned which, int lane, bool alike, struct system *syst
         scene_set(&scene, scene_param(&scene, "k"), (struct measured){15 + 0.3 * lane, 0}, &error));
     assert_true(scene_set(&scene, scene_param(&scene, "y0"),
                           (struct measured){0.05 - 0.002 * lane, 0}, &error));
-    assert_true(scene_set(&scene, scene_param(&scene, "t0"), (struct measured){0.7, 0}, &error));
+    const double t0 = clock == OWN_CLOCK ? 0.7 - 0.03 * lane : 0.7;
+    assert_true(scene_set(&scene, scene_param(&scene, "t0"), (struct measured){t0, 0}, &error));
     assert_true(scene_bind(&scene, system, &error));
 }
 
@@ -48,11 +56,11 @@ static double rows[STEPS][2][LANES];
 
 /* False: this method and these forces do not go in lanes. */
 static bool compare(struct lanes *lanes, const struct method *method, unsigned which,
-                    enum drag drag, bool alike)
+                    enum drag drag, bool alike, int clock)
 {
     struct error error;
     for (int lane = 0; lane < LANES; lane++)
-        lane_scene(which, lane, alike, &systems[lane]);
+        lane_scene(which, lane, alike, clock, &systems[lane]);
     if (!method_applies(method, &systems[0], &drag, &error))
         return false;
     if (!lanes_fit(method, &systems[0], drag, H))
@@ -60,7 +68,7 @@ static bool compare(struct lanes *lanes, const struct method *method, unsigned w
     assert_true(lanes_begin(lanes, method, drag, &systems[0], H));
     for (int lane = 0; lane < LANES; lane++) {
         assert_true(lanes_alike(&systems[0], &systems[lane]));
-        lanes_set(lanes, lane, &systems[lane]);
+        lanes_set_step(lanes, lane, &systems[lane], lane_step(clock, lane));
     }
     /* In pieces, some of them without rows. */
     int64_t evals[LANES];
@@ -77,7 +85,11 @@ static bool compare(struct lanes *lanes, const struct method *method, unsigned w
     }
     for (int lane = 0; lane < LANES; lane++) {
         double work[64], y[2] = {systems[lane].start[0], systems[lane].start[1]}, row[STEPS][2];
-        struct step step = {.system = &systems[lane], .drag = drag, .h = H, .y = y, .work = work};
+        struct step step = {.system = &systems[lane],
+                            .drag = drag,
+                            .h = lane_step(clock, lane),
+                            .y = y,
+                            .work = work};
         const struct march march = {&step, systems[lane].t0, 0, STEPS, &row[0][0]};
         enum step_status status;
         assert_true(method_work_size(method, 2) <= COUNT_OF(work));
@@ -107,14 +119,17 @@ static void test_lanes_give_the_same_bits(void **state)
         for (size_t m = 0; m < method_catalog.count; m++)
             for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
                 for (int alike = 0;
-                     alike < (which & 8 ? 2 : 1) && (is_long() || (which + m) % 3 == 0); alike++) {
-                    lanes_narrow(lanes, LANE_WIDEST >> width++ % 3);
-                    compared += compare(
-                        lanes, (const struct method *)(const void *)catalog_row(&method_catalog, m),
-                        which, drag, alike);
-                }
+                     alike < (which & 8 ? 2 : 1) && (is_long() || (which + m) % 3 == 0); alike++)
+                    for (int clock = 0; clock < (is_long() || (which + m) % 9 == 0 ? CLOCKS : 1);
+                         clock++) {
+                        lanes_narrow(lanes, LANE_WIDEST >> width++ % 3);
+                        compared += compare(
+                            lanes,
+                            (const struct method *)(const void *)catalog_row(&method_catalog, m),
+                            which, drag, alike, clock);
+                    }
     print_message("# %d combinations of method, drag and forces\n", compared);
-    assert_true(compared > (is_long() ? 150 : 100));
+    assert_true(compared > (is_long() ? 450 : 150));
     lanes_destroy(lanes);
 }
 
@@ -373,7 +388,7 @@ static void test_lanes_refuse(void **state)
         struct error error;
         if (!row)
             continue;
-        lane_scene(cases[i].which, 0, true, &system);
+        lane_scene(cases[i].which, 0, true, SHARED_CLOCK, &system);
         assert_true(
             method_applies((const struct method *)(const void *)row, &system, &drag, &error));
         assert_false(

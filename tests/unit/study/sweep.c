@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/cpu_time.h"
 #include "unit/study/testing.h"
 
@@ -90,7 +91,16 @@ static void test_lanes_equal_runs(void **state)
                  {"spring", "v0", -0.5, 0.5},
                  {"overdamped", "m", 0.1, 3},
                  {"pendulum-driven", "F0", 0.3, 2},
-                 {"pendulum-driven", "omega", 0.3, 2}};
+                 {"pendulum-driven", "omega", 0.3, 2},
+                 /* each point has its own times, from here on */
+                 {"driven", "dt", 0.005, 0.03},
+                 {"driven", "t0", -2, 3},
+                 {"drag", "dt", 0.005, 0.03},
+                 {"damped", "dt", 0.005, 0.03},
+                 {"duffing-driven", "dt", 0.005, 0.03},
+                 {"pendulum", "dt", 0.3, 0.003},
+                 {"vanderpol", "t0", -2, 3}};
+    const size_t clocks = COUNT_OF(cases) - 7;
     int64_t side_by_side = 0;
     for (size_t c = 0; c < COUNT_OF(cases); c++)
         for (size_t m = 0; m < method_catalog.count; m++)
@@ -98,6 +108,8 @@ static void test_lanes_equal_runs(void **state)
                 const struct method *method = method_at(m);
                 if (!method->tableau && !method->splitting &&
                     !(method->implicit && method->order < 3))
+                    continue;
+                if (c >= clocks && !is_long() && (c + m) % 4 != 0)
                     continue;
                 const struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
                 struct sweep_request request =
@@ -141,7 +153,8 @@ static void test_adaptive_lanes_equal_runs(void **state)
                  {"overdamped", "m", 0.1, 3},
                  {"inverted", "k", -15, 15},
                  {"pendulum-driven", "omega", 0.3, 2},
-                 {"duffing-driven", "tol", 1e-9, 1e-5}};
+                 {"duffing-driven", "tol", 1e-9, 1e-5},
+                 {"duffing-driven", "dt", 1e-3, 1e-1}};
     static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5",
                                           "dop853", "rodas5p",          "rodas4"};
     int64_t side_by_side = 0;
@@ -182,7 +195,9 @@ static void test_replays_equal_runs(void **state)
         {"drag", "C", "energy_error dissipated amplitude(v) max(power) max evals", 0, 4},
         {"duffing-driven", "F0", "max(v) amplitude(a) mean(kinetic) energy-error period", 0, 1},
         {"pendulum", "theta0", "energy_error max(v) period(v) energy", 0.1, 3},
-        {"inverted", "k", "energy_error max(v) reached steps", -1500, 15}};
+        {"inverted", "k", "energy_error max(v) reached steps", -1500, 15},
+        {"driven", "dt", "error energy_error max(v) y evals steps", 0.005, 0.03},
+        {"damped", "t0", "error energy_error mean(v)", -2, 3}};
     static const char *const methods[] = {"rk4", "verlet", "symplectic-euler", "dopri5",
                                           "implicit-midpoint"};
     for (size_t c = 0; c < COUNT_OF(cases); c++)
@@ -201,6 +216,38 @@ static void test_replays_equal_runs(void **state)
             sweep_free(&lanes);
             sweep_free(&alone);
         }
+}
+
+/* Lanes lie along the axis that leaves the times as they are, or along both kinds of times. */
+static void test_two_clocks(void **state)
+{
+    (void)state;
+    static const char *const axes[][2] = {
+        {"dt", "gamma"}, {"gamma", "dt"}, {"dt", "t0"}, {"t0", "omega"}, {"t0", "dt"}};
+    for (size_t c = 0; c < COUNT_OF(axes); c++) {
+        const struct scene scene = scene_with("driven", NO_SETTINGS);
+        struct sweep_request request =
+            request_of(&scene, "rk4", 0.01, 3.0037, "amplitude period mean max steps y");
+        for (int a = 0; a < 2; a++) {
+            const bool step = axes[c][a][0] == 'd';
+            request.axis[a] = axis_of(&scene, axes[c][a], step ? 0.003 : 0.1, step ? 0.05 : 2, 9);
+            request.axis[a].log = step;
+        }
+        request.axes = 2;
+        struct sweep lanes = sweep_of(&request);
+        assert_int_equal(lanes.side_by_side, 81);
+        request.settings.kernel = KERNEL_GENERAL;
+        struct sweep alone = sweep_of(&request);
+        assert_same(&lanes, &alone, 0, axes[c][0]);
+        sweep_free(&alone);
+        request.settings.kernel = KERNEL_SPECIALISED;
+        for (request.shard = 1, request.shards = 3; request.shard <= 3; request.shard++) {
+            struct sweep part = sweep_of(&request);
+            assert_same(&lanes, &part, 0, axes[c][1]);
+            sweep_free(&part);
+        }
+        sweep_free(&lanes);
+    }
 }
 
 /* ---- what diverges is a result ---- */
@@ -554,6 +601,7 @@ int main(void)
         cmocka_unit_test(test_lanes_equal_runs),
         cmocka_unit_test(test_replays_equal_runs),
         cmocka_unit_test(test_adaptive_lanes_equal_runs),
+        cmocka_unit_test(test_two_clocks),
         cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_shards_and_threads),
         cmocka_unit_test(test_stretches),

@@ -100,7 +100,7 @@ void lanes_control(struct lanes *lanes, int used, const double *tol, double t_en
         own->tol[lane] = tol[lane];
         own->accepted[lane] = 1 / (N * max * max);
         own->t[lane] = lanes->t0;
-        own->h[lane] = lanes->h;
+        own->h[lane] = lanes->own_h[lane];
         for (int i = 0; i < N; i++) {
             const double given = system->atol[i] / tolerance(&wanted);
             own->min[i][lane] = system->scale[i];

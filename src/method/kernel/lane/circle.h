@@ -141,4 +141,20 @@ TARGET static void WITH(drives)(const struct lanes *lanes, double t, double *cos
             memcpy(cosine + q * WIDE, &value[q], sizeof value[q]);
     }
 }
+
+/* The same where each lane has its own time: t [LANES]. */
+TARGET static void WITH(own_drives)(const struct lanes *lanes, const double *t, double *cosine)
+{
+    WITH(bits) doubt = {0};
+    for (int q = 0; q < PARTS; q++) {
+        const vector x =
+            WITH(load)(lanes->omega, q) * WITH(load)(t, q) + WITH(load)(lanes->phase, q);
+        WITH(bits) here = {0};
+        const vector value = WITH(circle)(x, 1, &here);
+        memcpy(cosine + q * WIDE, &value, sizeof value);
+        doubt |= here;
+    }
+    for (int q = 0; q < LANES && !WITH(none)(doubt); q++)
+        cosine[q] = fixed_cos(lanes->omega[q] * t[q] + lanes->phase[q]);
+}
 #undef GROUP_PARTS

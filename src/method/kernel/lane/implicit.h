@@ -90,8 +90,8 @@ struct WITH(stage) {
 
 /* oscillator_stage() */
 FAST void WITH(solve_closed)(bool dragged, int parts, int from, WITH(force) * force,
-                             const struct WITH(known) * known, const struct lanes *lanes, double h,
-                             struct WITH(stage) * of)
+                             const struct WITH(known) * known, const struct lanes *lanes,
+                             const vector *step, struct WITH(stage) * of)
 {
     vector pull[PARTS];
     force(parts, known, of->y, pull);
@@ -99,7 +99,7 @@ FAST void WITH(solve_closed)(bool dragged, int parts, int from, WITH(force) * fo
     {
         const vector damping = WITH(load)(lanes->damping, from + q),
                      stiffness = WITH(load)(lanes->stiffness, from + q),
-                     quadratic = WITH(load)(lanes->quadratic, from + q);
+                     quadratic = WITH(load)(lanes->quadratic, from + q), h = step[q];
         const vector a = 1 + damping * h + stiffness * h * h, inverse = 1 / a,
                      r = of->y[1][q] + h * pull[q], u = r * inverse;
         vector v = u, drag = -(vector){0}, lost = -(vector){0};
@@ -121,14 +121,14 @@ FAST void WITH(solve_closed)(bool dragged, int parts, int from, WITH(force) * fo
 }
 
 /* motion_factor(): lanes that have no next iterate are added to `none`. */
-FAST void WITH(factor)(int parts, WITH(slopes) * slopes, const struct WITH(known) * known, double h,
-                       vector at[2][PARTS], vector *inverse, WITH(bits) * none)
+FAST void WITH(factor)(int parts, WITH(slopes) * slopes, const struct WITH(known) * known,
+                       const vector *h, vector at[2][PARTS], vector *inverse, WITH(bits) * none)
 {
     vector jacobian[2][PARTS];
     slopes(parts, known, at, jacobian);
     UNROLL for (int q = 0; q < parts; q++)
     {
-        inverse[q] = 1 / (1 - h * (h * jacobian[0][q] + jacobian[1][q]));
+        inverse[q] = 1 / (1 - h[q] * (h[q] * jacobian[0][q] + jacobian[1][q]));
         none[q] |= (inverse[q] == 0) | WITH(infinite)(inverse[q], inverse[q]);
     }
 }
@@ -140,8 +140,8 @@ FAST vector WITH(larger)(vector a, vector b)
 
 /* motion_stage(), where newton_follow() is not needed */
 FAST void WITH(solve_motion)(int parts, int from, WITH(force) * both, WITH(slopes) * slopes,
-                             const struct WITH(known) * known, const struct lanes *lanes, double h,
-                             struct WITH(stage) * of)
+                             const struct WITH(known) * known, const struct lanes *lanes,
+                             const vector *h, struct WITH(stage) * of)
 {
     vector x[PARTS], weight[PARTS], inverse[PARTS], last[PARTS], off[PARTS], a[PARTS];
     vector sum[2][PARTS];
@@ -152,7 +152,7 @@ FAST void WITH(solve_motion)(int parts, int from, WITH(force) * both, WITH(slope
         for (int i = 0; i < 2; i++)
             each[i] = 1 / WITH(larger)(WITH(magnitude)(of->y[i][q]),
                                        WITH(load)(lanes->scale[i], from + q));
-        weight[q] = WITH(larger)(each[1], h * each[0]);
+        weight[q] = WITH(larger)(each[1], h[q] * each[0]);
         x[q] = (vector){0};
         last[q] = off[q] = HUGE_VAL - (vector){0};
     }
@@ -166,12 +166,12 @@ FAST void WITH(solve_motion)(int parts, int from, WITH(force) * both, WITH(slope
         UNROLL for (int q = 0; q < parts; q++)
         {
             sum[1][q] = of->y[1][q] + x[q];
-            sum[0][q] = of->y[0][q] + h * sum[1][q];
+            sum[0][q] = of->y[0][q] + h[q] * sum[1][q];
         }
         both(parts, known, sum, a);
         UNROLL for (int q = 0; q < parts; q++)
         {
-            const vector rest = h * a[q] - x[q], rest_size = WITH(magnitude)(rest) * weight[q];
+            const vector rest = h[q] * a[q] - x[q], rest_size = WITH(magnitude)(rest) * weight[q];
             const vector move = rest * inverse[q], size = WITH(magnitude)(move) * weight[q];
             of->evals[q] += active[q] & 1;
             of->alone[q] |= active[q] & (~(rest_size < off[q]) & (last[q] > STANDSTILL));
@@ -195,7 +195,7 @@ FAST void WITH(solve_motion)(int parts, int from, WITH(force) * both, WITH(slope
             UNROLL for (int q = 0; q < parts; q++)
             {
                 sum[1][q] = of->y[1][q] + x[q];
-                sum[0][q] = of->y[0][q] + h * sum[1][q];
+                sum[0][q] = of->y[0][q] + h[q] * sum[1][q];
                 none[q] = (WITH(bits)){0};
             }
             WITH(factor)(parts, slopes, known, h, sum, next, none);
@@ -211,7 +211,7 @@ FAST void WITH(solve_motion)(int parts, int from, WITH(force) * both, WITH(slope
     {
         of->alone[q] |= active[q];
         of->z[1][q] = x[q];
-        of->z[0][q] = h * (of->y[1][q] + x[q]);
+        of->z[0][q] = h[q] * (of->y[1][q] + x[q]);
         for (int i = 0; i < 2; i++)
             of->sum[i][q] = of->y[i][q] + of->z[i][q];
     }
@@ -227,8 +227,8 @@ struct WITH(implicit) {
 };
 
 /* y + h sum_j w_j k_j */
-FAST void WITH(stage_base)(int parts, const double *w, int count, double h, vector (*k)[2][PARTS],
-                           vector y[2][PARTS], vector base[2][PARTS])
+FAST void WITH(stage_base)(int parts, const double *w, int count, const vector *h,
+                           vector (*k)[2][PARTS], vector y[2][PARTS], vector base[2][PARTS])
 {
     for (int i = 0; i < 2; i++)
         UNROLL for (int q = 0; q < parts; q++)
@@ -237,7 +237,7 @@ FAST void WITH(stage_base)(int parts, const double *w, int count, double h, vect
             for (int j = 0; j < count; j++)
                 if (w[j] != 0)
                     sum += w[j] * k[j][i][q];
-            base[i][q] = y[i][q] + h * sum;
+            base[i][q] = y[i][q] + h[q] * sum;
         }
 }
 
@@ -271,13 +271,14 @@ FAST void WITH(irk)(bool one, int parts, int from, const struct WITH(implicit) *
     const struct implicit_tableau *const tableau = lanes->method->implicit;
     const int stages = one ? 1 : tableau->stages;
     const bool fsal = !one && tableau->fsal, accurate = march->accurate;
-    const double h = lanes->h, solved = tableau->diagonal * h;
     const double twice = tableau->b[0] / tableau->diagonal;
-    vector y[2][PARTS], k[IMPLICIT_STAGES][2][PARTS], before[2][PARTS];
+    vector y[2][PARTS], k[IMPLICIT_STAGES][2][PARTS], before[2][PARTS], h[PARTS], solved[PARTS];
     WITH(bits) evals[PARTS];
     struct WITH(stage) of;
     struct WITH(known) known[PARTS];
     WITH(take)(known, parts, from, lanes);
+    WITH(begin)(parts, from, lanes->own_h, h);
+    UNROLL for (int q = 0; q < parts; q++) solved[q] = tableau->diagonal * h[q];
     memcpy(evals, lanes->more + from * WIDE, (size_t)parts * sizeof *evals);
     for (int i = 0; i < 2; i++) {
         WITH(begin)(parts, from, lanes->y[i], y[i]);
@@ -313,7 +314,7 @@ FAST void WITH(irk)(bool one, int parts, int from, const struct WITH(implicit) *
             else WITH(solve_closed)(solver->dragged, parts, from, solver->force, known, lanes,
                                     solved, &of);
             for (int j = 0; j < 2 && !one; j++)
-                UNROLL for (int q = 0; q < parts; q++) k[s][j][q] = of.z[j][q] / solved;
+                UNROLL for (int q = 0; q < parts; q++) k[s][j][q] = of.z[j][q] / solved[q];
         }
         if (!accurate && one) {
             for (int j = 0; j < 2; j++)

@@ -109,6 +109,38 @@ static void own_steps(struct lanes *lanes, const struct lane_width *width, struc
     march->row_of = lanes->row_of;
 }
 
+/* The same where each lane has its own times, too. */
+static void own_times(struct lanes *lanes, const struct lane_width *width, struct lane_march *march)
+{
+    const struct method *method = lanes->method;
+    const int most = DRIVE_ROWS / march->times;
+    const double *const c = method->tableau    ? method->tableau->c
+                            : method->implicit ? method->implicit->c
+                                               : NULL;
+    double t[LANES], at[LANES];
+    int rows = 0;
+    march->count = march->count < most ? march->count : most;
+    for (int64_t i = 0; i < march->count; i++) {
+        for (int lane = 0; lane < LANES; lane++)
+            t[lane] = lanes->own_t0[lane] + (double)(march->first + i) * lanes->own_h[lane];
+        for (int place = 0; place < march->times; place++) {
+            const bool looks = c ? place == 0 || c[place] != c[place - 1]
+                                 : (place % 2 == 0) == method->splitting->kick_first;
+            const double w = c ? c[place] : looks ? 0 : splitting_weight(method->splitting, place);
+            for (int lane = 0; lane < LANES; lane++)
+                at[lane] = t[lane] + w * lanes->own_h[lane];
+            if (looks)
+                width->own_drives(lanes, at, lanes->table.value + rows++ * LANES);
+            if (!c)
+                memcpy(t, at, sizeof t);
+            lanes->row_of[i * march->times + place] = rows - 1;
+        }
+    }
+    lanes->table.method = NULL;
+    march->cosine = lanes->table.value;
+    march->row_of = lanes->row_of;
+}
+
 static void find_ranges(struct lanes *lanes)
 {
     for (int lane = 0; lane < LANES; lane++) {
@@ -171,7 +203,7 @@ bool lanes_fit(const struct method *method, const struct system *system, enum dr
 
 bool lanes_alike(const struct system *a, const struct system *b)
 {
-    bool alike = a->model == b->model && a->t0 == b->t0 && a->terms == b->terms;
+    bool alike = a->model == b->model && a->terms == b->terms;
     for (int i = 0; alike && i < a->terms; i++) /* typed: those of the same programs */
         alike = a->term[i].row == b->term[i].row;
     return alike;
@@ -186,7 +218,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     lanes->t0 = like->t0;
     lanes->h = h;
     lanes->step = 0;
-    lanes->divides = lanes->turns = lanes->driven = false;
+    lanes->divides = lanes->turns = lanes->driven = lanes->own = false;
     memset(lanes->more, 0, sizeof lanes->more);
     memset(lanes->carried, 0, sizeof lanes->carried);
     memset(lanes->omega, 0, sizeof lanes->omega);
@@ -196,11 +228,19 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 
 void lanes_set(struct lanes *lanes, int lane, const struct system *system)
 {
+    lanes_set_step(lanes, lane, system, lanes->h);
+}
+
+void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h)
+{
     const struct method *method = lanes->method;
     if (lanes->shape < 0) {
-        typed_lanes_set(lanes->typed, lane, system);
+        typed_lanes_set(lanes->typed, lane, system, h);
         return;
     }
+    lanes->own_t0[lane] = system->t0;
+    lanes->own_h[lane] = h;
+    lanes->own |= system->t0 != lanes->t0 || h != lanes->h;
     for (int i = 0; i < system->terms; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
             lanes->c[i][j][lane] = system->term[i].c[j];
@@ -226,14 +266,14 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
         return;
     struct split_way way;
     split_choose(&way, method, lanes->drag);
-    const struct drag_flow half = oscillator_drag_flow(&system->oscillator, lanes->h / 2);
+    const struct drag_flow half = oscillator_drag_flow(&system->oscillator, h / 2);
     lanes->keep[lane] = half.keep;
     lanes->min[lane] = half.min;
     lanes->pull[lane] = half.pull;
     lanes->divides |= half.min != 1 || half.pull != 0;
     for (int i = 0; !way.around && i < way.splitting->count; i++) {
         const struct frozen frozen =
-            frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * lanes->h);
+            frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * h);
         lanes->frozen[i].lost[lane] = frozen.lost;
         lanes->frozen[i].pull[lane] = frozen.pull;
     }
@@ -244,19 +284,20 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
     const struct tableau *tableau = lanes->method->tableau;
     const struct splitting *splitting = lanes->method->splitting;
     const struct implicit_tableau *implicit = lanes->method->implicit;
+    const double h = lanes->own ? 1 : lanes->h; /* kernels know the lanes' own */
     march->times = times(lanes->method);
     march->accurate = implicit && stiffly_accurate(implicit);
     march->chain = tableau    ? tableau->stages == 4 && !tableau->fsal
                    : implicit ? implicit->stages == 1
                               : splitting->count == 2 && !splitting->kick_first;
     for (int i = 0; splitting && i < splitting->count; i++)
-        march->weight[i] = splitting_weight(splitting, i) * lanes->h;
+        march->weight[i] = splitting_weight(splitting, i) * h;
     if (!tableau)
         return;
-    weights_take(&march->weights[0], tableau->b, tableau->stages, lanes->h);
+    weights_take(&march->weights[0], tableau->b, tableau->stages, h);
     march->chain = march->chain && march->weights[0].count == 4;
     for (int s = 1; s < tableau->stages; s++) {
-        weights_take(&march->weights[s], tableau_row(tableau, s), s, lanes->h);
+        weights_take(&march->weights[s], tableau_row(tableau, s), s, h);
         march->chain =
             march->chain && march->weights[s].count == 1 && march->weights[s].stage[0] == s - 1;
     }
@@ -275,7 +316,9 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
                                                                                 : LANE_EXPLICIT];
     struct lane_march march;
     march_prepare(lanes, &march);
-    march.drive = !lanes->driven ? DRIVE_NONE : driven_alike(lanes) ? DRIVE_ALIKE : DRIVE_OWN;
+    march.drive = !lanes->driven                       ? DRIVE_NONE
+                  : !lanes->own && driven_alike(lanes) ? DRIVE_ALIKE
+                                                       : DRIVE_OWN;
     if (march.drive == DRIVE_OWN && lanes->step == 0)
         find_ranges(lanes);
     while (count > 0) {
@@ -285,7 +328,7 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
         if (march.drive == DRIVE_ALIKE)
             table_steps(lanes, &march);
         else if (march.drive == DRIVE_OWN)
-            own_steps(lanes, &width, &march);
+            (lanes->own ? own_times : own_steps)(lanes, &width, &march);
         kernel(lanes, &march);
         lanes->step += march.count;
         count -= march.count;

@@ -48,6 +48,9 @@ struct lanes {
     struct typed_lanes *typed; /* NULL: not yet used */
     double t0, h;
     int64_t step; /* taken */
+    /* Each lane's start of time and step; `own`: they differ. */
+    double own_t0[LANES], own_h[LANES];
+    bool own;
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     double y[2][LANES];
     /* the last stage's slope, or the last force: what the next step begins with */
@@ -122,6 +125,7 @@ struct lane_width {
     lane_kernel *const (*kernels)[LANE_FAMILIES]; /* of a shape and a family of methods */
     lane_kernel *const *rosenbrocks;              /* of a shape; NULL: it has a drive */
     void (*drives)(const struct lanes *lanes, double t, double *cosine);
+    void (*own_drives)(const struct lanes *lanes, const double *t, double *cosine); /* t [LANES] */
 };
 
 /* -1: none of these */

@@ -40,8 +40,9 @@ static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first,
         double work[WORK_MOST];
         struct step step = {.system = lanes->system[first + i],
                             .drag = lanes->drag,
-                            .t = lanes->t0 + (double)number * lanes->h,
-                            .h = lanes->h,
+                            .t =
+                                lanes->own_t0[first + i] + (double)number * lanes->own_h[first + i],
+                            .h = lanes->own_h[first + i],
                             .y = y,
                             .work = work,
                             .kernel = lanes->scalar};
@@ -65,8 +66,9 @@ static __attribute__((noinline)) void lanes_alone(struct lanes *lanes, int first
         double y[2] = {of->before[0][i], of->before[1][i]}, work[WORK_MOST] = {0};
         double *const last = work + (tableau->stages - 1) * 2;
         struct step step = {.system = lanes->system[first + i],
-                            .t = lanes->t0 + (double)number * lanes->h,
-                            .h = lanes->h,
+                            .t =
+                                lanes->own_t0[first + i] + (double)number * lanes->own_h[first + i],
+                            .h = lanes->own_h[first + i],
                             .y = y,
                             .work = work,
                             .warm = number > 0};
@@ -113,10 +115,10 @@ struct lane_width lanes_width(int most)
 {
 #ifdef __x86_64__
     if (most >= 8 && __builtin_cpu_supports("avx512f"))
-        return (struct lane_width){kernels_8, rosenbrocks_8, drives_8};
+        return (struct lane_width){kernels_8, rosenbrocks_8, drives_8, own_drives_8};
     if (most >= 4 && __builtin_cpu_supports("avx2"))
-        return (struct lane_width){kernels_4, rosenbrocks_4, drives_4};
+        return (struct lane_width){kernels_4, rosenbrocks_4, drives_4, own_drives_4};
 #endif
     (void)most;
-    return (struct lane_width){kernels_2, rosenbrocks_2, drives_2};
+    return (struct lane_width){kernels_2, rosenbrocks_2, drives_2, own_drives_2};
 }

@@ -133,14 +133,21 @@ FAST void WITH(look)(struct WITH(known) * known, int parts, int from, enum drive
 
 /* ---- explicit Runge-Kutta ---- */
 
+/* Times each lane's own step; h: NULL, where the weight has it already. */
+FAST vector WITH(of_step)(double weight, const vector *h, int q)
+{
+    return h ? h[q] * weight : weight - (vector){0};
+}
+
 /* z = y + sum_j (h w_j) k_j */
-FAST void WITH(combine)(int parts, const struct weights *weights, int count, int only,
-                        vector (*k)[2][PARTS], int component, const vector *y, vector *z)
+FAST void WITH(combine)(int parts, const struct weights *weights, const vector *h, int count,
+                        int only, vector (*k)[2][PARTS], int component, const vector *y, vector *z)
 {
     vector sum[PARTS];
     UNROLL for (int q = 0; q < parts; q++) sum[q] = -(vector){0};
     UNROLL for (int j = 0; j < count; j++) UNROLL for (int q = 0; q < parts; q++) sum[q] +=
-        weights->weight[j] * k[only < 0 ? weights->stage[j] : only + j][component][q];
+        WITH(of_step)(weights->weight[j], h, q) *
+        k[only < 0 ? weights->stage[j] : only + j][component][q];
     UNROLL for (int q = 0; q < parts; q++) z[q] = y[q] + sum[q];
 }
 
@@ -167,16 +174,21 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 #include "method/kernel/lane/turns.h"
 #include "method/kernel/lane/adaptive.h"
 
-/* `parts` vectors from `from` on. chain: four stages, each from the one before. */
-FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum drive_known drive,
-                   lane_turner *turn, struct lanes *lanes, const struct lane_march *march)
+/* `parts` vectors from `from` on. own: each lane has its own step. chain: four stages, each from
+ * the one before. */
+FAST void WITH(rk)(bool own, bool chain, int parts, int from, WITH(force) * force,
+                   enum drive_known drive, lane_turner *turn, struct lanes *lanes,
+                   const struct lane_march *march)
 {
     const int stages = chain ? 4 : lanes->method->tableau->stages;
     const bool fsal = !chain && lanes->method->tableau->fsal;
     double *const row = march->row;
-    vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS];
+    vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS], size[PARTS];
+    const vector *const h = own ? size : NULL;
     struct WITH(known) known[PARTS];
     WITH(take)(known, parts, from, lanes);
+    if (own)
+        WITH(begin)(parts, from, lanes->own_h, size);
     for (int i = 0; i < 2; i++)
         WITH(begin)(parts, from, lanes->y[i], y[i]);
     if (fsal && lanes->step > 0) {
@@ -198,14 +210,14 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum dr
             const struct weights *weights = &march->weights[s];
             for (int j = 0; j < 2; j++)
                 WITH(combine)
-            (parts, weights, chain ? 1 : weights->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
+            (parts, weights, h, chain ? 1 : weights->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
             WITH(look)(known, parts, from, drive, march, i, s);
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
             WITH(combine)
-        (parts, &march->weights[0], chain ? 4 : march->weights[0].count, chain ? 0 : -1, k, j, y[j],
-         z[j]);
+        (parts, &march->weights[0], h, chain ? 4 : march->weights[0].count, chain ? 0 : -1, k, j,
+         y[j], z[j]);
         if (turn && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {
@@ -248,13 +260,14 @@ FAST void WITH(flow)(int parts, int from, const struct lanes *lanes, vector *v)
 
 FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(force) * drag,
                      const struct WITH(known) * known, const struct lanes *lanes, int index,
-                     double w, const vector *pull, vector z[2][PARTS])
+                     double weight, const vector *h, const vector *pull, vector z[2][PARTS])
 {
     vector a[PARTS];
     if (way->drag == DRAG_EXPLICIT)
         drag(parts, known, z, a);
     UNROLL for (int q = 0; q < parts; q++)
     {
+        const vector w = WITH(of_step)(weight, h, q);
         if (way->drag == DRAG_EXPLICIT) {
             z[1][q] += w * (pull[q] + a[q]);
         } else if (way->drag == DRAG_EXACT && !way->around) {
@@ -267,9 +280,9 @@ FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(forc
 }
 
 /* euler: a drift, then a kick. */
-FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) * force,
-                      WITH(force) * drag, enum drive_known drive, struct lanes *lanes,
-                      const struct lane_march *march)
+FAST void WITH(split)(bool own, bool euler, enum drag variant, int parts, int from,
+                      WITH(force) * force, WITH(force) * drag, enum drive_known drive,
+                      struct lanes *lanes, const struct lane_march *march)
 {
     struct split_way way;
     split_choose(&way, lanes->method, variant);
@@ -278,9 +291,12 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
     const int count = euler ? 2 : way.splitting->count;
     const bool kick_first = !euler && way.splitting->kick_first;
     const double weights[2] = {march->weight[0], march->weight[1]}; /* in registers */
-    vector z[2][PARTS], pull[PARTS];
+    vector z[2][PARTS], pull[PARTS], size[PARTS];
+    const vector *const h = own ? size : NULL;
     struct WITH(known) known[PARTS];
     WITH(take)(known, parts, from, lanes);
+    if (own)
+        WITH(begin)(parts, from, lanes->own_h, size);
     for (int i = 0; i < 2; i++)
         WITH(begin)(parts, from, lanes->y[i], z[i]);
     WITH(begin)(parts, from, lanes->carried[0], pull);
@@ -294,9 +310,9 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
                     WITH(look)(known, parts, from, drive, march, i, index);
                     force(parts, known, z, pull);
                 }
-                WITH(kick)(&way, parts, from, drag, known, lanes, index, w, pull, z);
+                WITH(kick)(&way, parts, from, drag, known, lanes, index, w, h, pull, z);
             } else {
-                UNROLL for (int q = 0; q < parts; q++) z[0][q] += w * z[1][q];
+                UNROLL for (int q = 0; q < parts; q++) z[0][q] += WITH(of_step)(w, h, q) * z[1][q];
             }
         }
         if (way.around)
@@ -318,8 +334,10 @@ WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes, const struct l
     const bool timed = of->flags & TERM_TIME;
     lane_turner *const turn = of->flags & TERM_KINK && lanes->turns ? lanes_turn : NULL;
     const enum drive_known drive = timed ? march->drive : DRIVE_NONE;
-    for (int from = 0; from < PARTS; from += ANY_PARTS)
-        WITH(rk)(false, ANY_PARTS, from, of->both, drive, turn, lanes, march);
+    for (int from = 0; from < PARTS && lanes->own; from += ANY_PARTS)
+        WITH(rk)(true, false, ANY_PARTS, from, of->both, drive, turn, lanes, march);
+    for (int from = 0; from < PARTS && !lanes->own; from += ANY_PARTS)
+        WITH(rk)(false, false, ANY_PARTS, from, of->both, drive, turn, lanes, march);
 }
 
 TARGET static __attribute__((noinline)) void
@@ -328,8 +346,10 @@ WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struc
     const bool timed = of->flags & TERM_TIME;
     const enum drive_known drive = timed ? march->drive : DRIVE_NONE;
     const enum drag drag = of->flags & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT;
-    for (int from = 0; from < PARTS; from += ANY_PARTS)
-        WITH(split)(false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
+    for (int from = 0; from < PARTS && lanes->own; from += ANY_PARTS)
+        WITH(split)(true, false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
+    for (int from = 0; from < PARTS && !lanes->own; from += ANY_PARTS)
+        WITH(split)(false, false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
 }
 
 /* Implicit ones are waited for by their stages: the compiler knows whether there is one alone. */
@@ -346,15 +366,15 @@ TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(imp
 #define SPLIT_PARTS 4
 #define EULER_PARTS 8
 #define LANE_DRIVE(shape, drive) (LANE_FLAGS(shape) & TERM_TIME ? (drive) : DRIVE_NONE)
-#define LANE_RK4(shape, drive)                                                                     \
+#define LANE_RK4(shape, own, drive)                                                                \
     for (int from = 0; from < PARTS; from += RK_PARTS)                                             \
         WITH(rk)                                                                                   \
-    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape, drive),                           \
+    (own, true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape, drive),                      \
      LANE_FLAGS(shape) & TERM_KINK && lanes->turns ? WITH(shape##_turn) : NULL, lanes, march)
 #define LANE_PARTED(shape, drive, euler, variant, parts)                                           \
     for (int from = 0; from < PARTS; from += parts)                                                \
         WITH(split)                                                                                \
-    (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,               \
+    (false, euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,        \
      WITH(shape##_force), WITH(shape##_drag), LANE_DRIVE(shape, drive), lanes, march)
 #define LANE_KERNELS(shape)                                                                        \
     TARGET static __attribute__((noinline)) void WITH(shape##_turn)(                               \
@@ -367,10 +387,12 @@ TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(imp
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)      \
     {                                                                                              \
         const bool alike = !(LANE_FLAGS(shape) & TERM_TIME && march->drive == DRIVE_OWN);          \
-        if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                        \
-            LANE_RK4(shape, DRIVE_ALIKE);                                                          \
+        if (WIDE >= WIDE_UNROLLED && march->chain && lanes->own)                                   \
+            LANE_RK4(shape, true, DRIVE_OWN);                                                      \
+        else if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                   \
+            LANE_RK4(shape, false, DRIVE_ALIKE);                                                   \
         else if (WIDE >= WIDE_UNROLLED && march->chain)                                            \
-            LANE_RK4(shape, DRIVE_OWN);                                                            \
+            LANE_RK4(shape, false, DRIVE_OWN);                                                     \
         else                                                                                       \
             WITH(any_rk)(&WITH(shape##_forces), lanes, march);                                     \
     }                                                                                              \
@@ -379,7 +401,7 @@ TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(imp
         const bool alike = !(LANE_FLAGS(shape) & TERM_TIME && march->drive == DRIVE_OWN);          \
         const bool drags = LANE_FLAGS(shape) & TERM_VELOCITY;                                      \
         const bool euler = march->chain && (!drags || lanes->drag == DRAG_EXPLICIT);               \
-        if (WIDE < WIDE_UNROLLED || (!alike && !euler))                                            \
+        if (WIDE < WIDE_UNROLLED || lanes->own || (!alike && !euler))                              \
             WITH(any_split)(&WITH(shape##_forces), lanes, march);                                  \
         else if (!alike)                                                                           \
             LANE_PARTED(shape, DRIVE_OWN, true, DRAG_EXPLICIT, SPLIT_PARTS);                       \

@@ -144,9 +144,11 @@ FAST void WITH(turn_some)(int parts, WITH(force) * force, struct lanes *lanes, i
 {
     struct WITH(turning) of;
     struct WITH(known) known[PARTS];
-    double y[2][LANES], slope[2][LANES], z[2][LANES], c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
+    double y[2][LANES], slope[2][LANES], z[2][LANES], h[LANES],
+        c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     for (int i = 0; i < parts * WIDE; i++) {
         const int lane = list[i < count ? i : count - 1];
+        h[i] = lanes->own_h[first + lane];
         for (int j = 0; j < 2; j++) {
             y[j][i] = step->before[j][lane];
             slope[j][i] = step->first[j][lane];
@@ -162,7 +164,7 @@ FAST void WITH(turn_some)(int parts, WITH(force) * force, struct lanes *lanes, i
             for (int j = 0; j < LANE_COEFFICIENTS; j++)
                 known[q].c[t][j] = WITH(load)(c[t][j], q);
         known[q].cosine = (vector){0};
-        of.rest[q] = lanes->h - (vector){0};
+        of.rest[q] = WITH(load)(h, q);
         of.moving[q] = ~(WITH(bits)){0};
         of.failed[q] = of.evals[q] = (WITH(bits)){0};
     }
