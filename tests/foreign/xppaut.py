@@ -170,6 +170,8 @@ def attempts(text):
     """How much finer its steps are, and its tolerance: not all of its methods go to the finest."""
     if re.search(r"(?mi)^ *g[lobal]* +[-+0-9]", text):
         return (100, "1e-10"), (1000, "1e-10")
+    if re.search(r"(?mi)^ *special", text):  # what it writes of a network is of the last stage within the step
+        return (1, "1e-12"), (20, "1e-12")
     return ((20, "1e-12"),) if settings(text).get("meth", "r")[0] == "y" else ((1, "1e-12"), (1, "1e-10"))
 
 

@@ -13,9 +13,12 @@
  * powers from the left (B. Ermentrout, Simulating, Analyzing, and Animating Dynamical Systems, SIAM
  * 2002, chapter 3 and appendix; priorities measured with XPPAUT 6.11).
  *
- * Refused, with the line and the reason: noise, Markov variables, delays, networks, tables,
- * integral and algebraic equations, maps, values from C libraries, random numbers, functions that
- * expressions do not have.
+ * Tables of a formula are straight between their points, and beyond; special NAME=conv(...), sums
+ * over neighbours weighted by one, are written out.
+ *
+ * Refused, with the line and the reason: noise, Markov variables, delays, other networks, tables in
+ * files, integral and algebraic equations, maps, values from C libraries, random numbers, functions
+ * that expressions do not have.
  */
 struct ode_event {
     int line;

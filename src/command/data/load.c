@@ -387,7 +387,7 @@ COMMAND(
         "'load scene FILE.ode' makes a scene of an XPPAUT file, with its duration, step, method "
         "and "
         "events; set= takes one of its sets of values. What scenes do not have is refused, with "
-        "the line: noise, delays, networks, tables, maps, integral and algebraic equations.",
+        "the line: noise, delays, maps, integral and algebraic equations.",
     .examples = "load disk.txt y=2 unit=cm as=disk\nload scene pulse.ode; run",
     .see = "data fit measure plot scene", .flags = COMMAND_CHANGES,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .group = 1), WORD("scene", TYPE_SCENE_FILE, .group = 1),

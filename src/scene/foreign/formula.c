@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas of .ode files as formulas of typed scenes: functions and sums are written out. */
 #include "scene/foreign/formula.h"
+#include "scene/foreign/net.h"
 
 #include <string.h>
 
@@ -24,6 +25,7 @@ struct ode_writing {
     const struct ode_reader *reader;
     struct buffer *out;
     int depth;
+    bool numbers; /* parameters as their values */
 };
 
 typedef const struct ode_node *node;
@@ -75,13 +77,31 @@ static const struct scope *sum_around(const struct scope *scope)
     return scope;
 }
 
+static bool put_number(struct ode_writing *w, double number);
+
+/* A parameter, or what follows from those before it, as a number or a formula of them. */
+static bool put_value(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
+{
+    struct ode *ode = w->reader->ode;
+    if (symbol->kind == ODE_PARAM) {
+        w->reader->of->table->reads = true;
+        return put_number(w, symbol->value);
+    }
+    if (symbol->kind != ODE_DERIVED)
+        return fail(w, "a table has '", name, "', which changes");
+    const node body = ode_parse(ode->arena, symbol->line, symbol->text, ode->error);
+    return body && put(w, body, NULL, ATOM);
+}
+
 static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     const struct ode_symbol *of = w->reader->of;
     if (!symbol)
         return fail(w, "there is no '", name, "'");
-    if (symbol->kind == ODE_FUNCTION)
+    if (symbol->kind >= ODE_FUNCTION)
         return fail(w, "", name, " is a function");
+    if (w->numbers)
+        return put_value(w, symbol, name);
     if (of && of->kind == ODE_DERIVED && symbol->kind != ODE_PARAM && symbol->kind != ODE_DERIVED)
         return fail(w, "'", name, "' is no parameter: it changes");
     if (of && of->kind == symbol->kind && of->index <= symbol->index)
@@ -257,7 +277,7 @@ static bool put_shift(struct ode_writing *w, node of, const struct scope *scope)
     if (!from || !value_of(of->argument[1], scope, 0, &by))
         return fail(w, "", of->name, "() takes a name and a number of places");
     for (int i = 0; i < ode->symbols; i++)
-        if (ode->symbol[i].kind == from->kind && from->kind != ODE_FUNCTION &&
+        if (ode->symbol[i].kind == from->kind && from->kind < ODE_FUNCTION &&
             ode->symbol[i].index == from->index + floor(by))
             return put_symbol(w, &ode->symbol[i], ode->symbol[i].name);
     return fail(w, "there is nothing so many places behind ", from->name, "");
@@ -276,11 +296,30 @@ static bool put_function(struct ode_writing *w, node of, struct ode_symbol *func
     return function->body && put(w, function->body, &inner, may);
 }
 
+/* A table or a network, written out. */
+static bool put_places(struct ode_writing *w, node of, struct ode_symbol *symbol,
+                       const struct scope *scope, int may)
+{
+    double place;
+    if (of->arguments != 1)
+        return fail(w, "", of->name, "() is called with another number of arguments");
+    if (symbol->kind == ODE_TABLE) {
+        const node sum = ode_table_at(w->reader->ode, symbol, of->argument[0]);
+        return sum && put(w, sum, scope, may);
+    }
+    if (!value_of(of->argument[0], scope, 0, &place))
+        return fail(w, "the place in '", symbol->name, "' has to be a number");
+    const node sum = ode_net_at(w->reader->ode, symbol, place);
+    return sum && put(w, sum, NULL, may);
+}
+
 static bool put_call(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     struct ode_symbol *function = ode_find(w->reader->ode, of->name);
     if (function && function->kind == ODE_FUNCTION)
         return put_function(w, of, function, scope, may);
+    if (function && function->kind > ODE_FUNCTION)
+        return put_places(w, of, function, scope, may);
     if (text_is(of->name, "shift"))
         return put_shift(w, of, scope);
     if (text_is(of->name, "mod") && of->arguments == 2)
@@ -408,4 +447,16 @@ bool ode_formula(const struct ode_reader *reader, struct text text, struct buffe
     if (!whole || !put(&w, whole, NULL, ANY))
         return false;
     return !out->failed || error_memory(ode->error);
+}
+
+bool ode_formula_at(struct ode *ode, const struct ode_symbol *of, const struct ode_node *whole,
+                    double t, struct buffer *out)
+{
+    const struct ode_symbol time = {.argument = {TEXT("t")}, .arguments = 1};
+    const struct ode_node number = {.kind = NODE_NUMBER, .number = t};
+    const struct ode_node *const argument[] = {&number};
+    const struct scope scope = {.function = &time, .argument = argument};
+    const struct ode_reader reader = {ode, of, of->line};
+    struct ode_writing w = {.reader = &reader, .out = out, .numbers = true};
+    return put(&w, whole, &scope, ANY) && (!out->failed || error_memory(ode->error));
 }

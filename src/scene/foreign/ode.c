@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* .ode files as typed scenes. */
+#include "scene/foreign/net.h"
 #include "scene/foreign/statements.h"
 
 #include <stdio.h>
@@ -184,6 +185,21 @@ static bool add_events(struct ode_statements *s, struct ode_scene *scene)
     return true;
 }
 
+/* As XPPAUT's do in a run of its own, where nobody has it make them again. */
+static bool note_tables(struct ode_statements *s)
+{
+    for (int i = 0; i < s->ode.symbols; i++) {
+        const struct ode_symbol *symbol = &s->ode.symbol[i];
+        char safe[SAFE_NAME_SIZE];
+        if (symbol->kind == ODE_TABLE && symbol->table->reads &&
+            !ode_note(s, symbol->line, false,
+                      "the table %s keeps its numbers where its parameters change",
+                      safe_name(symbol->name, safe)))
+            return false;
+    }
+    return true;
+}
+
 bool ode_read(struct text file, const struct ode_options *options, struct arena *arena,
               struct ode_scene *scene, struct error *error)
 {
@@ -209,7 +225,8 @@ bool ode_read(struct text file, const struct ode_options *options, struct arena 
         !add_lines(ode, ODE_DERIVED, TYPED_OBSERVE, scene) ||
         !add_lines(ode, ODE_FIXED, TYPED_OBSERVE, scene) ||
         !add_lines(ode, ODE_AUX, TYPED_OBSERVE, scene) ||
-        !add_lines(ode, ODE_VARIABLE, TYPED_EQUATION, scene) || !add_events(&s, scene))
+        !add_lines(ode, ODE_VARIABLE, TYPED_EQUATION, scene) || !add_events(&s, scene) ||
+        !note_tables(&s))
         return false;
     scene->note = s.note;
     scene->notes = s.notes;

@@ -25,7 +25,18 @@ bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, in
 
 /* ---- names ---- */
 
-enum ode_kind { ODE_VARIABLE, ODE_PARAM, ODE_DERIVED, ODE_FIXED, ODE_AUX, ODE_FUNCTION };
+/* Those that are called come last. */
+enum ode_kind {
+    ODE_VARIABLE,
+    ODE_PARAM,
+    ODE_DERIVED,
+    ODE_FIXED,
+    ODE_AUX,
+    ODE_FUNCTION,
+    ODE_TABLE,
+    ODE_NET,
+    ODE_KINDS
+};
 
 struct ode_symbol {
     struct text name;
@@ -38,13 +49,15 @@ struct ode_symbol {
     struct text argument[ODE_ARGUMENTS];
     int arguments;
     const struct ode_node *body; /* of a function, once it is used */
+    struct ode_table *table;
+    struct ode_net *net;
 };
 
 struct ode {
     struct arena *arena;
     struct error *error;
     struct ode_symbol *symbol;
-    int symbols, capacity, count[ODE_FUNCTION + 1];
+    int symbols, capacity, count[ODE_KINDS];
     size_t bytes; /* of formulas, so far */
 };
 
@@ -58,6 +71,9 @@ struct ode_reader {
 
 /* Appends the formula as one of typed scenes. */
 bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *out);
+/* The same in numbers: t is one, parameters are their values. */
+bool ode_formula_at(struct ode *ode, const struct ode_symbol *of, const struct ode_node *whole,
+                    double t, struct buffer *out);
 
 /* ---- settings and events ---- */
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/foreign/statements.h"
+#include "scene/foreign/net.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -132,6 +133,24 @@ static bool take_aux(struct ode_statements *s, int line, struct text rest)
                from(rest, (size_t)(equals + 1 - rest.at)));
 }
 
+static bool take_table(struct ode_statements *s, int line, struct text rest)
+{
+    const struct text name = peek_word(rest, "%");
+    struct ode_symbol *symbol = add(s, ODE_TABLE, line, name, from(rest, name.len));
+    return symbol && ode_table_read(&s->ode, symbol);
+}
+
+static bool take_special(struct ode_statements *s, int line, struct text rest)
+{
+    const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
+    if (!equals)
+        return ode_error(s->ode.error, line, "a network is special NAME=conv(...)");
+    struct ode_symbol *symbol =
+        add(s, ODE_NET, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
+            from(rest, (size_t)(equals + 1 - rest.at)));
+    return symbol && ode_net_read(&s->ode, symbol);
+}
+
 static bool take_set(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "{");
@@ -181,10 +200,10 @@ static const struct word {
     {"only", 2, take_nothing, NULL},
     {"wiener", 1, NULL, "noise (wiener) is not for scenes: their motion is one for each start"},
     {"markov", 2, NULL, "Markov variables are not for scenes: they change by chance"},
-    {"special", 2, NULL, "networks (special) are not for scenes"},
+    {"special", 2, take_special, NULL},
     {"solve", 2, NULL, "algebraic equations (solve, 0=) are not for scenes"},
-    {"table", 2, NULL, "tables are not for scenes"},
-    {"tabular", 2, NULL, "tables are not for scenes"},
+    {"table", 2, take_table, NULL},
+    {"tabular", 2, take_table, NULL},
     {"export", 2, NULL, "values that a C library computes (export) are not for scenes"},
     {"vector", 3, NULL, "networks (vector) are not for scenes"},
     {"volterra", 1, NULL, "integral equations (volt) are not for scenes"},

@@ -164,6 +164,21 @@ static void test_settings(void **state)
     done(&r);
 }
 
+/* Written out: straight lines, and sums over neighbours, with parameters as the file has them. */
+static void test_tables(void **state)
+{
+    (void)state;
+    becomes("table w % 3 0 2 b*t^2\npar a=4\n!b=a/2\nx'=w(x-1)+w(2)\nd",
+            "param a = 4\nvar x = 0\nobserve b = a/2\n"
+            "x' = 0 + 2*(x - 1 - 0) + 4*max(x - 1 - 1, 0) + (0 + 2*(2 - 0) + 4*max(2 - 1, 0))\n");
+    becomes("table g % 3 -1 1 f(t)\nf(u)=u+2\nspecial k=conv(even,3,1,g,x0)\n"
+            "special p=conv(per,3,1,g,x0)\nspecial z=conv(0,3,1,g,x0)\nx[0..2]'=k([j])\n"
+            "aux p=p(0)-p(9)\naux z=z(2)\nd",
+            "var x0 = 0\nvar x1 = 0\nvar x2 = 0\n"
+            "observe p = 1*x2 + 2*x0 + 3*x1 - 0\nobserve z = 1*x1 + 2*x2\n"
+            "x0' = 1*x1 + 2*x0 + 3*x1\nx1' = 1*x0 + 2*x1 + 3*x2\nx2' = 1*x1 + 2*x2 + 3*x1\n");
+}
+
 static void test_events(void **state)
 {
     (void)state;
@@ -192,8 +207,19 @@ static void test_refused(void **state)
         {"x'=del_shft(x,1,2)\nd", "line 1: delays"},
         {"x'=ran(1)\nd", "line 1: random numbers"},
         {"x'=1\nmarkov z 2\n{0} {1}\n{1} {0}\nd", "line 2: Markov"},
-        {"x[0..9]'=-x[j]\nspecial k=conv(even,10,2,w,x0)\nd", "line 2: networks"},
-        {"table w % 5 0 1 t\nx'=w(x)\nd", "line 1: tables"},
+        {"x[0..9]'=-x[j]\nspecial k=sparse(10,5,w,i,x0)\nd", "line 2: networks"},
+        {"special k=conv(even,10,12,w,x0)\nx'=1\nd", "line 1: a network is special"},
+        {"special k=conv(even,2,1,w,x)\nx'=k(0)\nd", "line 1: its weights are a table of 3"},
+        {"table w % 3 0 1 t\nspecial k=conv(even,9,1,w,x)\nx'=k(0)\nd", "line 2: there are not 9"},
+        {"table w % 3 0 1 t\nspecial k=conv(even,2,1,w,x)\nx'=k(x)\ny'=1\nd", "the place in 'k'"},
+        {"table w values.tab\nx'=w(x)\nd", "line 1: the numbers of the table are in another file"},
+        {"table w % 1 0 1 t\nx'=w(x)\nd", "line 1: a table is table NAME"},
+        {"table w % 5 0 1 w(t)\nx'=w(x)\nd", "line 1: the table is made of itself"},
+        {"table w % 5 0 1 x*t\nx'=w(x)\nd", "line 1: a table has 'x', which changes"},
+        {"table w % 5 0 1 ran(t)\nx'=w(x)\nd", "line 1: random numbers"},
+        {"table w % 5 0 1 1/t\nx'=w(x)\nd", "line 1: the table has no number at 0"},
+        {"table w % 5 0 1 t\nx'=w(x,1)\nd", "line 2: w() is called with another number"},
+        {"table w % 5 0 1 t\nx'=w\nd", "line 2: w is a function"},
         {"x(t+1)=x/2\nd", "line 1: maps"},
         {"x'=x/2\n@ meth=discrete\nd", "line 2: method discrete: maps"},
         {"u(t)=sin(t)+int{exp(-t)#u}\nd", "line 1: integral equations"},
@@ -276,7 +302,8 @@ int main(void)
         cmocka_unit_test(test_statements), cmocka_unit_test(test_arrays),
         cmocka_unit_test(test_formulas),   cmocka_unit_test(test_names),
         cmocka_unit_test(test_settings),   cmocka_unit_test(test_events),
-        cmocka_unit_test(test_refused),    cmocka_unit_test(test_large),
+        cmocka_unit_test(test_tables),     cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_large),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
