@@ -269,7 +269,8 @@ $(B)/terminal/screen.o: build/terminals.def
 $(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
 # So are the sources of functions that programs get.
 $(B)/report/program/helpers.o: $(wildcard src/base/elementary/*) include/hooke/base/circle.h src/scene/formula/functions.c \
-  src/scene/formula/expr.h src/method/step/lu_body.h src/report/program/own.h
+  src/scene/formula/expr.h src/method/step/lu_body.h src/method/control/factor.h \
+  $(wildcard src/report/program/own*)
 
 OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
 $(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)

@@ -57,19 +57,25 @@ grep -q "line 3: dt is called dt_1 here" out && grep -q "warning: line 5: bounda
     grep -q "warning: line 6: the transient" err
 ok "other names and what is left out are said" $?
 
-# What is written is read again. The columns of the state come first.
+# What is written is read again, and runs with the same bits. Forces that are written as a reader knows them, and not as
+# they are computed (c*|v|*v with c*area/m in one, springs in the plane, the planet), are off by roundings.
+# The columns of the state come first.
 table() { grep -v '^#' "$1" | tail -n +2 | cut -d, -f1-"$(grep -v '^#' b.csv | head -n 1 | tr ',' '\n' | wc -l)"; }
-equal=0
-for scene in damped driven vanderpol pendulum duffing-driven; do
-    try -c "scene $scene; duration = 5 s; method rk4 dt=10ms; export scene $scene.ode; run; export a.csv --force; \
-load scene $scene.ode; run; export b.csv --force" && cmp <(table a.csv) <(table b.csv) >>err && equal=$((equal + 1))
-done
-if "$hooke" -n -c "help export" | grep -q "'scene' writes"; then
-    [ "$equal" -eq 5 ]
-    ok "what 'export scene' writes comes back, and runs with the same bits" $?
-else
-    skip "what 'export scene' writes comes back" "this program writes no scenes"
-fi
+near() { # two tables
+    paste -d, "$1" "$2" | awk -F, '{ for (i = 2; i <= NF/2; i++) { x = $i; y = $(i + NF/2); d = x < y ? y - x : x - y
+        x = x < 0 ? -x : x; if (x > size) size = x; if (d > most) most = d } } END { exit !(NR > 100 && most <= 1e-13*size) }'
+}
+lorenz="param s = 10; param r = 28; param b = 2.5; var x = 1; var y = 1; var z = 1; x' = s*(y - x); y' = x*(r - z) - y; z' = x*y - b*z"
+equal=0 close=0 written=0
+while read -r scene; do
+    written=$((written + 1))
+    rm -f a.csv b.csv back.ode
+    try -c "$scene; duration = 5 s; method rk4 dt=10ms; export scene back.ode; run; export a.csv; load scene back.ode; run; export b.csv"
+    table a.csv >a.table && table b.csv >b.table || continue
+    if cmp -s a.table b.table; then equal=$((equal + 1)); elif near a.table b.table; then close=$((close + 1)); else echo "$scene" >&2; fi
+done < <("$hooke" -n -c "list scenes" | awk '$1 !~ /^(stiff|extreme)-|prothero|robertson/ {print "scene " $1}'; echo "$lorenz")
+[ "$written" -ge 21 ] && [ "$equal" -ge 14 ] && [ $((equal + close)) -eq "$written" ]
+ok "what 'export scene' writes comes back: $equal of $written scenes run with the same bits, $close to 1e-13" $?
 
 files=$(dpkg -L xppaut 2>/dev/null | grep '\.ode$')
 if ! command -v xppaut >/dev/null || [ -z "$files" ]; then

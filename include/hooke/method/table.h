@@ -13,10 +13,20 @@ struct runge_kutta {
     const double *c, *b; /* [stages] */
     const double *a;     /* a21, a31 a32, ... */
     const double *b_hat; /* [stages] of the embedded method; NULL: none */
+    /* [stages] of a cubic Hermite interpolant's bend, see src/method/step/step.h; NULL: there is
+     * another interpolant, or none */
+    const double *bend;
 };
 
 /* False: the method is no explicit Runge-Kutta method. */
 bool method_runge_kutta(const struct method *method, struct runge_kutta *table);
+
+/*
+ * How its steps follow the error e = h sum_i (b_i - b_hat_i) k_i: *most is the largest root of the
+ * mean square that is accepted, in units of the state's size, *order how e goes with h. False: not
+ * by that error, or where the last stage is not the next first.
+ */
+bool method_error_control(const struct method *method, double tol, double *most, int *order);
 
 #define SPLITTING_WEIGHTS 40
 

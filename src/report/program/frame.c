@@ -86,7 +86,7 @@ static void put_time(struct scene_program *p, const char *indent)
 }
 
 /* Is the state what a run goes on with? */
-static void put_bounds(struct scene_program *p, const char *indent)
+void program_bounds(struct scene_program *p, const char *indent)
 {
     const struct system *system = &p->written.system;
     const bool c = p->syntax->dialect == DIALECT_C, octave = p->syntax->dialect == DIALECT_OCTAVE;
@@ -131,8 +131,22 @@ static void put_steps(struct scene_program *p)
                       program_state(p, 1));
     else
         program_step(p, indent);
-    put_bounds(p, indent);
+    program_bounds(p, indent);
     put_time(p, indent);
+}
+
+void program_acceleration_at(struct scene_program *p)
+{
+    const bool c = p->syntax->dialect == DIALECT_C;
+    const char *y = program_state(p, 0), *v = program_state(p, 1);
+    buffer_format(p->out,
+                  c ? "static double acceleration_at(double t, const double state[])\n{\n"
+                      "    const double %s = state[0], %s = state[1];\n"
+                      "    (void)t, (void)%s, (void)%s;\n    return "
+                    : "def acceleration_at(t, state):\n    %s, %s = state\n    return ",
+                  y, v, y, v);
+    program_call(p, PART_ALL, 0, "t", NULL);
+    buffer_put(p->out, c ? TEXT(";\n}\n\n") : TEXT("\n\n\n"));
 }
 
 /* One step as a function of a state of two, which others call with lengths of their own. */
@@ -157,16 +171,8 @@ static void put_step_function(struct scene_program *p)
     buffer_format(p->out,
                   c ? "    state[0] = %s;\n    state[1] = %s;\n}\n\n" : "    return [%s, %s]\n\n\n",
                   y, v);
-    if (!p->turns)
-        return;
-    buffer_format(p->out,
-                  c ? "static double acceleration_at(double t, const double state[])\n{\n"
-                      "    const double %s = state[0], %s = state[1];\n"
-                      "    (void)t, (void)%s, (void)%s;\n    return "
-                    : "def acceleration_at(t, state):\n    %s, %s = state\n    return ",
-                  y, v, y, v);
-    program_call(p, PART_ALL, 0, "t", NULL);
-    buffer_put(p->out, c ? TEXT(";\n}\n\n") : TEXT("\n\n\n"));
+    if (p->turns)
+        program_acceleration_at(p);
 }
 
 /* A step of the loop: hooke multiplies by powers of the matrix of one step, or takes pieces. */
@@ -207,7 +213,7 @@ static void put_called_c(struct scene_program *p)
     put_length(p, "        ");
     put_stepping_c(p);
     buffer_format(p->out, "        %s = state[0];\n        %s = state[1];\n", y, v);
-    put_bounds(p, "        ");
+    program_bounds(p, "        ");
     put_time(p, "        ");
     put_printf(p, "        ");
     buffer_put(p->out, TEXT("    }\n    return 0;\n}\n"));
@@ -215,7 +221,7 @@ static void put_called_c(struct scene_program *p)
 
 static void put_main_c(struct scene_program *p)
 {
-    if (p->plan.propagates || p->turns) {
+    if (!p->plan.adaptive && (p->plan.propagates || p->turns)) {
         put_called_c(p);
         return;
     }
@@ -225,6 +231,10 @@ static void put_main_c(struct scene_program *p)
     put_heading(p);
     buffer_put(p->out, TEXT("\");\n"));
     put_printf(p, "    ");
+    if (p->plan.adaptive) {
+        program_adaptive_loop_c(p);
+        return;
+    }
     put_steps(p);
     put_printf(p, "        ");
     buffer_put(p->out, TEXT("    }\n    return 0;\n}\n"));
@@ -232,16 +242,21 @@ static void put_main_c(struct scene_program *p)
 
 static void put_main_python(struct scene_program *p)
 {
-    if (p->turns)
+    if (p->turns && !p->plan.adaptive)
         put_step_function(p);
     put_start(p, "");
     buffer_put(p->out, TEXT("rows = [("));
     put_row(p);
     buffer_put(p->out, TEXT(")]\n"));
-    put_steps(p);
-    buffer_put(p->out, TEXT("    rows.append(("));
-    put_row(p);
-    buffer_put(p->out, TEXT("))\n\nif \"--plot\" in sys.argv:\n"
+    if (p->plan.adaptive) {
+        program_adaptive_loop_python(p);
+    } else {
+        put_steps(p);
+        buffer_put(p->out, TEXT("    rows.append(("));
+        put_row(p);
+        buffer_put(p->out, TEXT("))\n"));
+    }
+    buffer_put(p->out, TEXT("\nif \"--plot\" in sys.argv:\n"
                             "    import matplotlib.pyplot as plt\n\n"
                             "    plt.plot([row[0] for row in rows], [row[1] for row in rows])\n"));
     const struct variable first = p->written.system.model->variable[0];
@@ -327,6 +342,10 @@ static void put_functions(struct scene_program *p)
     const bool splits = p->method->splitting != NULL;
     if (method_is_backward_euler(p->method)) {
         program_implicit_functions(p);
+        return;
+    }
+    if (p->plan.adaptive && p->syntax->dialect != DIALECT_OCTAVE) {
+        program_adaptive_functions(p);
         return;
     }
     program_functions(p, splits ? PART_FORCE : PART_ALL);

@@ -164,8 +164,11 @@ void program_constants(struct scene_program *p)
                      typed ? "" : row->row.brief);
     }
     buffer_char(p->out, '\n');
-    if (p->plan.adaptive)
+    if (p->plan.adaptive) {
+        if (p->syntax->dialect != DIALECT_OCTAVE)
+            program_adaptive_constants(p);
         return;
+    }
     put_constant(p, "dt", p->settings.dt, "s", "time step");
     if (p->written.system.t0 != 0)
         put_constant(p, "t0", p->written.system.t0, "s", "start");

@@ -29,12 +29,17 @@ SOURCE(arc, "src/base/elementary/arc.c")
 SOURCE(expressions, "src/scene/formula/expr.h")
 SOURCE(function_rows, "src/scene/formula/functions.c")
 SOURCE(elimination, "src/method/step/lu_body.h")
+SOURCE(factor, "src/method/control/factor.h")
 SOURCE(own, "src/report/program/own.h")
+SOURCE(own_adaptive, "src/report/program/own_adaptive.h")
+SOURCE(own_python, "src/report/program/own.py")
 
 /* What is defined before what uses it. */
 static const char *const sources[] = {
     program_elimination,
+    program_factor,
     program_own,
+    program_own_adaptive,
     program_wide,
     program_circle_series,
     program_circle_near,
@@ -52,8 +57,8 @@ static const char *const sources[] = {
 };
 
 /* What is called from outside. */
-static const char *const roots[] = {"fixed_", "function_", "power",
-                                    "solve_", "propagate", "turning_"};
+static const char *const roots[] = {"fixed_",    "function_", "power",    "solve_",
+                                    "propagate", "turning_",  "adaptive_"};
 
 enum { NAMES = 4 };
 
@@ -346,88 +351,32 @@ static void put_c(struct scene_program *p, const struct source_items *items, str
 
 /* ---- Python ---- */
 
-static const struct {
-    const char *name, *text;
-} python[] = {
-    {"sign", "def sign(x):\n    return float((x > 0) - (x < 0))\n"},
-    {"step", "def step(x):\n    return float(x >= 0)\n"},
-    {"mod", "def mod(a, b):  # between 0 and b\n    return a % b\n"},
-    {"cbrt", "def cbrt(x):\n    return copysign(abs(x)**(1/3), x)\n"},
-    {"round_half", "def round_half(x):  # halves away from 0\n"
-                   "    return copysign(floor(abs(x) + 0.5), x)\n"},
-    {"solve", "def solve(t, h, s):  # z = h f(t, s + z)\n"
-              "    z, last = [0.0]*len(s), float(\"inf\")\n"
-              "    for iteration in range(50):\n"
-              "        at = [a + b for a, b in zip(s, z)]\n"
-              "        rest = [h*r - x for r, x in zip(derivatives(t, at), z)]\n"
-              "        move = eliminate(h, jacobian(t, at), rest)\n"
-              "        z = [a + b for a, b in zip(z, move)]\n"
-              "        moved = max(abs(x)/max(abs(y), w) for x, y, w in zip(move, s, size))\n"
-              "        if moved < 1e-16 or (moved >= last and moved < 1e-10):\n"
-              "            return z\n"
-              "        last = moved\n"
-              "    return None\n"},
-    {"solve", "def eliminate(h, by, b):  # (1 - h J) x = b, by Gauss\n"
-              "    n = len(b)\n"
-              "    a = [[(i == k) - h*by[n*i + k] for k in range(n)] + [b[i]] for i in range(n)]\n"
-              "    for p in range(n):\n"
-              "        best = max(range(p, n), key=lambda i: abs(a[i][p]))\n"
-              "        a[p], a[best] = a[best], a[p]\n"
-              "        for i in range(p + 1, n):\n"
-              "            factor = a[i][p]/a[p][p]\n"
-              "            for k in range(p, n + 1):\n"
-              "                a[i][k] -= factor*a[p][k]\n"
-              "    x = [0.0]*n\n"
-              "    for i in reversed(range(n)):\n"
-              "        x[i] = (a[i][n] - sum(a[i][k]*x[k] for k in range(i + 1, n)))/a[i][i]\n"
-              "    return x\n"},
-    {"turning_step",
-     "def turning_time(p, q):  # where v = 0 between two moments (time, v, a), by a cubic\n"
-     "    rise = q[1] - p[1]\n"
-     "    u = -p[1]/rise\n"
-     "    r = 1 - u\n"
-     "    x = (p[0] + (q[0] - p[0])*(u*u*(3 - 2*u)) +\n"
-     "         rise*u*r*(r/p[2] - u/q[2]))\n"
-     "    return x if (x - p[0])*(q[0] - x) > 0 else p[0] + (q[0] - p[0])/2\n"},
-    {"turning_step",
-     "def turning_step(t, h, state):  # in pieces that meet where the velocity turns\n"
-     "    rest = h\n"
-     "    for piece in range(8):\n"
-     "        before, state = state, step(t, rest, state)\n"
-     "        near = 1e-8*abs(rest)\n"
-     "        if piece == 7 or not before[1]*state[1] < 0:\n"
-     "            return state\n"
-     "        first = (0.0, before[1], acceleration_at(t, before))\n"
-     "        last = (rest, state[1], acceleration_at(t + rest, state))\n"
-     "        x = turning_time(first, last)\n"
-     "        if abs(x) <= near or abs(rest - x) <= near:\n"
-     "            return state\n"
-     "        for attempt in range(12):\n"
-     "            state = step(t, x, before)\n"
-     "            here = (x, state[1], acceleration_at(t + x, state))\n"
-     "            if abs(here[1]) <= near*abs(here[2]) or attempt == 11:\n"
-     "                break\n"
-     "            if (here[1] < 0) == (first[1] < 0):\n"
-     "                first = here\n"
-     "            else:\n"
-     "                last = here\n"
-     "            x = turning_time(first, last)\n"
-     "        rest -= x\n"
-     "        t += x\n"
-     "    return state\n"},
-    {"power", "def power(x, n):  # by multiplications, n whole or half of that\n"
-              "    whole = int(abs(n))\n"
-              "    result = 1.0\n"
-              "    for bit in bin(whole)[2:]:\n"
-              "        result = result*result*x if bit == \"1\" else result*result\n"
-              "    if abs(n) > whole:\n"
-              "        result *= sqrt(x)\n"
-              "    return 1/result if n < 0 else result\n"},
+static const char *const of_math[] = {"acos",  "asin",     "atan", "atan2", "ceil",  "copysign",
+                                      "cos",   "cosh",     "exp",  "expm1", "floor", "frexp",
+                                      "hypot", "isfinite", "log",  "log10", "pi",    "sin",
+                                      "sinh",  "sqrt",     "tan",  "tanh",  "ulp"};
+
+enum { PYTHON_ITEMS = 32 };
+
+struct python_items {
+    struct text text[PYTHON_ITEMS], name[PYTHON_ITEMS];
+    bool needed[PYTHON_ITEMS];
+    int count;
 };
 
-static const char *const of_math[] = {
-    "acos",  "asin",  "atan", "atan2", "ceil", "copysign", "cos",  "cosh", "exp", "expm1",
-    "floor", "hypot", "log",  "log10", "pi",   "sin",      "sinh", "sqrt", "tan", "tanh"};
+/* Functions and classes, with two empty lines between them. */
+static void cut_python(struct python_items *items)
+{
+    for (const char *at = program_own_python; (at = strstr(at, "\n\n\n"));) {
+        at += 3;
+        const char *end = strstr(at, "\n\n\n");
+        const struct text text = {at, end ? (size_t)(end + 1 - at) : strlen(at)};
+        if (items->count == PYTHON_ITEMS)
+            return; /* the program would lack it: Python says so */
+        items->name[items->count] = word_at(text, strcspn(at, " ") + 1);
+        items->text[items->count++] = text;
+    }
+}
 
 static bool calls_it(struct text program, struct text wanted)
 {
@@ -438,12 +387,38 @@ static bool calls_it(struct text program, struct text wanted)
     return false;
 }
 
+/* Is there a function of that name in the program itself? */
+static bool defines(struct text program, struct text name)
+{
+    struct text word;
+    bool definition = false;
+    for (size_t at = 0; next_word(program, &at, &word);) {
+        if (definition && text_equal(word, name))
+            return true;
+        definition = text_is(word, "def");
+    }
+    return false;
+}
+
+static void need_python(struct python_items *items, struct text program, struct text text)
+{
+    for (int i = 0; i < items->count; i++) {
+        if (items->needed[i] || !calls_it(text, items->name[i]) || defines(program, items->name[i]))
+            continue;
+        items->needed[i] = true;
+        need_python(items, program, items->text[i]);
+    }
+}
+
 static void put_python(struct text program, struct buffer *declared)
 {
+    struct python_items items = {0};
     struct buffer own = {0}, text = {0};
-    for (size_t i = 0; i < COUNT_OF(python); i++)
-        if (calls_it(program, text_of(python[i].name)))
-            buffer_format(&own, "\n\n%s", python[i].text);
+    cut_python(&items);
+    need_python(&items, program, program);
+    for (int i = 0; i < items.count; i++)
+        if (items.needed[i])
+            buffer_format(&own, "\n\n%.*s", (int)items.text[i].len, items.text[i].at);
     buffer_put(&text, program);
     buffer_put(&text, buffer_text(&own));
     int count = 0;

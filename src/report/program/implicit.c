@@ -116,7 +116,7 @@ static void put_unpacked(struct scene_program *p)
     buffer_put(p->out, c ? TEXT(";\n") : TEXT(""));
 }
 
-static void put_derivatives(struct scene_program *p)
+void program_derivatives(struct scene_program *p)
 {
     const bool c = p->syntax->dialect == DIALECT_C;
     const int n = program_n(p), positions = n - p->written.rows;
@@ -181,7 +181,7 @@ static void put_jacobian(struct scene_program *p)
     buffer_put(p->out, c ? TEXT("}\n\n") : TEXT("    return slopes\n\n\n"));
 }
 
-static void put_sizes(struct scene_program *p)
+void program_sizes(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
     const bool c = p->syntax->dialect == DIALECT_C;
@@ -190,8 +190,8 @@ static void put_sizes(struct scene_program *p)
         buffer_put(p->out, i ? TEXT(", ") : TEXT(""));
         buffer_real(p->out, system->scale[i]);
     }
-    buffer_put(p->out, c ? TEXT("}; /* of the state, to compare errors with */\n\n")
-                         : TEXT("]  # of the state, to compare errors with\n\n\n"));
+    buffer_put(p->out, c ? TEXT("}; /* of the state, to compare errors with */\n")
+                         : TEXT("]  # of the state, to compare errors with\n"));
 }
 
 /* ---- both ---- */
@@ -203,9 +203,10 @@ void program_implicit_functions(struct scene_program *p)
         program_functions(p, PART_FORCE);
         return;
     }
-    put_sizes(p);
+    program_sizes(p);
+    buffer_put(p->out, p->syntax->dialect == DIALECT_C ? TEXT("\n") : TEXT("\n\n"));
     program_functions(p, PART_ALL);
-    put_derivatives(p);
+    program_derivatives(p);
     put_jacobian(p);
 }
 

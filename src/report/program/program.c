@@ -132,6 +132,22 @@ static const char *const taken[] = {
     "now",
     "pull",
     "tol",
+    "control",
+    "stage_time",
+    "stage_weight",
+    "weight",
+    "weight_low",
+    "weight_inside",
+    "error_most",
+    "error_order",
+    "interval",
+    "inside",
+    "good",
+    "turn",
+    "limited",
+    "frexp",
+    "isfinite",
+    "ulp",
 };
 
 /* Functions of C's library and compiler, which a constant outside of functions may not be called.
@@ -254,12 +270,8 @@ static bool refuse_method(struct scene_program *p)
         !(system->n == 2 && system->oscillator.whole))
         return error_set(p->error, ERROR_COMMAND,
                          "%s of these equations is written in C and Python only", name);
-    const bool ode45 = p->syntax->dialect == DIALECT_OCTAVE && p->method->tableau;
-    if (p->plan.adaptive && !ode45) {
-        error_set(p->error, ERROR_COMMAND, "the program takes steps of one size, and %s adapts",
-                  name);
-        return error_hint(p->error, "method %s dt=10ms takes steps of one size", name);
-    }
+    if (p->plan.adaptive && !program_refuse_adaptive(p))
+        return false;
     if (p->method->splitting && p->written.system.velocity &&
         (p->drag == DRAG_IMPLICIT || (p->drag == DRAG_EXACT && p->method->order != 2))) {
         error_set(p->error, ERROR_COMMAND, "%s with this drag is not written as a program", name);
@@ -271,24 +283,30 @@ static bool refuse_method(struct scene_program *p)
 static bool refuse_pieces(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
-    if (p->settings.compensated)
+    if (p->settings.compensated && !p->plan.adaptive)
         return error_set(p->error, ERROR_COMMAND,
                          "compensated sums are not written ('set sums "
                          "plain')");
     struct runge_kutta table;
-    p->turns = !p->plan.adaptive && method_turns(p->method, system) &&
-               method_runge_kutta(p->method, &table) && (system->autonomous || !table.fsal) &&
+    p->turns = method_turns(p->method, system) && method_runge_kutta(p->method, &table) &&
+               (p->plan.adaptive || system->autonomous || !table.fsal) &&
                p->syntax->dialect != DIALECT_OCTAVE;
-    if (!system->pieces && (p->turns || !method_turns(p->method, system)))
+    const bool pieces = p->plan.adaptive ? system->switches > 0 : system->pieces;
+    if (!pieces && (p->turns || !method_turns(p->method, system)))
         return true;
     error_set(p->error, ERROR_COMMAND,
               system->dry ? "steps end where the body turns, sticks and breaks away, which is not "
                             "written as a program"
-              : system->pieces
+              : pieces
                   ? "steps end where the forces jump or bend, which is not written as a program"
                   : "steps of %s end where the velocity turns, because the force bends there, "
                     "which is not written as a program",
               p->method->row.name);
+    if (p->plan.adaptive && !system->dry)
+        return error_hint(p->error,
+                          "steps of one size, 'method %s dt=10ms' after 'set turning off', step "
+                          "across, and that is",
+                          p->method->row.name);
     return error_hint(p->error, "'set turning off' steps across, and that is");
 }
 

@@ -93,6 +93,21 @@ void program_step(struct scene_program *p, const char *indent);
 void program_implicit_functions(struct scene_program *p);
 void program_implicit_step(struct scene_program *p, const char *indent);
 
+/* derivatives() of the state as one; `size`, the sizes of its variables; acceleration_at() */
+void program_derivatives(struct scene_program *p);
+void program_sizes(struct scene_program *p);
+void program_acceleration_at(struct scene_program *p);
+/* Ends the program, or goes on behind the rows, where the state is not what a run goes on with. */
+void program_bounds(struct scene_program *p, const char *indent);
+
+/* ---- steps whose size follows the error (adaptive.c): C and Python ---- */
+
+bool program_refuse_adaptive(struct scene_program *p);
+void program_adaptive_constants(struct scene_program *p);
+void program_adaptive_functions(struct scene_program *p);
+void program_adaptive_loop_c(struct scene_program *p);
+void program_adaptive_loop_python(struct scene_program *p);
+
 /* ---- whole files ---- */
 
 void program_front(struct scene_program *p);
