@@ -172,7 +172,7 @@ void program_adaptive_constants(struct scene_program *p)
 
 static void put_printf(struct scene_program *p, const char *indent, const char *inside)
 {
-    buffer_format(p->out, "%sprintf(\"", indent);
+    buffer_format(p->out, "%s%s(\"", indent, "printf");
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_put(p->out, i ? TEXT(",%.17g") : TEXT("%.17g"));
     buffer_put(p->out, TEXT("\\n\", "));

@@ -107,6 +107,39 @@ static void put_arguments(const struct scene_program *p, const bool *reads, cons
         buffer_put(p->out, text_of(p->syntax->none));
 }
 
+/* In a language whose functions are one expression, what is observed is a function itself, and its
+ * name from there on a call. */
+static void put_observed_functions(struct scene_program *p, enum part part)
+{
+    const struct written *w = &p->written;
+    bool *needed = arena_array(p->arena, (size_t)w->names, sizeof *needed);
+    for (int row = 0; needed && row < w->rows; row++)
+        if (expr_of(p, part, row))
+            mark_reads(p, expr_of(p, part, row), needed);
+    for (int i = w->observed; needed && i < w->names; i++) {
+        bool *reads = arena_array(p->arena, (size_t)w->names, sizeof *reads);
+        struct buffer call = {0};
+        struct scene_program calls = *p;
+        if (!needed[i] || strchr(p->name[i], '(') || !reads)
+            continue;
+        mark_reads(p, w->observe[i - w->observed], reads);
+        calls.out = &call;
+        buffer_format(&call, "%s(", p->name[i]);
+        put_arguments(&calls, reads, "");
+        buffer_char(&call, ')');
+        buffer_format(p->out, "%s = @(", p->name[i]);
+        put_arguments(p, reads, "");
+        buffer_put(p->out, TEXT(") "));
+        program_expr(p, w->observe[i - w->observed]);
+        buffer_put(p->out, TEXT(";\n"));
+        char *name = call.failed ? NULL : arena_text(p->arena, buffer_text(&call));
+        p->out->failed |= !name;
+        p->name[i] = name ? name : p->name[i];
+        buffer_free(&call);
+    }
+    p->out->failed |= !needed;
+}
+
 static void put_function(struct scene_program *p, enum part part, int row)
 {
     const struct syntax *s = p->syntax;
@@ -143,6 +176,8 @@ static void put_function(struct scene_program *p, enum part part, int row)
 
 void program_functions(struct scene_program *p, enum part part)
 {
+    if (p->syntax->dialect == DIALECT_OCTAVE)
+        put_observed_functions(p, part);
     for (int row = 0; row < p->written.rows; row++)
         if (expr_of(p, part, row) || is_dry(p, part))
             put_function(p, part, row);
@@ -162,7 +197,10 @@ bool program_call(struct scene_program *p, enum part part, int row, const char *
     for (int i = 0; reads && i < 1 + program_n(p); i++) {
         if (!reads[i])
             continue;
-        buffer_format(p->out, "%s%s%s", count++ ? ", " : "", i == 0 && time ? time : p->name[i],
+        buffer_format(p->out, "%s%s%s", count++ ? ", " : "",
+                      i == 0 && time ? time
+                      : p->argument  ? p->argument[i]
+                                     : p->name[i],
                       i > 0 && suffix ? suffix : "");
     }
     buffer_char(p->out, ')');

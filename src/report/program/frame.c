@@ -284,12 +284,14 @@ static void put_ode45(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
     const int n = system->n, positions = n - p->written.rows;
-    char z[REAL_TEXT_SIZE], text[16];
+    char z[REAL_TEXT_SIZE], text[16], *argument[1 + LIMIT_VARIABLES] = {p->name[0]};
+    struct scene_program called = *p;
+    called.argument = argument;
     buffer_put(p->out, TEXT("slopes = @(t, s) ["));
     for (int i = 0; i < n; i++) {
         snprintf(text, sizeof text, "s(%d)", i + 1);
-        p->name[1 + i] = arena_text(p->arena, text_of(text));
-        if (!p->name[1 + i]) {
+        argument[1 + i] = arena_text(p->arena, text_of(text));
+        if (!argument[1 + i]) {
             p->out->failed = true;
             return;
         }
@@ -297,9 +299,9 @@ static void put_ode45(struct scene_program *p)
     for (int i = 0; i < n; i++) {
         buffer_put(p->out, i ? TEXT("; ") : TEXT(""));
         if (i < positions)
-            buffer_put(p->out, text_of(p->name[1 + i + positions]));
+            buffer_put(p->out, text_of(argument[1 + i + positions]));
         else
-            program_call(p, PART_ALL, i - positions, "t", NULL);
+            program_call(&called, PART_ALL, i - positions, "t", NULL);
     }
     real_format(p->settings.tol, z);
     buffer_format(p->out, "];\ntol = odeset('RelTol', %s, 'AbsTol', %s*[", z, z);

@@ -303,7 +303,7 @@ static void put_item(struct buffer *out, const struct source_items *items, struc
         for (size_t i = 0; i < COUNT_OF(words); i++)
             as = text_is(word, words[i].as) ? words[i].to : as;
         const struct source_item *item = as || is_root(word) ? NULL : item_named(items, word);
-        if (item && item->function && has_word(program, word))
+        if (item && has_word(program, word))
             buffer_put(out, TEXT("fixed_")); /* the scene has the name */
         buffer_put(out, as ? text_of(as) : word);
         at += word.len;

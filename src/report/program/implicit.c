@@ -48,9 +48,9 @@ static void put_closed(struct scene_program *p, const char *indent)
     if (o->quadratic != 0) {
         buffer_format(p->out, "%s%sbend = 4*(quadratic*%s*inverse)*inverse%s\n", indent, in, h,
                       s->stop);
-        buffer_format(p->out, "%s%sr = %s + %s*force%s\n", indent, in, v, h, s->stop);
-        buffer_format(p->out, "%s%sv_new = 2*(r*inverse)/(1 + sqrt(1 + bend*%s(r)))%s\n", indent,
-                      in, abs, s->stop);
+        buffer_format(p->out, "%s%sv_free = %s + %s*force%s\n", indent, in, v, h, s->stop);
+        buffer_format(p->out, "%s%sv_new = 2*(v_free*inverse)/(1 + sqrt(1 + bend*%s(v_free)))%s\n",
+                      indent, in, abs, s->stop);
         buffer_format(p->out, "%s%slost = quadratic*%s*%s(v_new)%s\n", indent, in, h, abs, s->stop);
     } else {
         buffer_format(p->out, "%s%sv_new = (%s + %s*force)*inverse%s\n", indent, in, v, h, s->stop);

@@ -12,163 +12,17 @@
 
 /* ---- words ---- */
 
-/* What the programs and their languages use themselves. */
-static const char *const taken[] = {
-    "step",
-    "propagate",
-    "turning_step",
-    "turning_time",
-    "acceleration_at",
-    "moment",
-    "first",
-    "last",
-    "dt",
-    "t0",
-    "t_end",
-    "steps",
-    "i",
-    "h",
-    "main",
-    "rows",
-    "row",
-    "drag",
-    "slope",
-    "size",
-    "acceleration",
-    "double",
-    "int",
-    "long",
-    "lambda",
-    "if",
-    "for",
-    "in",
-    "is",
-    "as",
-    "or",
-    "and",
-    "not",
-    "def",
-    "del",
-    "pass",
-    "return",
-    "static",
-    "const",
-    "char",
-    "float",
-    "short",
-    "auto",
-    "case",
-    "default",
-    "do",
-    "else",
-    "enum",
-    "extern",
-    "goto",
-    "register",
-    "signed",
-    "sizeof",
-    "struct",
-    "switch",
-    "typedef",
-    "union",
-    "unsigned",
-    "void",
-    "volatile",
-    "while",
-    "break",
-    "continue",
-    "class",
-    "from",
-    "global",
-    "import",
-    "try",
-    "with",
-    "yield",
-    "raise",
-    "None",
-    "True",
-    "False",
-    "print",
-    "range",
-    "end",
-    "function",
-    "printf",
-    "stderr",
-    "NAN",
-    "INFINITY",
-    "inline",
-    "restrict",
-    "power",
-    "number",
-    "more",
-    "elif",
-    "except",
-    "finally",
-    "assert",
-    "async",
-    "await",
-    "nonlocal",
-    "sys",
-    "plt",
-    "state",
-    "jacobian",
-    "solve",
-    "keep",
-    "half",
-    "fixed",
-    "round_half",
-    "choose",
-    "pi",
-    "bool",
-    "true",
-    "false",
-    "total",
-    "square",
-    "error",
-    "derivatives",
-    "derivative",
-    "slopes",
-    "change",
-    "now",
-    "pull",
-    "tol",
-    "control",
-    "stage_time",
-    "stage_weight",
-    "weight",
-    "weight_low",
-    "weight_inside",
-    "error_most",
-    "error_order",
-    "interval",
-    "inside",
-    "good",
-    "turn",
-    "limited",
-    "frexp",
-    "isfinite",
-    "ulp",
-};
-
-/* Functions of C's library and compiler, which a constant outside of functions may not be called.
- */
-static const char *const functions_of_c[] = {
-    "gamma", "y0",   "y1",     "yn",     "j0",   "j1",    "jn",    "signgam",
-    "index", "time", "remove", "rename", "fma",  "erf",   "ldexp", "frexp",
-    "div",   "abs",  "logb",   "scalb",  "drem", "exp10", "pow10",
-};
-
-static bool among(const char *name, const char *const *word, size_t count)
+/* One that the program does not use itself, and no other of the scene has. */
+static void put_free_name(struct scene_program *p, const char *own, struct buffer *name)
 {
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(name, word[i]) == 0)
-            return true;
-    return false;
-}
-
-bool program_shadows(const char *name)
-{
-    return among(name, functions_of_c, COUNT_OF(functions_of_c));
+    const struct written *w = &p->written;
+    buffer_put(name, text_of(own));
+    for (bool taken = program_takes(p->syntax->dialect, own); taken && !name->failed;) {
+        buffer_char(name, '_');
+        taken = false;
+        for (int i = 0; i < w->names; i++)
+            taken = taken || text_is(buffer_text(name), w->name[i]);
+    }
 }
 
 static bool make_names(struct scene_program *p)
@@ -182,8 +36,7 @@ static bool make_names(struct scene_program *p)
         if (i >= (size_t)w->names)
             buffer_format(&name, "part%zu", i - (size_t)w->names + 1);
         else
-            buffer_format(&name, "%s%s", w->name[i],
-                          among(w->name[i], taken, COUNT_OF(taken)) ? "_" : "");
+            put_free_name(p, w->name[i], &name);
         p->name[i] = name.failed ? NULL : arena_text(p->arena, buffer_text(&name));
         buffer_free(&name);
         if (!p->name[i])

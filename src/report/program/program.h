@@ -35,6 +35,7 @@ struct scene_program {
     struct written_slopes slopes; /* of backward Euler */
     const struct syntax *syntax;
     char **name;      /* [written.names + slopes.parts] in this language */
+    char **argument;  /* what functions are called with; NULL: the names */
     const char *step; /* what a step's length is called */
     bool partial;     /* the last step is shorter */
     bool turns;       /* steps end where the velocity turns */
@@ -45,6 +46,8 @@ struct scene_program {
 };
 
 const struct syntax *program_syntax(enum dialect dialect);
+/* Does a program use that name itself, or its language? */
+bool program_takes(enum dialect dialect, const char *name);
 /* Would a constant of that name in C hide a function? */
 bool program_shadows(const char *name);
 
