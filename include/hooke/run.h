@@ -206,8 +206,7 @@ struct run {
 /* A state variable that is larger ends a run: it diverges. */
 double run_bound(const struct system *system, int i);
 /* States after whole steps that are known already, as a run of fixed steps would find them: row
- * [count][n], the caller's, from the start on. Before it advances; their evaluations are not
- * counted. */
+ * [count][n], the caller's, from the present step on; their evaluations are not counted. */
 void run_give(struct run *run, const double *row, int64_t count);
 /* A run at its start (one recorded row). NULL with error. */
 struct run *run_create(const struct scene *scene, const struct method *method,

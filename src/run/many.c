@@ -77,7 +77,8 @@ static void find_block(struct run *run, const struct segment *segment, int64_t s
 void run_give(struct run *run, const double *row, int64_t count)
 {
     run->private_state->given = row;
-    run->private_state->given_count = count;
+    run->private_state->given_first = run->steps;
+    run->private_state->given_end = run->steps + count;
 }
 
 /* Steps that are given instead of taken. */
@@ -85,8 +86,8 @@ static int64_t take_given(struct run *run, const struct march *march)
 {
     struct run_private *p = run->private_state;
     const size_t n = (size_t)run->system.n, size = n * sizeof(double);
-    const int64_t taken = min(march->count, p->given_count - run->steps);
-    memcpy(march->row, p->given + (size_t)run->steps * n, (size_t)taken * size);
+    const int64_t taken = min(march->count, p->given_end - run->steps);
+    memcpy(march->row, p->given + (size_t)(run->steps - p->given_first) * n, (size_t)taken * size);
     memcpy(run->y, march->row + (size_t)(taken - 1) * n, size);
     p->step.warm = false;
     return taken;
@@ -125,7 +126,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     const bool propagated = taken > 0;
     if (propagated) {
         p->step.warm = false;
-    } else if (run->steps < p->given_count) {
+    } else if (run->steps < p->given_end) {
         taken = take_given(run, &march);
     } else {
         /* In a block that is not known: by steps, but only to its end, however the calls are cut.

@@ -16,13 +16,15 @@ struct cost_sample {
     int places;
 };
 
-/* So many points at each place. */
+/* So many points at each place: in the middle of each of as many parts as there are places, so that
+ * ends which take longer have no more than their share; where blocks of lanes begin. */
 static bool look(struct session *session, const struct sweep_request *request,
                  const struct sweep *shard, int64_t each, struct cost_sample *sample,
                  struct error *error)
 {
-    const int places = shard->count < PLACES * each ? 1 : PLACES;
-    const int64_t count = each < shard->count ? each : shard->count;
+    const int64_t count = each < shard->count ? each : shard->count, fit = shard->count / count,
+                  batch = study_sweep_batch(request);
+    const int places = fit < PLACES ? (int)fit : PLACES;
     bool ok = true;
     *sample = (struct cost_sample){.places = places};
     for (int i = 0; i < places && ok; i++) {
@@ -32,7 +34,9 @@ static bool look(struct session *session, const struct sweep_request *request,
         struct error why = {0};
         part.progress = NULL;
         part.count = count;
-        part.first = shard->first + (shard->count - count) / (places > 1 ? places - 1 : 1) * i;
+        const double middle = (double)shard->count * (2 * i + 1) / (2 * places);
+        const int64_t at = shard->first + (int64_t)fmax(0, middle - (double)count / 2);
+        part.first = at - at % batch < shard->first ? at : at - at % batch;
         study_sweep(&part, &sweep, &why);
         ok = sweep.finished == count && sweep_rows(&part, &sweep, &rows);
         if (!ok)

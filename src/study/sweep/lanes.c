@@ -142,8 +142,8 @@ static void watch_lanes(struct sweep_worker *worker, const double *before,
         const bool turns = any_turns(before, row), last = i == of->count - 1;
         const double number = (double)(of->first + i);
         for (int lane = 0; lane < worker->used && turns; lane++)
-            if (of->first < worker->clock[lane].whole &&
-                watch_turns(before[LANES + lane], row[LANES + lane]))
+            if (watch_turns(before[LANES + lane], row[LANES + lane]) &&
+                of->first < worker->clock[lane].whole)
                 watch_turn(&worker->watch[lane], of->t0[lane] + number * of->h[lane], before[lane],
                            before[LANES + lane],
                            last ? of->to[lane] : of->t0[lane] + (number + 1) * of->h[lane],
@@ -156,26 +156,9 @@ static void watch_lanes(struct sweep_worker *worker, const double *before,
             const double from = of->t0[0] + number * of->h[0],
                          h = (last ? of->to[0] : of->t0[0] + (number + 1) * of->h[0]) - from;
             add_areas(h, before, row, worker->area);
-            for (int lane = 0; lane < LANES; lane++)
-                worker->span[lane] += h;
+            worker->span[0] += h;
         }
     }
-}
-
-/* The states that have come by, for each lane by itself: so many rows at once fill a line of the
- * cache. */
-static void keep_rows(struct sweep_worker *worker, int64_t first, int64_t count)
-{
-    enum { AT_ONCE = 4 };
-    for (int64_t begin = 0; begin < count; begin += AT_ONCE)
-        for (int lane = 0; lane < worker->used; lane++) {
-            double *kept = worker->replay + (lane * worker->job->room + first) * 2;
-            for (int64_t i = begin;
-                 i < count && i < begin + AT_ONCE && first + i < worker->clock[lane].whole; i++) {
-                kept[2 * i] = worker->row[i * 2 * LANES + lane];
-                kept[2 * i + 1] = worker->row[(i * 2 + 1) * LANES + lane];
-            }
-        }
 }
 
 /* The first step at whose end the window is open. */
@@ -255,10 +238,13 @@ static bool march(struct sweep_worker *worker)
     double before[2 * LANES];
     bool open;
     begin_watching(worker, &of);
+    if (job->replays)
+        replay_begin(worker);
     take_ends(worker, 0, false);
     for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
         const bool watching = job->replays || job->tops || (job->watches && open);
-        const int64_t count = min(next - i, watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
+        const int64_t count =
+            min(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
             lanes_row(worker->lanes, before);
         for (int lane = 0; lane < LANES; lane++) {
@@ -274,7 +260,7 @@ static bool march(struct sweep_worker *worker)
         of.first = i;
         of.count = count;
         if (job->replays)
-            keep_rows(worker, i, count);
+            replay_keep(worker, i, count);
         else if (watching)
             watch_lanes(worker, before, &of);
         i += count;
@@ -286,6 +272,8 @@ static bool march(struct sweep_worker *worker)
             break;
         }
     }
+    for (int lane = 1; lane < worker->used && of.alike; lane++)
+        worker->span[lane] = worker->span[0];
     return true;
 }
 
@@ -340,9 +328,7 @@ static void finish_lanes(struct sweep_worker *worker)
         if (lane_suspicious(y, n) || (clock->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
             sweep_alone(worker, worker->point[lane]);
         } else if (job->replays) {
-            sweep_replay(worker, worker->point[lane], worker->replay + lane * job->room * 2,
-                         clock->whole, evals);
-            worker->side_by_side++;
+            replay_lane(worker, lane, evals);
         } else {
             if (job->watches)
                 finish_watch(worker, lane, clock->end, y);
@@ -381,6 +367,7 @@ void sweep_flush(struct sweep_worker *worker)
         sweep_adapt(worker);
     else if (begun && march(worker))
         finish_lanes(worker);
+    replay_end(worker);
     worker->used = 0;
 }
 
@@ -413,7 +400,7 @@ static bool set_clock(const struct sweep_worker *worker, const struct system *sy
     if (job->clocks && !job->adapts)
         fits = plan_grid(system, h, job->request->duration, &plan, &ignored) &&
                (!job->watches || plan.steps <= LIMIT_SAMPLES) &&
-               (!job->replays || (plan.whole > 0 && plan.whole <= job->room));
+               (!job->replays || (plan.whole > 0 && (job->in_pieces || plan.whole <= job->room)));
     *clock = (struct lane_clock){.h = h, .rest = plan.partial, .whole = plan.whole};
     return fits;
 }

@@ -157,8 +157,7 @@ static bool holds_when_failed(enum sweep_kind kind)
            kind == SWEEP_ATTRACTOR;
 }
 
-/* Does what is measured need the states on the way? */
-static bool needs_trace(const struct sweep_job *job)
+bool sweep_needs_trace(const struct sweep_job *job)
 {
     bool needed = job->watches;
     for (int m = 0; m < job->request->measures; m++) {
@@ -182,43 +181,38 @@ static bool needs_work(const struct sweep_job *job)
     return needed;
 }
 
-void sweep_alone(struct sweep_worker *worker, int64_t i)
-{
-    sweep_replay(worker, i, NULL, 0, 0);
-}
-
-void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t whole,
-                  int64_t evals)
+struct run *sweep_run(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
     struct error error = {0};
     struct run *run = NULL;
-    if (worker->section) {
-        section_alone(worker, i);
-        return;
-    }
     if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
         struct run_settings settings = worker->settings;
-        settings.record = needs_trace(job)
+        settings.record = sweep_needs_trace(job)
                               ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
                               : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
         settings.balanced = false;
         settings.unbalanced = !needs_work(job);
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }
-    if (!run) {
+    if (!run)
         sweep_refuse(worker, i, &error);
-        return;
-    }
+    return run;
+}
+
+void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
     const struct run_target target = {
         .t = needs_no_run(request) ? run->system.t0 : run->system.t0 + request->duration,
         .steps = -1};
-    if (row)
-        run_give(run, row, whole);
+    struct error ignored;
+    sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &ignored);
     while (run_advance(run, &target, 0, request->cancel)) {
     }
-    if (row)
+    if (evals >= 0)
         run->cost.evals = evals;
     if (run->stop != STOP_CANCELLED) {
         for (int m = 0; m < request->measures; m++) {
@@ -234,6 +228,17 @@ void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int
     }
     worker->steps += (double)run->steps;
     run_destroy(run);
+}
+
+void sweep_alone(struct sweep_worker *worker, int64_t i)
+{
+    if (worker->section) {
+        section_alone(worker, i);
+        return;
+    }
+    struct run *run = sweep_run(worker, i);
+    if (run)
+        sweep_measure_run(worker, i, run, -1);
 }
 
 bool sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)

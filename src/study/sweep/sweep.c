@@ -241,17 +241,21 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
         system && bind_end(request, job->sweep, job->sweep->first, system) &&
         plan_make(system, request->method, settings, request->duration, plan, &ignored);
     bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL;
-    for (int a = 0; a < request->axes; a++)
+    bool starts = false; /* at other times */
+    for (int a = 0; a < request->axes; a++) {
         job->clocks |= sets_clock(&request->axis[a]);
+        starts |= sets_clock(&request->axis[a]) && request->axis[a].target != SWEEP_DT;
+    }
     for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
         possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* that is long in itself */
     }
     if (job->replays) /* whose states are what lanes show on the way */
         possible = possible && system->order == 2 && system->n == 2 && !request->section.wanted &&
-                   (job->clocks || (plan->whole > 0 && plan->whole <= SWEEP_REPLAYED));
+                   (job->clocks || (plan->whole > 0 &&
+                                    (!sweep_needs_trace(job) || plan->whole <= SWEEP_REPLAYED)));
     job->adapts = planned && plan->adaptive;
-    possible = possible && !(job->clocks && (job->adapts || request->section.wanted)) &&
+    possible = possible && !(job->clocks && request->section.wanted) && !(job->adapts && starts) &&
                (job->adapts ? !job->replays && !request->section.wanted
                             : job->clocks || !job->watches || plan->steps <= LIMIT_SAMPLES);
     free(system);
@@ -260,7 +264,9 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     if (possible) {
         job->whole = plan->whole;
         job->rest = plan->partial;
-        job->room = job->clocks ? SWEEP_REPLAYED : plan->whole;
+        job->in_pieces = job->replays && !sweep_needs_trace(job) &&
+                         (job->clocks || plan->whole > SWEEP_REPLAYED);
+        job->room = job->clocks || job->in_pieces ? SWEEP_REPLAYED : plan->whole;
     }
 }
 
@@ -406,6 +412,20 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
 #define LANES_GAIN 50.0
 #define REPLAY_GAIN 2.0
 
+/* By how much fixed steps are more than with the present dt, where that is swept. */
+static double more_steps(const struct sweep_request *request)
+{
+    double more = 1;
+    for (int a = 0; a < request->axes; a++) {
+        const struct sweep_axis *axis = &request->axis[a];
+        double sum = 0;
+        for (int i = 0; i < axis->count && axis->target == SWEEP_DT; i++)
+            sum += request->settings.dt / sweep_axis_value(axis, i);
+        more *= axis->target == SWEEP_DT ? sum / axis->count : 1;
+    }
+    return more;
+}
+
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
 {
     struct sweep sweep;
@@ -414,6 +434,10 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     const struct sweep_job job = job_of(request, &sweep, &plan);
     if (request->section.wanted)
         plan_section(request, &sweep, &plan);
+    if (!job.adapts) {
+        plan.seconds *= more_steps(request);
+        plan.steps *= more_steps(request);
+    }
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(&job);
     const double each = lanes && !job.replays ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9
                         : lanes               ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9

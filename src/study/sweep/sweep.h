@@ -45,7 +45,7 @@ static inline bool watch_turns(double v0, double v1)
 
 enum {
     SWEEP_ROWS = 64,          /* steps between looks at what the lanes do */
-    SWEEP_REPLAYED = 1 << 13, /* steps of a run at most, of which lanes keep the states: 8 MiB */
+    SWEEP_REPLAYED = 1 << 13, /* steps of which lanes keep the states to be replayed: 8 MiB */
     SWEEP_FEW_ADAPTIVE = 10,
     SWEEP_FEW =
         3 /* so many points take less time alone than in lanes, most of which would stand empty */
@@ -65,6 +65,7 @@ struct sweep_job {
     int64_t whole; /* in lanes: full steps, and the rest [s] */
     double rest;
     int64_t room;                /* steps of which states are kept to be replayed */
+    bool in_pieces;              /* of longer runs, which go on by so many at a time */
     int along;                   /* the axis along which lanes lie */
     int64_t width;               /* points of a block */
     int64_t line, block;         /* the first that hold points of this sweep */
@@ -87,8 +88,9 @@ struct sweep_worker {
     struct run_settings settings;
     struct lanes *lanes; /* NULL: none are used */
     double *row;
-    double *replay;        /* [LANES][room][2]; NULL: nothing is replayed */
-    struct system *system; /* [LANES] */
+    double *replay;         /* [LANES][room][2]; NULL: nothing is replayed */
+    struct run *run[LANES]; /* in pieces: of each lane; NULL: none */
+    struct system *system;  /* [LANES] */
     struct extremes watch[LANES];
     double tol[LANES];
     double area[LANES], span[LANES]; /* what means are made of */
@@ -134,15 +136,23 @@ void sweep_combine(struct sweep_worker *worker, int64_t i);
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y);
 void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
-/* The same, its whole steps known already: row [whole][n]; evals: what all of its steps took. */
-void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t whole,
-                  int64_t evals);
+/* The run of point i; NULL: refused. */
+struct run *sweep_run(struct sweep_worker *worker, int64_t i);
+/* Takes it to its end, measures it and destroys it. evals: what its steps take, < 0: as it says */
+void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals);
+/* Does what is measured need the states on the way? */
+bool sweep_needs_trace(const struct sweep_job *job);
 
 /* ---- in lanes (sweep_lanes.c) ---- */
 
 bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag);
 void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
 void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
+/* replay.c: measured of runs that are given the states which the lanes have come to */
+void replay_begin(struct sweep_worker *worker);
+void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count);
+void replay_lane(struct sweep_worker *worker, int lane, int64_t evals); /* at its end */
+void replay_end(struct sweep_worker *worker);
 /* lanes_adaptive.c: the same after lanes_set(), where steps follow the error */
 void sweep_adapt(struct sweep_worker *worker);
 /* Does a velocity change its sign from one row to the next? rows of y, v [LANES] */

@@ -218,6 +218,33 @@ static void test_replays_equal_runs(void **state)
         }
 }
 
+/* Runs that are longer than what is kept of them are given it piece by piece. */
+static void test_long_replays_equal_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *axis;
+        double from, to;
+    } cases[] = {{"gamma", 0.1, 1}, {"omega", 6, 12}, {"dt", 1e-3, 7e-4}, {"k", -150, 15}};
+    for (size_t c = 0; c < COUNT_OF(cases); c++)
+        for (int rest = 0; rest < 2; rest++) {
+            const struct scene scene = scene_with(c == 3 ? "inverted" : "driven", NO_SETTINGS);
+            struct sweep_request request =
+                request_of(&scene, rest ? "verlet" : "rk4", 1e-3, rest ? 16.3844 : 16.384,
+                           c == 3 ? "energy_error work energy steps reached"
+                                  : "energy_error work energy steps evals reached");
+            request.axis[0] = axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to, 7);
+            request.axes = 1;
+            struct sweep lanes = sweep_of(&request);
+            assert_true(lanes.side_by_side > (c == 3 ? 0 : 3)); /* others diverge */
+            request.settings.kernel = KERNEL_GENERAL;
+            struct sweep alone = sweep_of(&request);
+            assert_same(&lanes, &alone, 0, cases[c].axis);
+            sweep_free(&lanes);
+            sweep_free(&alone);
+        }
+}
+
 /* Lanes lie along the axis that leaves the times as they are, or along both kinds of times. */
 static void test_two_clocks(void **state)
 {
@@ -247,6 +274,25 @@ static void test_two_clocks(void **state)
             sweep_free(&part);
         }
         sweep_free(&lanes);
+    }
+}
+
+/* Steps that are known before are those that are taken. */
+static void test_predicted_steps(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("driven", NO_SETTINGS);
+    struct sweep_request request = request_of(&scene, "rk4", 0.01, 5, "y");
+    for (int log = 0; log < 2; log++) {
+        request.axis[0] = axis_of(&scene, "dt", 1e-4, 0.1, 40);
+        request.axis[0].log = log;
+        request.axis[1] = axis_of(&scene, "gamma", 0.1, 1, 3);
+        request.axes = 2;
+        double steps, seconds;
+        study_sweep_predict(&request, &steps, &seconds);
+        struct sweep sweep = sweep_of(&request);
+        assert_true(fabs(steps / sweep.steps - 1) < 0.01 && seconds > 0);
+        sweep_free(&sweep);
     }
 }
 
@@ -601,7 +647,9 @@ int main(void)
         cmocka_unit_test(test_lanes_equal_runs),
         cmocka_unit_test(test_replays_equal_runs),
         cmocka_unit_test(test_adaptive_lanes_equal_runs),
+        cmocka_unit_test(test_long_replays_equal_runs),
         cmocka_unit_test(test_two_clocks),
+        cmocka_unit_test(test_predicted_steps),
         cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_shards_and_threads),
         cmocka_unit_test(test_stretches),

@@ -112,6 +112,18 @@ FAST bool WITH(cosines_of_quarter)(const vector *x, double n, uint64_t quarter, 
     return WITH(none)(doubt);
 }
 
+/* Those of any angles of a group. */
+FAST void WITH(any_cosines)(const vector *x, double *cosine)
+{
+    WITH(bits) doubt = {0};
+    vector value[GROUP_PARTS];
+    UNROLL for (int q = 0; q < GROUP_PARTS; q++) value[q] = WITH(circle)(x[q], 1, &doubt);
+    for (int q = 0; q < GROUP_PARTS && !WITH(none)(doubt); q++)
+        value[q] = WITH(one_by_one)(x[q], false);
+    UNROLL for (int q = 0; q < GROUP_PARTS; q++)
+        memcpy(cosine + q * WIDE, &value[q], sizeof value[q]);
+}
+
 /* cosine [LANES]: of the drives at t. Where the angles of a group, which lie between those of its
  * least and its largest numbers, are of one quarter, there is one polynomial and nothing to choose.
  */
@@ -132,29 +144,29 @@ TARGET static void WITH(drives)(const struct lanes *lanes, double t, double *cos
             if (WITH(cosines_of_quarter)(x, turned - WHOLE, quarter + 1, cosine))
                 continue;
         }
-        WITH(bits) doubt = {0};
-        vector value[GROUP_PARTS];
-        UNROLL for (int q = 0; q < GROUP_PARTS; q++) value[q] = WITH(circle)(x[q], 1, &doubt);
-        for (int q = 0; q < GROUP_PARTS && !WITH(none)(doubt); q++)
-            value[q] = WITH(one_by_one)(x[q], false);
-        UNROLL for (int q = 0; q < GROUP_PARTS; q++)
-            memcpy(cosine + q * WIDE, &value[q], sizeof value[q]);
+        WITH(any_cosines)(x, cosine);
     }
 }
 
 /* The same where each lane has its own time: t [LANES]. */
 TARGET static void WITH(own_drives)(const struct lanes *lanes, const double *t, double *cosine)
 {
-    WITH(bits) doubt = {0};
-    for (int q = 0; q < PARTS; q++) {
-        const vector x =
-            WITH(load)(lanes->omega, q) * WITH(load)(t, q) + WITH(load)(lanes->phase, q);
-        WITH(bits) here = {0};
-        const vector value = WITH(circle)(x, 1, &here);
-        memcpy(cosine + q * WIDE, &value, sizeof value);
-        doubt |= here;
+    for (int from = 0; from < PARTS; from += GROUP_PARTS, cosine += LANE_GROUP) {
+        vector x[GROUP_PARTS];
+        UNROLL for (int q = 0; q < GROUP_PARTS; q++) x[q] =
+            WITH(load)(lanes->omega, from + q) * WITH(load)(t, from + q) +
+            WITH(load)(lanes->phase, from + q);
+        const double turned = x[0][0] * TWO_OVER_PI + WHOLE;
+        WITH(bits) other = {0};
+        UNROLL for (int q = 0; q < GROUP_PARTS; q++) other |=
+            (x[q] * TWO_OVER_PI + WHOLE != turned) | ~(x[q] >= 0) | ~(x[q] <= CIRCLE_FAR);
+        if (WITH(none)(other)) {
+            uint64_t quarter;
+            memcpy(&quarter, &turned, sizeof quarter);
+            if (WITH(cosines_of_quarter)(x, turned - WHOLE, quarter + 1, cosine))
+                continue;
+        }
+        WITH(any_cosines)(x, cosine);
     }
-    for (int q = 0; q < LANES && !WITH(none)(doubt); q++)
-        cosine[q] = fixed_cos(lanes->omega[q] * t[q] + lanes->phase[q]);
 }
 #undef GROUP_PARTS
