@@ -29,15 +29,36 @@
 typedef long double real; /* private to this file, for the width of the formulas */
 typedef complex long double node;
 
+/* The exponentials of one time: of the same numbers, and of those that are conjugate, there is one.
+ */
+struct exponentials {
+    int count;
+    struct {
+        node z, value;
+    } of[4];
+};
+
 /* exp(z), held below overflow, still growing with the real part: growth ends as inf and not as a
  * difference of two. */
-static node exponential(node z)
+static node exponential(struct exponentials *known, node z)
 {
     const real max = LDBL_MAX_EXP / 2;
+    for (int i = 0; i < known->count; i++) {
+        if (known->of[i].z == z)
+            return known->of[i].value;
+        if (known->of[i].z == conjl(z))
+            return conjl(known->of[i].value);
+    }
+    node held = z;
     real x = creall(z);
     if (x > max)
-        z += max * (1.1L - 0.1L * max / x) - x;
-    return cexpl(z);
+        held += max * (1.1L - 0.1L * max / x) - x;
+    const node value = cexpl(held);
+    if (known->count < (int)COUNT_OF(known->of)) {
+        known->of[known->count].z = z;
+        known->of[known->count++].value = value;
+    }
+    return value;
 }
 
 /*
@@ -59,27 +80,27 @@ static node taylor(node e2, node e3, int n)
 }
 
 /* E[a, b]: divided difference of z -> exp(z t). */
-static node divided2(node a, node b, real t)
+static node divided2(struct exponentials *known, node a, node b, real t)
 {
     if (cabsl((a - b) * t) >= 1)
-        return (exponential(a * t) - exponential(b * t)) / (a - b);
+        return (exponential(known, a * t) - exponential(known, b * t)) / (a - b);
     node x = (a - b) / 2 * t;
-    return t * exponential((a + b) / 2 * t) * taylor(-x * x, 0, 1);
+    return t * exponential(known, (a + b) / 2 * t) * taylor(-x * x, 0, 1);
 }
 
 /* E[a, b, c], divided along the longer way to c: if that is short, all three are near each other.
  */
-static node divided3(node a, node b, node c, real t)
+static node divided3(struct exponentials *known, node a, node b, node c, real t)
 {
     if (cabsl(b - c) > cabsl(a - c)) {
         node keep = a;
         a = b, b = keep;
     }
     if (cabsl((a - c) * t) >= 1)
-        return (divided2(a, b, t) - divided2(b, c, t)) / (a - c);
+        return (divided2(known, a, b, t) - divided2(known, b, c, t)) / (a - c);
     node mean = (a + b + c) / 3;
     a = (a - mean) * t, b = (b - mean) * t, c = (c - mean) * t;
-    return t * t * exponential(mean * t) * taylor(a * b + b * c + c * a, a * b * c, 2);
+    return t * t * exponential(known, mean * t) * taylor(a * b + b * c + c * a, a * b * c, 2);
 }
 
 static bool is_linear_oscillator(const struct system *system)
@@ -121,18 +142,18 @@ struct flow {
     real g, h, h_rate;
 };
 
-static struct flow flow_over(const struct roots *z, real time)
+static struct flow flow_over(struct exponentials *known, const struct roots *z, real time)
 {
-    const real h = creall(divided2(z->a, z->b, time)), a = creall(z->a);
-    return (struct flow){creall(exponential(z->a * time)) - a * h, h,
-                         creall(exponential(z->b * time)) + a * h};
+    const real h = creall(divided2(known, z->a, z->b, time)), a = creall(z->a);
+    return (struct flow){creall(exponential(known, z->a * time)) - a * h, h,
+                         creall(exponential(known, z->b * time)) + a * h};
 }
 
 /* The answer to a drive exp(c t) from rest, and its rate. */
-static node answer(const struct roots *z, node c, real time, node *rate)
+static node answer(struct exponentials *known, const struct roots *z, node c, real time, node *rate)
 {
-    const node from_rest = divided3(z->a, z->b, c, time);
-    *rate = z->a * from_rest + divided2(z->b, c, time);
+    const node from_rest = divided3(known, z->a, z->b, c, time);
+    *rate = z->a * from_rest + divided2(known, z->b, c, time);
     return from_rest;
 }
 
@@ -149,16 +170,17 @@ static struct parts solve(const struct oscillator *o, const struct roots *z, dou
     const real q0 = (real)start[0], v0 = (real)start[1], begin = (real)t0,
                elapsed = (real)t - begin;
     const real gravity = (real)o->gravity;
-    struct parts made = {.flow = flow_over(z, elapsed)};
+    struct exponentials known = {0};
+    struct parts made = {.flow = flow_over(&known, z, elapsed)};
     made.q = q0 * made.flow.g + v0 * made.flow.h;
     if (gravity != 0) /* a constant force adds its step response */
-        made.q -= gravity * creall(divided3(z->a, z->b, 0, elapsed));
+        made.q -= gravity * creall(divided3(&known, z->a, z->b, 0, elapsed));
     made.v = v0 * made.flow.h_rate - (z->w2 * q0 + gravity) * made.flow.h;
     if (o->drive != 0) {
         const node c = (real)o->omega * (node)I;
         const node drive =
             (real)o->drive * cexpl(((real)o->omega * begin + (real)o->phase) * (node)I);
-        made.p = drive * answer(z, c, elapsed, &made.p_rate);
+        made.p = drive * answer(&known, z, c, elapsed, &made.p_rate);
         made.p_rate *= drive;
         made.drive = drive * cexpl(c * elapsed);
     }
@@ -259,10 +281,11 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
     table->count = steps < TABLE_MAX ? (int)steps : TABLE_MAX;
     for (int i = 0; i < table->count; i++) {
         const real time = (real)i * (real)h;
-        table->at[i].flow = flow_over(&z, time);
-        table->at[i].response = o->gravity != 0 ? creall(divided3(z.a, z.b, 0, time)) : 0;
+        struct exponentials known = {0};
+        table->at[i].flow = flow_over(&known, &z, time);
+        table->at[i].response = o->gravity != 0 ? creall(divided3(&known, z.a, z.b, 0, time)) : 0;
         if (o->drive != 0) {
-            table->at[i].p = answer(&z, c, time, &table->at[i].p_rate);
+            table->at[i].p = answer(&known, &z, c, time, &table->at[i].p_rate);
             table->at[i].turn = cexpl(c * time);
         }
     }
