@@ -395,7 +395,7 @@ uninstall: ## remove what install put there
 
 dist: ## the source of HEAD as build/hooke-VERSION.tar.gz, the same bytes each time
 	@mkdir -p build
-	$(Q)git -c tar.umask=0022 archive --format=tar --prefix=hooke-$(VERSION)/ -o build/hooke-$(VERSION).tar HEAD
+	$(Q)git -c tar.umask=0022 -c core.autocrlf=false -c core.attributesFile=/dev/null archive --format=tar --prefix=hooke-$(VERSION)/ -o build/hooke-$(VERSION).tar HEAD
 	$(Q)gzip -9nf build/hooke-$(VERSION).tar
 
 clean: ## remove build/

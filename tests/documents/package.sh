@@ -25,6 +25,12 @@ if git rev-parse -q --verify HEAD >/dev/null 2>&1; then
     ok "make dist" $?
     (umask 077 && make -s dist) && cmp "build/hooke-$version.tar.gz" "$work/first"
     ok "has the same bytes once more, under another umask" $?
+    mkdir "$work/home"
+    printf '[core]\n\tautocrlf = true\n\tattributesFile = %s\n[tar]\n\tumask = user\n' "$work/home/attributes" >"$work/home/.gitconfig"
+    echo '*.md export-ignore' >"$work/home/attributes"
+    said=$(git clone -q --no-local . "$work/another place" 2>&1 && cd "$work/another place" &&
+        HOME=$work/home XDG_CONFIG_HOME=$work/home TZ=Asia/Kolkata LC_ALL=C make -s dist 2>&1 && cmp "build/hooke-$version.tar.gz" "$work/first" 2>&1)
+    ok "and from another clone, by who has git change lines and leave files out, elsewhere in the world" $? "$said"
     [ "$(od -An -tx1 -j4 -N4 "$work/first" | tr -d ' ')" = 00000000 ] &&
         [ "$(TZ=UTC tar --full-time -tvzf "$work/first" | awk '{print $4, $5}' | sort -u | wc -l)" -eq 1 ]
     ok "and no time but the commit's" $?
