@@ -93,7 +93,7 @@ static void test_lab(void **state)
     struct person p;
     struct buffer script = {0}, keys = {0};
     struct error error;
-    int part = 0, all = 0;
+    int all = 0;
     size_t begun = 0;
     assert_true(file_read("tests/terminal/lab.keys", 1u << 16, &script, &error));
     in_folder(folder);
@@ -106,7 +106,6 @@ static void test_lab(void **state)
         snprintf(wanted, sizeof wanted, "%.*s", line.len > 2 ? (int)line.len - 2 : 0, line.at + 2);
         if (line.len == 0 || line.at[0] == '#') {
             begun = p.raw.len;
-            part = 0;
         } else if (line.at[0] == '?') {
             if (!strstr(p.raw.data + begun, wanted)) {
                 fail_msg("'%s' is not in %s", wanted, p.raw.data + begun);
@@ -115,7 +114,6 @@ static void test_lab(void **state)
             assert_int_equal(access(wanted, F_OK), 0);
         } else {
             const size_t before = p.raw.len;
-            part += keys_of(line, &keys);
             all += keys_of(line, &keys);
             type(&p, buffer_view(&keys));
             await_prompt(&p, before);
