@@ -147,6 +147,17 @@ else
     skip "programs in C and Python" "gcc is not installed"
 fi
 
+# Where C goes on with an infinity, Python's functions raise: the rows up to there are printed all the same.
+if have python3; then
+    printf '%s\n' "var x = 1" "x' = exp(x)" "duration = 2 s" "method rk4 dt=10ms" "set record all" "export scene blow.py" run \
+        "export blow.csv" >blow.hk
+    "$hooke" -n -q -k blow.hk >/dev/null 2>&1
+    python3 blow.py >blow.pout 2>blow.perr
+    found=$(compare <(cut -d, -f1,2 blow.csv) blow.pout)
+    [ "${found#* }" = "0 38 38" ] && grep -q "diverged after t = 0.37" blow.perr
+    ok "a solution that ends at t = 0.37 s in Python (differ, most, rows: $found)" $?
+fi
+
 # ---- other languages ----
 
 state() { tail -n 1 "$1" | tr ',' ' '; }

@@ -270,8 +270,10 @@ COMMAND(
             "band of the fit's uncertainty. The file - is the output.\n"
             "'scene' writes the scene with its method, step and duration as a program of its own: "
             "FILE.c (with hooke's bits), FILE.py, FILE.m (Octave, MATLAB), FILE.ode (XPPAUT), "
-            "FILE.tex (its equations). What cannot be written, as pieces of steps at switches, is "
-            "refused with the reason.",
+            "FILE.tex (its equations). Steps that follow a tolerance are hooke's, too, with the "
+            "rows of "
+            "'set record'; those of one size are a row each. What cannot be written, as pieces of "
+            "steps at switches, is refused with the reason.",
     .examples = "run; export run1.csv t,y,v\nmethod verlet dt=10ms; export scene spring.py",
     .see = "print save plot list", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),

@@ -18,18 +18,25 @@ static bool in_c(const struct scene_program *p)
 /* As they stand in books, without brackets. */
 static void put_weights(const struct scene_program *p, const double *weight, int count)
 {
+    struct buffer all = {0};
+    const size_t wide = 90;
+    size_t line = 0;
     for (int i = 0; i < count; i++) {
-        struct buffer text = {0};
+        struct buffer one = {0};
         struct scene_program plain = *p;
-        plain.out = &text;
+        plain.out = &one;
         program_weight(&plain, weight[i]);
-        const struct text all = buffer_text(&text);
-        const bool bracket = all.len > 0 && all.at[0] == '(';
-        buffer_put(p->out, i == 0 ? TEXT("") : i % 6 == 0 ? TEXT(",\n    ") : TEXT(", "));
-        buffer_put(p->out, bracket ? (struct text){all.at + 1, all.len - 2} : all);
-        p->out->failed |= text.failed;
-        buffer_free(&text);
+        const struct text text = buffer_text(&one);
+        const bool bracket = text.len > 0 && text.at[0] == '(', ends = all.len - line > wide;
+        buffer_put(&all, i == 0 ? TEXT("") : ends ? TEXT(",\n    ") : TEXT(", "));
+        line = ends ? all.len - 4 : line;
+        buffer_put(&all, bracket ? (struct text){text.at + 1, text.len - 2} : text);
+        all.failed |= one.failed;
+        buffer_free(&one);
     }
+    buffer_put(p->out, buffer_text(&all));
+    p->out->failed |= all.failed;
+    buffer_free(&all);
 }
 
 static void put_row(const struct scene_program *p, const char *name, const double *weight,

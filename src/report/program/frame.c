@@ -120,9 +120,10 @@ static void put_steps(struct scene_program *p)
                                        [DIALECT_PYTHON] = "for i in range(steps):\n",
                                        [DIALECT_OCTAVE] = "for i = 1:steps\n"};
     const bool c = p->syntax->dialect == DIALECT_C;
-    const char *indent = c ? "        " : "    ";
+    const char *indent = c || p->raises ? "        " : "    ";
     if (!p->turns)
         program_before(p, c ? "    " : "");
+    buffer_put(p->out, p->raises ? TEXT("try:\n    ") : TEXT(""));
     buffer_put(p->out, text_of(loop[p->syntax->dialect]));
     put_length(p, indent);
     if (p->turns)
@@ -252,9 +253,13 @@ static void put_main_python(struct scene_program *p)
         program_adaptive_loop_python(p);
     } else {
         put_steps(p);
-        buffer_put(p->out, TEXT("    rows.append(("));
+        buffer_put(p->out, p->raises ? TEXT("        rows.append((") : TEXT("    rows.append(("));
         put_row(p);
         buffer_put(p->out, TEXT("))\n"));
+        buffer_put(p->out, p->raises
+                               ? TEXT("except (OverflowError, ValueError, ZeroDivisionError):\n"
+                                      "    print(\"diverged after t =\", t, file=sys.stderr)\n")
+                               : TEXT(""));
     }
     buffer_put(p->out, TEXT("\nif \"--plot\" in sys.argv:\n"
                             "    import matplotlib.pyplot as plt\n\n"
@@ -362,6 +367,17 @@ static void put_functions(struct scene_program *p)
         program_functions(p, PART_DRAG);
 }
 
+/* Python's functions give no infinity and no NaN: they raise. */
+static bool calls_partial(const char *functions)
+{
+    static const char *const partial[] = {"exp(",  "cosh(", "sinh(", "log(",  "log10(",
+                                          "sqrt(", "acos(", "asin(", "power("};
+    for (size_t i = 0; i < COUNT_OF(partial); i++)
+        if (strstr(functions, partial[i]))
+            return true;
+    return false;
+}
+
 bool program_computes(struct scene_program *p)
 {
     struct buffer functions = {0}, *out = p->out;
@@ -369,6 +385,8 @@ bool program_computes(struct scene_program *p)
     p->out = &functions;
     put_functions(p);
     p->out = out;
+    p->raises =
+        dialect == DIALECT_PYTHON && !p->plan.adaptive && calls_partial(buffer_view(&functions));
     program_front(p);
     if (dialect == DIALECT_C)
         buffer_put(out, TEXT("#include <math.h>\n#include <stdio.h>\n"));

@@ -38,6 +38,7 @@ struct scene_program {
     char **argument;  /* what functions are called with; NULL: the names */
     const char *step; /* what a step's length is called */
     bool partial;     /* the last step is shorter */
+    bool raises;      /* in Python: where in other languages numbers end */
     bool turns;       /* steps end where the velocity turns */
     struct buffer *out;
     struct arena *arena;
