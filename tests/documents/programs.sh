@@ -154,7 +154,7 @@ if have python3; then
     "$hooke" -n -q -k blow.hk >/dev/null 2>&1
     python3 blow.py >blow.pout 2>blow.perr
     found=$(compare <(cut -d, -f1,2 blow.csv) blow.pout)
-    [ "${found#* }" = "0 38 38" ] && grep -q "diverged after t = 0.37" blow.perr
+    [ "${found#* }" = "0 39 39" ] && grep -q "diverged after t = 0.37" blow.perr
     ok "a solution that ends at t = 0.37 s in Python (differ, most, rows: $found)" $?
 fi
 

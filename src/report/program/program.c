@@ -155,7 +155,7 @@ static bool refuse_pieces(struct scene_program *p)
                   : "steps of %s end where the velocity turns, because the force bends there, "
                     "which is not written as a program",
               p->method->row.name);
-    if (p->plan.adaptive && !system->dry)
+    if (p->plan.adaptive && pieces && !system->dry)
         return error_hint(p->error,
                           "steps of one size, 'method %s dt=10ms' after 'set turning off', step "
                           "across, and that is",
