@@ -13,6 +13,7 @@
 #define SHORTEST 1e-7 /* of the longest */
 #define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
+#define SLOWEST 100   /* the same of a drive that stops within the range */
 #define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
 #define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
@@ -83,13 +84,22 @@ static bool next_place(struct branch_walk *w, const struct curve_place *from, do
     return false;
 }
 
+/* A drive whose frequency is the parameter, in a range with 0. */
+static bool drive_stops(const struct branch_walk *w)
+{
+    return w->path->kind == SOLUTION_RESPONSE && !(w->path->orbit.drive > 0) &&
+           w->request->from <= 0 && w->request->to >= 0;
+}
+
 static bool too_slow(struct branch_walk *w, const struct curve_place *at)
 {
-    if (w->path->kind != SOLUTION_ORBIT)
+    if (w->path->kind != SOLUTION_ORBIT && !drive_stops(w))
         return false;
     const double period = orbit_curve_period(&w->path->orbit, at->u);
     if (!(w->period > 0))
         w->period = period;
+    if (w->path->kind == SOLUTION_RESPONSE)
+        return period > SLOWEST * w->period;
     return period > SLOW * w->period && fabs(at->tangent[w->path->problem->n]) < STILL;
 }
 
@@ -252,10 +262,15 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return end_there(w, "it shrinks to an equilibrium");
         const bool leaves = !inside(w, &next);
         if (leaves) { /* what lies between it and the edge is not looked for */
-            if (!walk_record_specials(w, &next))
+            struct solution beyond;
+            const bool seen = solutions_seen(w->path, &next, &beyond);
+            if (!walk_record_specials(w, &next, seen ? &beyond : NULL))
                 return false;
             if (!step_to_edge(w, &at, &next, &next))
-                return fails_there(w, "end of the range");
+                return w->out->point[w->out->count - 1].special != SPECIAL_NONE ||
+                               cancelled(w->request->cancel)
+                           ? fails_there(w, "end of the range")
+                           : end_there(w, "no step leads to the end of the range");
         }
         const int p = w->path->problem->n;
         if (i == 0) {
@@ -268,7 +283,9 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution))
             return fails_there(w, "what is there cannot be told");
-        if (!leaves && !walk_record_specials(w, &next))
+        if (i == 0)
+            w->behind_grows = walk_grows(w, &solution);
+        if (!leaves && !walk_record_specials(w, &next, &solution))
             return false;
         if (cancelled(w->request->cancel)) /* one of these may not have been found */
             return fails_there(w, "");

@@ -261,11 +261,44 @@ static double coefficient(const struct taylor *t, double omega)
     return (sum + real_product(n, p, q, re, im)) / (2 * omega);
 }
 
+#define STEP 2e-3   /* of the natural sizes; */
+#define LONGER 100  /* times, where that is lost in rounding: of variables that have not moved, */
+#define LONGEST 0.1 /* of the largest natural size */
+#define KNOWN 1e-3  /* of the value: an error */
+#define NEARLY 0.03 /* of the value: two steps say the same */
+
+/* The largest natural size, as a multiple of those that the motion has to do with. */
+static double room_for_steps(struct vector_field *field, const double *state, double omega)
+{
+    const struct taylor one = {field, state, 1};
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], a[FIELD_VARIABLES], b[FIELD_VARIABLES],
+        largest = 0;
+    field_jacobian(field, state, jacobian);
+    if (!matrix_eigenvector(field->n, jacobian, (struct eigenvalue){0, omega}, a, b))
+        return 1;
+    for (int i = 0; i < field->n; i++)
+        largest = fmax(largest, field->size[i]);
+    return largest / fmin(step_along(&one, a), step_along(&one, b));
+}
+
 double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
                             double *error)
 {
-    const struct taylor fine = {field, state, 2e-3}, coarse = {field, state, 4e-3};
-    const double value = coefficient(&fine, omega);
-    *error = fabs(coefficient(&coarse, omega) - value);
-    return value;
+    const double longest = LONGEST * room_for_steps(field, state, omega);
+    double first = NAN, first_error = NAN, last = NAN;
+    for (double step = STEP; step == STEP || step < longest; step *= LONGER) {
+        const struct taylor fine = {field, state, step}, coarse = {field, state, 2 * step};
+        const double value = coefficient(&fine, omega);
+        *error = fabs(coefficient(&coarse, omega) - value);
+        const bool known = value != 0 && *error <= KNOWN * fabs(value);
+        if (known && (step == STEP || fabs(value - last) <= NEARLY * fabs(value)))
+            return value;
+        if (step == STEP) {
+            first = value;
+            first_error = *error;
+        }
+        last = known ? value : NAN;
+    }
+    *error = first_error;
+    return first;
 }

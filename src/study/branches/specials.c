@@ -51,13 +51,6 @@ bool walk_record(struct branch_walk *w, const struct curve_place *at, enum speci
 
 /* ---- special points between two places ---- */
 
-struct found_special {
-    struct curve_place at;
-    struct solution solution;
-    enum special special;
-    double distance, near;
-};
-
 static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
 {
     if (test > 0)
@@ -68,8 +61,7 @@ static bool zero(const struct branch_walk *w, const struct curve_place *p, int t
            (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
 }
 
-/* What is nearly on an edge becomes so. */
-static bool is_in_range(const struct branch_request *r, double *param)
+bool is_in_range(const struct branch_request *r, double *param)
 {
     const double by = EDGE * (r->to - r->from);
     if (!(*param >= r->from - by && *param <= r->to + by))
@@ -94,6 +86,33 @@ static bool locate(const struct branch_walk *w, const struct curve_place *before
     return true;
 }
 
+int special_passes(enum special special)
+{
+    return special == SPECIAL_HOPF || special == SPECIAL_TORUS ? 2 : special != SPECIAL_NONE;
+}
+
+/* What that test's zero between two places is. */
+static bool locate_special(struct branch_walk *w, const struct curve_place *before,
+                           const struct curve_place *to, int test, struct found_special *f)
+{
+    if (!locate(w, before, to, test, f) || !solutions_at(w->path, &f->at, true, &f->solution))
+        return false;
+    f->special = solutions_special(w->path, test, &f->solution);
+    f->distance = curve_distance(w->path->problem->n + 1, f->at.u, before->u);
+    return f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]);
+}
+
+int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
+                      const struct curve_place *b, struct found_special *found, int *count)
+{
+    int passes = 0;
+    for (int k = 0; k < w->path->problem->tests && *count < SPECIALS_MOST; k++)
+        if (!zero(w, a, k) && !zero(w, b, k) && signbit(a->test[k]) != signbit(b->test[k]) &&
+            locate_special(w, a, b, k, &found[*count]))
+            passes += special_passes(found[(*count)++].special);
+    return passes;
+}
+
 static void locate_all(struct branch_walk *w, const struct curve_place *to,
                        struct found_special *found, int *count)
 {
@@ -107,14 +126,7 @@ static void locate_all(struct branch_walk *w, const struct curve_place *to,
         const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
         w->known[k] = *to;
         w->any[k] = true;
-        struct found_special *f = &found[*count];
-        if (!changed || !locate(w, &before, to, k, f) ||
-            !solutions_at(w->path, &f->at, true, &f->solution))
-            continue;
-        f->special = solutions_special(w->path, k, &f->solution);
-        f->distance = curve_distance(problem->n + 1, f->at.u, before.u);
-        if (f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]))
-            ++*count;
+        *count += changed && locate_special(w, &before, to, k, &found[*count]);
     }
 }
 
@@ -138,18 +150,24 @@ static int by_distance(const void *a, const void *b)
     return (x->distance > y->distance) - (x->distance < y->distance);
 }
 
-/* NAN: a real eigenvalue is 0, too, and linear theory says nothing of one pair alone. */
+/* NAN: a real eigenvalue is 0, or another pair passes, too, and linear theory says nothing of one
+ * pair alone. */
 static double criticality(struct branch_walk *w, const struct solution *s)
 {
     double omega = 0, best = HUGE_VAL, error;
+    int pairs = 0;
     for (int k = 0; k < s->values; k++)
         if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
             best = fabs(s->value[k].re);
             omega = s->value[k].im;
         }
-    for (int k = 0; k < s->values; k++)
+    for (int k = 0; k < s->values; k++) {
         if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
             return NAN;
+        pairs += s->value[k].im > 0 && fabs(s->value[k].re) < DOUBLE * omega;
+    }
+    if (pairs > 1)
+        return NAN;
     const double first = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
     return fabs(first) <= 4 * error ? 0 : first;
 }
@@ -181,13 +199,16 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     return true;
 }
 
-bool walk_record_specials(struct branch_walk *w, const struct curve_place *to)
+bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
+                          const struct solution *seen)
 {
-    struct found_special found[CURVE_TESTS];
+    struct found_special found[SPECIALS_MOST];
     int count = 0;
     const int n = w->path->problem->n;
     locate_all(w, to, found, &count);
     leave_doubles_out(found, &count, n + 1);
+    if (seen)
+        specials_unseen(w, to, seen, found, &count);
     qsort(found, (size_t)count, sizeof *found, by_distance);
     for (int i = 0; i < count; i++) {
         double accuracy = found[i].near / fmax(fabs(found[i].at.u[n]), 1e-3);
@@ -231,6 +252,9 @@ void walk_start(struct branch_walk *w, const struct curve_place *at)
         w->known[k] = here || !behind ? *at : *behind;
         w->any[k] = here || (behind && is_signed(w, behind, k));
     }
+    const int grows = walk_grows(w, &w->out->point[w->out->count - 1].solution);
+    specials_sure(w, grows < 0 && behind ? behind : at,
+                  grows < 0 && behind ? w->behind_grows : grows);
     w->behinds = 0;
 }
 
@@ -244,6 +268,7 @@ bool walk_is_clear(const struct branch_walk *w, const struct curve_place *at)
 
 void walk_go_on(struct branch_walk *w, const struct curve_place *at)
 {
+    specials_sure(w, at, walk_grows(w, &w->out->point[w->out->count - 1].solution));
     for (int k = 0; k < w->path->problem->tests; k++) {
         const double sign = copysign(DBL_MIN, w->known[k].test[k]);
         w->largest[k] = k == 0 ? 1 : fabs(at->test[k]);

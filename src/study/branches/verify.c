@@ -15,9 +15,10 @@
 #include "study/branches/walk.h"
 #include "study/dynamics/solutions.h"
 
-#define BESIDE 1e-3 /* of the range */
-#define SAME 1e-9   /* two labels at one value */
-#define ARM 0.01    /* arclength from a fold along both its arms */
+#define BESIDE 1e-3   /* of the range, */
+#define FARTHEST 0.07 /* where nothing can be told so near */
+#define SAME 1e-9     /* two labels at one value */
+#define ARM 0.01      /* arclength from a fold along both its arms */
 #define FAR 0.5
 #define BEYOND 1e-9 /* relative, of the parameter */
 #define MOVED 1e-6  /* units of size */
@@ -184,21 +185,21 @@ static bool is_empty(const struct branch_request *r, const struct branch_point *
     return !near;
 }
 
-/* The orbit that is born at a Hopf point is on the side that the criticality says. */
-static bool is_born_there(const struct branch_request *r, const struct branch_point *at,
-                          double unstable)
+/* The orbit that is born at a Hopf point is on the side that the criticality says: 1, -1, or 0. */
+static int is_born_there(const struct branch_request *r, const struct branch_point *at,
+                         double unstable)
 {
     struct solution_curve path;
     struct curve_place first;
     struct error ignored;
     const double psize = r->to - r->from, here = at->solution.param[0] / psize;
     if (at->criticality == 0 || !isfinite(at->criticality))
-        return true;
+        return 1;
     if (!solutions_leave(&path, r->scene, r->param, psize, at, 1, r->cancel, &first, &ignored))
-        return false;
+        return 0;
     const double by = first.u[path.problem->n] - here;
     solutions_end(&path);
-    return (by > 0) == ((at->criticality < 0) == (unstable > 0));
+    return (by > 0) == ((at->criticality < 0) == (unstable > 0)) ? 1 : -1;
 }
 
 /* On the branch that crosses there, to one side. */
@@ -251,20 +252,19 @@ static int confirm(const struct branch_request *r, const struct branch_point *at
         before = look_across(r, at, -1);
         after = look_across(r, at, 1);
     }
-    if (!before.found || !after.found)
+    if (!before.found || !after.found || (before.rate == 0 && after.rate == 0))
         return 0;
     const double unstable = (before.rate > 0 ? before : after).param - here;
-    return before.agrees && after.agrees && (before.rate > 0) != (after.rate > 0) &&
-                   (at->special != SPECIAL_HOPF || is_born_there(r, at, unstable))
-               ? 1
-               : -1;
+    if (!(before.agrees && after.agrees && (before.rate > 0) != (after.rate > 0)))
+        return -1;
+    return at->special == SPECIAL_HOPF ? is_born_there(r, at, unstable) : 1;
 }
 
 /* Not beyond the next special point. */
 static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
 {
     const double here = branch->point[place].solution.param[0];
-    double beside = BESIDE;
+    double beside = FARTHEST;
     for (int i = 0; i < branch->count; i++) {
         const double far = fabs(branch->point[i].solution.param[0] - here) / (r->to - r->from);
         if (branch->point[i].special != SPECIAL_NONE && far > SAME)
@@ -282,7 +282,11 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
             continue;
         if (r->progress)
             r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
-        const int verdict = confirm(r, point, beside_of(r, branch, i));
+        const double most = beside_of(r, branch, i);
+        int verdict = confirm(r, point, fmin(BESIDE, most));
+        for (double beside = 4 * BESIDE; verdict == 0 && beside <= fmin(most, FARTHEST);
+             beside *= 4)
+            verdict = confirm(r, point, beside); /* differences hardly grow nearer to it */
         if (!cancelled(r->cancel))
             point->verified = verdict;
     }

@@ -21,6 +21,12 @@ struct branch_walk {
     bool any[CURVE_TESTS];
     struct curve_place behind; /* the first place on the other side of the start */
     int behinds;               /* its unknowns; 0: there is none */
+    int behind_grows;          /* how many values grow there; -1: not certain */
+    struct curve_place sure;   /* the last place where that is certain, */
+    double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
+    int sure_grows;            /* -1: there was none; */
+    int sure_point;            /* how many points there were then, */
+    int explained;             /* and by how much special points since then have changed it */
     int fold_at;               /* place of the last fold of orbits; 0: there was none */
     bool fold_least;           /* the parameter is least there, or largest */
     double fold_spread;        /* relative, of folds that are not told apart */
@@ -31,12 +37,23 @@ struct branch_walk {
     int side, sides;
 };
 
+#define SPECIALS_MOST 8    /* between two places */
+#define SPECIALS_SAME 1e-6 /* of the range: of one kind they are one */
+
+struct found_special {
+    struct curve_place at;
+    struct solution solution;
+    enum special special;
+    double distance, near;
+};
+
 /* Appends a place with what it is; false: no memory. */
 bool walk_record(struct branch_walk *walk, const struct curve_place *at, enum special special,
                  const struct solution *solution);
 /* The special points between the last place and this one that lie in the parameter's range, in
- * their order; false: no memory. */
-bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to);
+ * their order; false: no memory. `seen`: what is there. */
+bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
+                          const struct solution *seen);
 /* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
  */
 void walk_start(struct branch_walk *walk, const struct curve_place *at);
@@ -44,5 +61,22 @@ void walk_start(struct branch_walk *walk, const struct curve_place *at);
 bool walk_is_clear(const struct branch_walk *walk, const struct curve_place *at);
 /* The same place in other unknowns: signs stay what they are. */
 void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
+
+/* How many eigenvalues pass at such a point. */
+int special_passes(enum special special);
+/* What is nearly on an edge becomes so; false: it is beyond. */
+bool is_in_range(const struct branch_request *request, double *param);
+/* Those between two places whose tests have different signs; how many values pass at them. */
+int specials_by_signs(struct branch_walk *walk, const struct curve_place *a,
+                      const struct curve_place *b, struct found_special *found, int *count);
+
+/* ---- together.c ---- */
+
+/* How many values grow for certain, -1: of one it is not certain. */
+int walk_grows(struct branch_walk *walk, const struct solution *solution);
+/* Those since the last place of which that is known that the ones found do not explain. */
+void specials_unseen(struct branch_walk *walk, const struct curve_place *to,
+                     const struct solution *at, struct found_special *found, int *count);
+void specials_sure(struct branch_walk *walk, const struct curve_place *at, int grows);
 
 #endif

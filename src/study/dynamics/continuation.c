@@ -227,13 +227,13 @@ static double test_at(void *context, double share)
     return fabs(value) <= fmax(ZERO * size, fold ? FLOOR : 0) ? 0 : value;
 }
 
-#define NODES 10
+#define NODES CURVE_NODES
 #define LEVELS 6
 #define TOO_NEAR 1e-4 /* part of the largest value of the test */
 #define CROSSES 1e-6  /* a crossing that is not known better than this is none */
 
-/* Newton's divided differences of the values at the nodes, evaluated there. */
-static double interpolated(int count, const double *node, const double *value, double at)
+/* By Newton's divided differences. */
+double curve_interpolated(int count, const double *node, const double *value, double at)
 {
     double d[NODES];
     memcpy(d, value, (size_t)count * sizeof *d);
@@ -254,7 +254,7 @@ struct fitted_test {
 static double fitted_value(void *context, double at)
 {
     const struct fitted_test *f = context;
-    return interpolated(f->count, f->node, f->value, at);
+    return curve_interpolated(f->count, f->node, f->value, at);
 }
 
 /* Places on both sides of the crossing, from which it is not so near that the correction goes to
@@ -304,10 +304,10 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     for (int i = 0; i <= n; i++) {
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].u[i];
-        at->u[i] = interpolated(fit.count, fit.node, y, *share);
+        at->u[i] = curve_interpolated(fit.count, fit.node, y, *share);
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].tangent[i];
-        at->tangent[i] = interpolated(fit.count, fit.node, y, *share);
+        at->tangent[i] = curve_interpolated(fit.count, fit.node, y, *share);
     }
     at->test[c->test] = 0;
     return true;

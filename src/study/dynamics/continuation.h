@@ -12,6 +12,7 @@
 
 #define CURVE_MAX MATRIX_MAX /* unknowns with the parameter */
 #define CURVE_TESTS 4
+#define CURVE_NODES 10
 #define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */
 #define CURVE_LEVEL 1e-12 /* and that is rounding */
 
@@ -64,6 +65,8 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *b
  * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
                   const struct curve_place *b, int test, struct curve_place *at, double *near);
+/* The polynomial through the values at so many nodes, at most CURVE_NODES, there. */
+double curve_interpolated(int count, const double *node, const double *value, double at);
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
 double curve_unit(int n, const double *u);
 double curve_distance(int n, const double *a, const double *b);

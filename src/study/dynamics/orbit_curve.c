@@ -27,7 +27,7 @@ static void state_of(const struct vector_field *field, const double *u, double *
 
 double orbit_curve_period(const struct orbit_curve *c, const double *u)
 {
-    return c->forced ? c->multiple * field_drive(c->field)
+    return c->forced ? c->multiple * (c->drive > 0 ? c->drive : field_drive(c->field))
                      : u[c->segments * c->field->n] * c->tsize;
 }
 
@@ -141,7 +141,7 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     if (cancelled(field->cancel) || !field_set(field, &p))
         return false;
     const double period = orbit_curve_period(c, u),
-                 by = c->forced ? c->multiple * field_drive_by(field, 0) : 0;
+                 by = c->forced && !(c->drive > 0) ? c->multiple * field_drive_by(field, 0) : 0;
     if (!(period > 0) || !isfinite(period))
         return false;
     memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
@@ -448,6 +448,8 @@ bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double 
         period = multiple * drive;
     if (!(period > 0) || !isfinite(period))
         return false;
+    /* it stays that where a parameter of 0 takes the drive, or one of several, away */
+    c->drive = c->forced && field_drive_by(field, 0) == 0 ? drive : 0;
     c->tsize = period;
     c->segments = segments_for(field, state, period);
     if (c->segments == 0)
