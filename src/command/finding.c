@@ -272,6 +272,17 @@ static bool takes_name(const struct command *command, struct text name)
     return i < command->arguments;
 }
 
+/* collect: a sensor's lines come once. */
+static bool overwrites_nothing(const struct command *command)
+{
+    int i = 0;
+    while (i < command->arguments &&
+           !(command->argument[i].type == TYPE_FILE && command->argument[i].form == FORM_KEY &&
+             strcmp(command->argument[i].name, "to") == 0))
+        i++;
+    return i < command->arguments;
+}
+
 /* What has this name elsewhere, what is meant by it, which commands take it; guessed: something was
  * suggested. */
 static void put_meanings(const struct session *session, const struct command *command,
@@ -290,6 +301,10 @@ static void put_meanings(const struct session *session, const struct command *co
     if (!command || where.at == statement.at)
         return;
     const enum argument_form form = form_of(statement, where);
+    if (form == FORM_OPTION && text_is(where, "force") && overwrites_nothing(command)) {
+        buffer_put(text, TEXT("to= takes a new file: what is there is not overwritten"));
+        return;
+    }
     struct buffer takers = {0}, usage = {0};
     if (form == FORM_KEY && !kind) { /* one of the other commands, or of the session */
         const struct row *row =

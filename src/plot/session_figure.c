@@ -189,8 +189,7 @@ static double largest(const struct curve *curve, const double *x)
 {
     double max = 0;
     for (size_t i = 0; curve_goes_on(curve, i); i++)
-        if (isfinite(x[i]))
-            max = fmax(max, fabs(x[i]));
+        max = isfinite(x[i]) ? fmax(max, fabs(x[i])) : max;
     return max;
 }
 
@@ -233,6 +232,7 @@ static const char *make_note(const struct drawing *d)
         kind_of(d)->note(d, &text);
     else if (kind_of(d)->energy && d->motion.n > 0)
         buffer_put(&text, text_of(d->motion.how_k));
+    drawing_put_delay(d, &text);
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
     return note;

@@ -67,6 +67,8 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run);
  * NULL: none beside it. */
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
 /* Velocities or energies have to be found from the positions of the recording. */
+/* How much older the newest velocity of what is being collected is than its newest sample. */
+void drawing_put_delay(const struct drawing *d, struct buffer *text);
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
 bool drawing_recording(struct drawing *d, const struct recording *recording);
 bool drawing_residual(struct drawing *d, const struct recording *recording);

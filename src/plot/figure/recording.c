@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define GROWING_POINTS 2 /* of velocities and energies a column, while they come */
+#define DELAY_COLUMNS 60 /* of a pane that has room for more than the delay of velocities */
 
 /* Whether the fit of the session is one of this recording. */
 static bool has_fit_of(const struct session *session, const struct recording *recording)
@@ -186,4 +187,17 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;
+}
+
+void drawing_put_delay(const struct drawing *d, struct buffer *text)
+{
+    const struct recording *recording = recording_of(d);
+    if (!kind_of(d)->of_motion || !recording || !session_grows(d->session, recording) ||
+        !(d->session->collecting->late > 0))
+        return;
+    if (d->request->width < DELAY_COLUMNS)
+        buffer_clear(text);
+    buffer_put(text, text->len > 0 ? TEXT(", v ") : TEXT("v "));
+    buffer_quantity(text, d->session->collecting->late, QUANTITY_TIME, 2);
+    buffer_put(text, TEXT(" late"));
 }
