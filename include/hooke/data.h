@@ -178,6 +178,7 @@ bool recording_errors(const struct recording *recording, const struct series *se
 #define COLLECTED_HEAD "# hooke collect 1"
 #define COLLECTED_STATEMENT "# statement: "
 #define COLLECTED_CALIBRATION "# calibration: " /* the last one counts */
+#define COLLECTED_PAUSE "# pause"               /* between lines: what came there was not wanted */
 #define COLLECTED_LINE 1024                     /* [byte] of a line that are kept */
 
 /* Appends one that came, without its end, to the text of the file. */
@@ -198,6 +199,9 @@ struct lengthening {
     struct collected *known; /* of the recording */
 };
 
+/* Clocks that count from the first line that was read, dates among them: they count as those did by
+ * which that line of the file was at t [s]. */
+void recording_join_clock(struct recording *more, uint32_t line, double t);
 /* From a recording that was read whole. False: no memory. */
 bool growth_begin(struct lengthening *growth, struct recording *recording);
 /*

@@ -172,6 +172,7 @@ enum feed_end {
     FEED_GOES_ON,
     FEED_ENDED,     /* whoever wrote there has closed it */
     FEED_UNPLUGGED, /* the device is gone */
+    FEED_IN_TIME,   /* what comes now is not wanted any more */
     FEED_FULL,      /* as many lines as were wanted, or the file may have */
     FEED_FAILED     /* the file cannot be written: what is in it is whole */
 };
@@ -200,6 +201,8 @@ struct feed_access {
     struct feed *(*open)(const struct feed_request *request, struct error *error);
     void (*look)(struct feed *feed, struct feed_look *look);
     void (*pause)(struct feed *feed, bool pause); /* what comes meanwhile is dropped */
+    /* [s] lines that come later are not wanted, and end it; HUGE_VAL: all are */
+    void (*until)(struct feed *feed, double end);
     /* the device is as it was before; the last look is at all that came */
     void (*close)(struct feed *feed, struct feed_look *look);
     /* A Ctrl-C that ended the collecting ends nothing else. */
@@ -285,7 +288,7 @@ struct collecting {
     enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state; /* waiting for its trigger */
     bool stop;                                                       /* asked to */
     uint64_t lines;
-    double seconds;           /* [s] since the first line, or the trigger */
+    double seconds;           /* [s] since the first line, or the trigger, without pauses */
     double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
     enum quantity quantity;   /* of the amplitude */
     /* the same for axes, which stay where they are while it hardly changes, and the mean over the

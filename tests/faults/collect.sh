@@ -172,6 +172,21 @@ ok "a length is not waited for in degrees" $? "$(cat trigger.json)"
 grep -q 'the trigger never came' gave-up.out && grep -q '^T = ' gave-up.out
 ok "who gives up has what came" $? "$(cat gave-up.out)"
 
+# ---- how long: from the first line or from the trigger, also where the device's clock has been going on before
+hours() { # options: a clock that is at 7200 s
+    rm -f hours.txt
+    { sensor spring rate=200 quirks=off time=s for=3s 2>/dev/null | sed -u 's/^\([0-9]\.\)/720\1/' >pipe; } 2>/dev/null &
+    source=$!
+    eval "timeout 20 '$hooke' -n --format json -c 'collect pipe for=1s to=hours.txt $1'" >hours.json 2>hours.err
+    wait $source
+    awk -v a="$(value t_start hours.json)" -v b="$(value t_end hours.json)" -v want="$2" 'BEGIN {
+        exit !(a >= 7200 && b - a > want - 0.01 && b - a < want + 0.001) }'
+}
+attempts hours '' 1
+ok "for=1s is a second of lines, and no more" $? "$(cat hours.json hours.err)"
+attempts hours 'trigger="y falling 30 cm" before=0.1s' 1.1
+ok "also from a trigger on" $? "$(cat hours.json hours.err)"
+
 # ---- what never comes, and what nobody can read
 : >pipe &
 "$hooke" -n -c 'collect pipe to=nothing.txt' >out.txt 2>&1

@@ -125,6 +125,10 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
         return -1;
     }
     const int fd = append_open(c->path, session_policy(c->session, false), 0666, error);
+    if (fd >= 0 && c->again && !append_lines(fd, TEXT(COLLECTED_PAUSE "\n"), false, error)) {
+        close(fd);
+        return -1;
+    }
     if (fd < 0 || c->again)
         return fd;
     struct buffer head = {0};
@@ -194,7 +198,7 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
                                    .until = NAN,
                                    .late = NAN,
                                    .fit = {.t = NAN}};
-    c->trigger.after = c->again ? c->from : -HUGE_VAL;
+    c->trigger.after = c->after;
     c->state.feed = feed->open(&request, error);
     if (!c->state.feed) {
         if (!c->again)
@@ -280,6 +284,7 @@ static bool go_on_after(struct collection *c, const struct recording *recording)
     c->again = true;
     c->path = recording->path;
     c->there = recording->collected->lines;
+    c->after = recording->line[recording->rows - 1];
     c->from = recording->collected->last + (since > 0 ? since : 0);
     return true;
 }

@@ -15,8 +15,10 @@ struct trigger {
     struct text name;        /* of the column; "y": the value */
     double level;            /* SI, or as the column has it */
     const struct unit *unit; /* NULL: none, the level is as the column has its numbers */
-    double after;            /* [s] not before */
-    double t;                /* [s] where it came; NAN: not yet */
+    uint32_t after;          /* line of the file: not before */
+    double t;                /* [s] of the recording, where it came; NAN: not yet */
+    uint32_t line;           /* of the file, where it came */
+    double arrival;          /* [s] of that line, by the clock of the arrivals */
 };
 
 /* "y rising 22 cm" */
@@ -38,6 +40,8 @@ struct collect_view {
     uint32_t before;     /* … and lines in the file before it, without remarks */
     uint64_t lines;      /* in the file when it was last read */
     int64_t due;         /* [clock_ns] not before */
+    uint32_t newest;     /* line of the newest row … */
+    double t;            /* [s] … and its time, by the clock of the first look */
     struct error problem;
 };
 
@@ -68,7 +72,8 @@ struct collection {
     struct text put_options;        /* as they stand behind load */
     struct trigger trigger;
     double length, before; /* [s] HUGE_VAL: no end */
-    bool again;            /* goes on with a file there is */
+    bool again;            /* goes on with a file there is … */
+    uint32_t after;        /* … behind that line */
     double from;           /* [s] its time goes on from there */
     long baud;
     uint64_t max, there; /* lines; that were there before */
@@ -76,6 +81,7 @@ struct collection {
     struct collect_view view;
     struct collect_live live;
     struct feed_look look;
+    double idle, looked; /* [s] paused by now; of the last look */
     enum collect_end how;
     bool said_silent, said_none;
     struct error never; /* why the trigger cannot come; code 0: it can */

@@ -22,6 +22,7 @@ static const char *status_of(const struct collection *c)
     case FEED_FAILED:
         return "full";
     case FEED_ENDED:
+    case FEED_IN_TIME:
         return "ok";
     case FEED_GOES_ON:
         break;
@@ -91,6 +92,9 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
     if (waits && trigger_look(trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
                    trigger->name.at, trigger->t);
+    for (size_t i = recording->rows; isfinite(trigger->t) && i > 0; i--)
+        if (recording->line[i - 1] >= trigger->line) /* its times are the last word */
+            trigger->t = recording->t[i - 1];
     if (trigger->wanted && isfinite(trigger->t))
         recording_window(recording, trigger->t - c->before, HUGE_VAL, &ignored);
     if (!waits || isfinite(trigger->t))

@@ -141,16 +141,35 @@ static void say_waiting(struct collection *c)
     }
 }
 
+/* Where the axes of what is shown end. */
+static void tell_end(struct collection *c)
+{
+    const int place = collect_own_place(c->session);
+    const struct recording *shown = place >= 0 ? c->session->recording[place]->recording : NULL;
+    const double from = c->trigger.wanted    ? c->trigger.t
+                        : shown && !c->again ? shown->t[0]
+                                             : NAN,
+                 end = from + c->length + c->idle;
+    c->state.until = end < HUGE_VAL ? end : NAN;
+}
+
 static void tell_state(struct collection *c)
 {
     struct collecting *state = &c->state;
     const bool waits = c->trigger.wanted && isnan(c->trigger.t);
-    const double start = waits ? NAN : c->trigger.wanted ? c->trigger.t : c->look.first;
+    /* by the clock of the arrivals: a device's may have been going on for hours */
+    const double start = c->trigger.wanted ? c->trigger.arrival : c->look.first;
     if (state->state != COLLECT_PAUSED)
         state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;
+    else if (c->look.now > start)
+        c->idle += c->look.now - fmax(start, c->looked);
+    c->looked = c->look.now;
     state->lines = c->look.lines + c->there;
-    state->until = start + c->length < HUGE_VAL ? start + c->length : NAN;
-    state->seconds = isnan(start) ? 0 : c->look.now - start;
+    state->seconds = isnan(start) ? 0 : c->look.now - start - c->idle;
+    tell_end(c);
+    const double end = start + c->length + c->idle;
+    c->session->front.feed->until(
+        state->feed, end < HUGE_VAL && state->state == COLLECT_GOES_ON ? end : HUGE_VAL);
     if (state->seconds >= c->length && state->state == COLLECT_GOES_ON) {
         state->stop = true;
         c->how = END_IN_TIME;

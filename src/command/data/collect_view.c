@@ -9,12 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FIRST_BYTES 524288   /* of the file that are read at once, at most */
-#define TAIL_BYTES 32768     /* where times come from arrivals: a line through some thousand */
-#define OVERLAP_BYTES 4096   /* else: so many that the columns are known again */
-#define LOOK_NS 50000000     /* between looks */
-#define SHARE 40             /* the looks take that part of the time */
-#define TRIGGER_GLITCH 1e-12 /* [s] of rounding in times */
+#define FIRST_BYTES 524288 /* of the file that are read at once, at most */
+#define TAIL_BYTES 32768   /* where times come from arrivals: a line through some thousand */
+#define OVERLAP_BYTES 4096 /* else: so many that the columns are known again */
+#define LOOK_NS 50000000   /* between looks */
+#define SHARE 40           /* the looks take that part of the time */
 
 static bool is_counted(struct text line)
 {
@@ -82,6 +81,10 @@ static struct recording *read_rows(struct collect_view *view, struct text text)
     else
         for (size_t i = 0; i < recording->rows; i++)
             recording->line[i] += view->before - view->head_lines;
+    if (view->newest > 0) /* clocks that count from the first line that is read */
+        recording_join_clock(recording, view->newest, view->t);
+    view->newest = recording->line[recording->rows - 1];
+    view->t = recording->t[recording->rows - 1];
     recording->path = arena_text(&recording->arena, text_of(view->path));
     if (recording->path)
         return recording;
@@ -115,6 +118,7 @@ void collect_view_restart(struct collect_view *view)
     view->head_lines = view->before = 0;
     view->from = 0;
     view->lines = 0;
+    view->newest = 0;
     view->due = 0;
 }
 
@@ -148,8 +152,8 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     trigger->level = item.value.value;
     trigger->unit = item.unit;
     trigger->said = all;
-    trigger->after = -HUGE_VAL;
-    trigger->t = NAN;
+    trigger->after = 0;
+    trigger->t = trigger->arrival = NAN;
     return true;
 }
 
@@ -203,8 +207,11 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording, st
         if (!isfinite(value))
             continue;
         if (before * trigger->direction < 0 && value * trigger->direction >= 0 &&
-            recording->t[i] > trigger->after + TRIGGER_GLITCH) {
+            recording->line[i] > trigger->after) {
             trigger->t = recording->t[i];
+            trigger->line = recording->line[i];
+            trigger->arrival =
+                recording->collected->last - (recording->t[recording->rows - 1] - trigger->t);
             return true;
         }
         before = value;
@@ -220,7 +227,7 @@ void trigger_missed(const struct trigger *trigger, const struct recording *recor
     double low = HUGE_VAL, high = -HUGE_VAL;
     size_t n = 0;
     for (size_t i = 0; column && i < recording->rows; i++)
-        if (isfinite(column->value[i]) && recording->t[i] > trigger->after + TRIGGER_GLITCH) {
+        if (isfinite(column->value[i]) && recording->line[i] > trigger->after) {
             low = fmin(low, column->value[i]);
             high = fmax(high, column->value[i]);
             n++;

@@ -93,12 +93,20 @@ static bool several_at_once(const struct arrivals *a, struct arrival_line line)
     return 2 * at_once > a->n;
 }
 
-/* Shifts the places behind each step by as many lines as it is high; so many in all. */
+/* Somebody paused there, or beside it. */
+static bool pauses(const struct arrivals *a, size_t line)
+{
+    return a->pause && (a->pause[line] || (line > 0 && a->pause[line - 1]) ||
+                        (line + 1 < a->n && a->pause[line + 1]));
+}
+
+/* Shifts the places behind each step by as many lines as it is high; so many in all, and those of
+ * them that are lost. */
 static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
-                        double *scratch)
+                        double *scratch, size_t *lost)
 {
     const size_t each = block_of(a), blocks = a->n / each;
-    size_t lost = 0, n = 0;
+    size_t moved = 0, n = 0;
     if (a->counted || blocks < BLOCKS_MIN)
         return 0;
     for (size_t k = 1; k < blocks; k++)
@@ -129,7 +137,8 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
         while (first > (k - 1) * each && delay(a, place, line, first - 1) > half)
             first--;
         at += whole * line.interval;
-        lost += (size_t)whole;
+        moved += (size_t)whole;
+        *lost += pauses(a, first) ? 0 : (size_t)whole;
         for (size_t i = k * each; i < first; i++)
             scratch[i] = at / line.interval - whole;
         for (size_t i = first; i < (k + 1) * each; i++)
@@ -137,7 +146,7 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
     }
     for (size_t i = 0; i < a->n; i++)
         place[i] += nearbyint(scratch[i < blocks * each ? i : blocks * each - 1]);
-    return lost;
+    return moved;
 }
 
 /* Robust standard deviation of the delays, of means of `each` of them. */
@@ -175,8 +184,7 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     if (!a->counted)
         collected->lost = 0;
     for (int pass = 0; pass < PASSES && line.interval > 0; pass++) {
-        const size_t more = find_lost(a, line, place, scratch);
-        collected->lost += more;
+        const size_t more = find_lost(a, line, place, scratch, &collected->lost);
         line.interval = median_slope(a, place, scratch);
         if (more == 0)
             break;

@@ -133,7 +133,8 @@ size_t clock_lost(const struct arrivals *a, const double *t, const bool *after, 
         const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
                      between = a->order[i + 1] - a->order[i]; /* with those that were garbled */
         even += fabs(steps - whole) < EVEN ? 1 : 0;
-        if (steps > GAP && steps < 1e9 && whole > between && !(after && after[i + 1]))
+        if (steps > GAP && steps < 1e9 && whole > between && !(after && after[i + 1]) &&
+            !(a->pause && a->pause[i + 1]))
             lost += (size_t)(whole - between);
     }
     *known = (double)even >= EVEN_MIN * (double)(a->n - 1);

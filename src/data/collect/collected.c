@@ -50,6 +50,7 @@ struct collected_text {
     struct buffer lines; /* as they came; what is garbled is empty */
     double *arrival;     /* [count] of each line, NAN: none is known */
     double *order;       /* [count] counted from 0, without blank ones and remarks */
+    bool *pause;         /* [count] it was paused before */
     size_t count, came, remarks;
 };
 
@@ -58,11 +59,13 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
 {
     struct text rest = text->text, line;
     size_t max = 1;
+    bool pause = false;
     for (size_t i = 0; i < rest.len; i++)
         max += rest.at[i] == '\n';
     out->arrival = arena_array(arena, max, sizeof *out->arrival);
     out->order = arena_array(arena, max, sizeof *out->order);
-    if (!out->arrival || !out->order)
+    out->pause = arena_array(arena, max, sizeof *out->pause);
+    if (!out->arrival || !out->order || !out->pause)
         return false;
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
         const struct text mark = TEXT(COLLECTED_STATEMENT);
@@ -78,6 +81,7 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
                                   &collected->calibration);
             continue;
         }
+        pause |= text_is(line, COLLECTED_PAUSE);
         if (line.len == 0 || line.at[0] == '#' ||
             real_scan(line, '.', &arrival, &used) != REAL_OK || used == line.len ||
             line.at[used] != '\t' || out->count == max)
@@ -88,6 +92,8 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
                                  came.len - strlen(BYTE_ORDER_MARK)};
         const bool garbled = came.len > 0 && memchr(came.at, '\\', came.len);
         out->arrival[out->count] = arrival;
+        out->pause[out->count] = pause && out->count > 0;
+        pause = false;
         out->order[out->count++] = (double)out->came;
         const bool remark = !garbled && table_comment(came);
         out->remarks += remark;
@@ -121,12 +127,15 @@ static bool lines_of(const struct recording *recording, const struct collected_t
     const size_t n = recording->rows;
     double *arrival = arena_array(arena, n + 1, sizeof *arrival),
            *order = arena_array(arena, n + 1, sizeof *order);
-    *out = (struct arrivals){arrival, order, n, false};
-    for (size_t i = 0; arrival && order && i < n; i++) {
+    bool *pause = arena_array(arena, n + 1, sizeof *pause);
+    *out = (struct arrivals){arrival, order, n, false, pause};
+    for (size_t i = 0, line = 0; arrival && order && pause && i < n; i++) {
+        for (pause[i] = false; line < recording->line[i]; line++)
+            pause[i] |= i > 0 && lines->pause[line];
         arrival[i] = lines->arrival[recording->line[i] - 1];
         order[i] = lines->order[recording->line[i] - 1];
     }
-    return arrival && order;
+    return arrival && order && pause;
 }
 
 /* Where the device counts its lines, nobody has to guess which are lost. */
@@ -140,13 +149,13 @@ static bool count_by(const struct arrivals *a, const double *counter, struct are
         order[i] = before + came;
         if (isfinite(counter[i])) {
             order[i] = fmax(before + came, counter[i] - counter[0]);
-            collected->lost += (size_t)(order[i] - before - came);
+            collected->lost += a->pause[i] ? 0 : (size_t)(order[i] - before - came);
         }
         before = order[i];
         at = i;
     }
     collected->lost_known = true;
-    *counted = (struct arrivals){a->arrival, order, a->n, true};
+    *counted = (struct arrivals){a->arrival, order, a->n, true, a->pause};
     return order != NULL;
 }
 

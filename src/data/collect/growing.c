@@ -66,20 +66,19 @@ static void thin(struct lengthening *growth, struct recording *recording)
         move_row(recording, recording, i);
 }
 
-/* Where the newest row of before stands in what was read anew; `rows`: nowhere. */
-static size_t find_newest(const struct lengthening *growth, const struct recording *more)
+/* Where that line stands in what was read anew; `rows`: nowhere. */
+static size_t find_line(const struct recording *more, uint32_t line)
 {
     size_t i = more->rows;
-    while (i > 0 && more->line[i - 1] > growth->line)
+    while (i > 0 && more->line[i - 1] > line)
         i--;
-    return i > 0 && more->line[i - 1] == growth->line ? i - 1 : more->rows;
+    return i > 0 && more->line[i - 1] == line ? i - 1 : more->rows;
 }
 
-/* Clocks that count from the first line that was read, dates among them, count from the same one
- * again. */
-static void join_clocks(const struct lengthening *growth, struct recording *more, size_t newest)
+void recording_join_clock(struct recording *more, uint32_t line, double t)
 {
-    const double shift = newest < more->rows ? growth->t - more->t[newest] : 0;
+    const size_t row = find_line(more, line);
+    const double shift = row < more->rows ? t - more->t[row] : 0;
     if (shift == 0 || more->collected->clock != CLOCK_DEVICE)
         return;
     for (size_t i = 0; i < more->rows; i++) {
@@ -124,14 +123,14 @@ bool growth_begin(struct lengthening *growth, struct recording *recording)
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other)
 {
-    const size_t newest = find_newest(growth, more);
+    const size_t newest = find_line(more, growth->line);
     const bool known = newest < more->rows, arrivals = more->collected->clock != CLOCK_DEVICE;
     *other = !same_columns(recording, more);
     if (*other)
         return true;
     if (!reserve(growth, recording, recording->rows + more->rows))
         return false;
-    join_clocks(growth, more, newest);
+    recording_join_clock(more, growth->line, growth->t);
     const double end = recording->t[recording->rows - 1];
     size_t first = known ? newest + 1 : 0, row = growth->last_row + 1;
     if (arrivals && known) { /* the line through them is another now */

@@ -92,7 +92,8 @@ struct arrivals {
     const double *arrival; /* [n] [s] */
     const double *order;   /* [n] of the lines that came, rising; lost ones are not counted */
     size_t n;
-    bool counted; /* by the device: they are */
+    bool counted;      /* by the device: they are */
+    const bool *pause; /* [n] nothing was wanted before it: none are lost there; NULL: nowhere */
 };
 /* collect/clock.c: [count/s] of a device's clock v [n] by the arrivals; NAN: they do not say.
  * scratch [n]. */

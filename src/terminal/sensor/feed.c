@@ -32,12 +32,14 @@ struct feed {
     pthread_t thread;
     pthread_mutex_t lock; /* of what is below, but `part` and `lines` */
     struct feed_look look;
+    double until; /* [s] later lines are not wanted */
     bool paused, stopping;
     /* of the thread alone */
     struct buffer part;  /* the line at hand, COLLECTED_LINE + 1 bytes of it at most */
     struct buffer lines; /* complete ones that are not yet in the file */
     uint64_t count;      /* of these */
     size_t written;      /* [byte] of the file */
+    bool rested;         /* it was paused since the last line */
     bool half;           /* the line at hand may lack its beginning */
     bool dirty;
     int64_t flushed, synced; /* [clock_ns] */
@@ -84,6 +86,9 @@ static void take_line(struct feed *feed, double arrival, bool cut)
 {
     if (cut)
         buffer_put(&feed->part, TEXT("\\..."));
+    if (feed->rested)
+        buffer_put(&feed->lines, TEXT(COLLECTED_PAUSE "\n"));
+    feed->rested = false;
     collected_put(&feed->lines, arrival, buffer_text(&feed->part));
     feed->count++;
     buffer_clear(&feed->part);
@@ -102,11 +107,15 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
     const double arrival = seconds_of(feed, now);
     pthread_mutex_lock(&feed->lock);
     feed->look.bytes += piece.len;
-    const bool paused = feed->paused;
+    const bool paused = feed->paused, late = arrival > feed->until;
     pthread_mutex_unlock(&feed->lock);
+    if (late) {
+        end(feed, FEED_IN_TIME, "");
+        return;
+    }
     if (paused) {
         buffer_clear(&feed->part);
-        feed->half = true;
+        feed->half = feed->rested = true;
         return;
     }
     for (size_t i = 0, from = 0; i <= piece.len; i++) {
@@ -225,6 +234,7 @@ static struct feed *open_feed(const struct feed_request *request, struct error *
     *feed = (struct feed){.file = request->file,
                           .wake = {-1, -1},
                           .max = request->max,
+                          .until = HUGE_VAL,
                           .from = request->from,
                           .look = {.first = NAN, .last = NAN}};
     pthread_mutex_init(&feed->lock, NULL);
@@ -253,6 +263,13 @@ static void pause_feed(struct feed *feed, bool pause)
     pthread_mutex_unlock(&feed->lock);
 }
 
+static void limit_feed(struct feed *feed, double until)
+{
+    pthread_mutex_lock(&feed->lock);
+    feed->until = until;
+    pthread_mutex_unlock(&feed->lock);
+}
+
 static void close_feed(struct feed *feed, struct feed_look *look)
 {
     pthread_mutex_lock(&feed->lock);
@@ -271,5 +288,9 @@ static void heeded(void)
         atomic_store(&interrupt.requested, 0);
 }
 
-const struct feed_access sensor_feed = {
-    .open = open_feed, .look = look_at, .pause = pause_feed, .close = close_feed, .heeded = heeded};
+const struct feed_access sensor_feed = {.open = open_feed,
+                                        .look = look_at,
+                                        .pause = pause_feed,
+                                        .until = limit_feed,
+                                        .close = close_feed,
+                                        .heeded = heeded};

@@ -227,7 +227,19 @@ static void what_is_broken_is_counted(void **state)
 
 /* ---- streams that are broken ---- */
 
-enum fault { NONE, RESET, RESET_SAYS, FULL_16, FULL_32, FULL_MICROS, FORWARD, BACK, LOSES, TWICE };
+enum fault {
+    NONE,
+    RESET,
+    RESET_SAYS,
+    FULL_16,
+    FULL_32,
+    FULL_US,
+    AHEAD,
+    BACK,
+    LOSES,
+    PAUSES,
+    TWICE
+};
 
 static const struct broken_stream {
     const char *name, *line;               /* of t [ms] and y [cm] */
@@ -282,8 +294,8 @@ static const struct broken_stream {
      .garbled = 2},
     {.name = "16 bit are full", .line = "%.0f,%.3f", .fault = FULL_16, .samples = 300},
     {.name = "32 bit are full", .line = "%.0f,%.3f", .fault = FULL_32, .samples = 300},
-    {.name = "32 bit of us", .line = "%.3f,%.3f", .fault = FULL_MICROS, .samples = 300},
-    {.name = "a stamp ahead", .line = "%.0f,%.3f", .fault = FORWARD, .samples = 299, .garbled = 1},
+    {.name = "32 bit of us", .line = "%.3f,%.3f", .fault = FULL_US, .samples = 300},
+    {.name = "a stamp ahead", .line = "%.0f,%.3f", .fault = AHEAD, .samples = 299, .garbled = 1},
     {.name = "a stamp behind", .line = "%.0f,%.3f", .fault = BACK, .samples = 299, .garbled = 1},
     {.name = "lost lines", .line = "%.0f,%.3f", .fault = LOSES, .samples = 297, .lost = 3},
     {.name = "lost lines, no clock",
@@ -300,6 +312,9 @@ static const struct broken_stream {
      .samples = 297,
      .lost = 3,
      .clock = CLOCK_ARRIVAL},
+    {.name = "a pause", .line = "%.0f,%.3f", .fault = PAUSES, .samples = 297},
+    {"a pause, no clock", "%.3f", BARE, PAUSES, NULL, 297, 0, 0, 0, 0, 0, CLOCK_ARRIVAL},
+    {"a pause, counted", "%d,%.3f", COUNTED, PAUSES, NULL, 297, 0, 0, 0, 0, 0, CLOCK_ARRIVAL},
     {.name = "a line twice", .line = "%.0f,%.3f", .fault = TWICE, .samples = 300, .repeated = 1},
 };
 
@@ -314,9 +329,9 @@ static double stamp_of(enum fault fault, int k)
         return fmod(65536 - 3000 + t, 65536);
     case FULL_32:
         return fmod(4294967296.0 - 3000 + t, 4294967296.0);
-    case FULL_MICROS:
+    case FULL_US:
         return fmod(4294967.296 - 3000 + t, 4294967.296);
-    case FORWARD:
+    case AHEAD:
         return k == 150 ? 20000000 : t;
     case BACK:
         return k == 150 ? 77 : t;
@@ -333,8 +348,10 @@ static void put_stream(const struct broken_stream *s, struct buffer *file)
     buffer_format(file, "%s\n", COLLECTED_HEAD);
     for (int k = 0; k < 300; k++) {
         const double at = 0.02 * k + 1e-4 * (k * 7 % 5);
-        if (s->fault == LOSES && k >= 150 && k < 153)
+        if ((s->fault == LOSES || s->fault == PAUSES) && k >= 150 && k < 153)
             continue;
+        if (s->fault == PAUSES && k == 153)
+            buffer_put(file, TEXT(COLLECTED_PAUSE "\n"));
         if (s->fault == RESET_SAYS && k == 150) {
             collected_put(file, at - 0.02, TEXT("sensor ready"));
             collected_put(file, at - 0.01, TEXT("time,distance"));
@@ -381,7 +398,8 @@ static void every_line_is_in_one_of_the_counts(void **state)
             fail_msg("%s: clock %d", s->name, (int)c->clock);
         for (size_t k = 0; k < r->rows; k++) /* within the jitter of the arrivals after a reset */
             if (fabs(r->t[k] - r->t[0] - 0.02 * (r->line[k] - r->line[0])) > 1e-3 && !s->also &&
-                s->fault != LOSES && s->fault != TWICE && s->fault != RESET_SAYS)
+                s->fault != LOSES && s->fault != PAUSES && s->fault != TWICE &&
+                s->fault != RESET_SAYS)
                 fail_msg("%s: sample %zu at %.6g s", s->name, k, r->t[k] - r->t[0]);
         if (!(fabs(r->t[r->rows - 1] - r->t[0] - 0.02 * 299) < 2e-3))
             fail_msg("%s: %.6g s of 5.98 s", s->name, r->t[r->rows - 1] - r->t[0]);
