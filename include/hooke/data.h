@@ -15,6 +15,7 @@ struct series {
     size_t n;
     enum quantity quantity;      /* of y */
     const struct cancel *cancel; /* ends what is done with it; NULL: nobody can */
+    double pace; /* relative uncertainty that all its times have in common; 0: none is known */
 };
 
 /* ---- recordings ---- */

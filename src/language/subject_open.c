@@ -29,10 +29,13 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
             t[n - 1 - i] = a;
             y[n - 1 - i] = b;
         }
-    *series = (struct series){t, y, n,
+    *series = (struct series){t,
+                              y,
+                              n,
                               energy ? observable_quantity(energy_of, &run->system)
                                      : system_variable(&run->system, 0).quantity,
-                              run->cancel};
+                              run->cancel,
+                              0};
     return true;
 }
 
@@ -148,8 +151,8 @@ bool subject_column(struct subject *subject, const struct argument_value *column
         y[n - 1 - i] = y[i];
         y[i] = last;
     }
-    const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity,
-                                 run->cancel};
+    const struct series whole = {t,           y, n, chosen_variable(&run->system, &chosen).quantity,
+                                 run->cancel, 0};
     subject->series = in_window(whole, window);
     subject->column = true;
     snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at,

@@ -172,6 +172,7 @@ bool motion_series(const struct data_motion *motion, bool energy, double from, d
             t[n] = motion->t[i];
             y[n++] = value[i];
         }
-    *series = (struct series){t, y, n, energy ? QUANTITY_ENERGY : motion->quantity, motion->cancel};
+    *series =
+        (struct series){t, y, n, energy ? QUANTITY_ENERGY : motion->quantity, motion->cancel, 0};
     return true;
 }

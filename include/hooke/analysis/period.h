@@ -48,6 +48,8 @@ struct period {
     char warning[160]; /* what makes one number for the whole doubtful; "": nothing */
 };
 
+/* A time or a rate, with what all times have in common [relative] added to its uncertainty. */
+struct measured measured_at_pace(struct measured time, double pace);
 /*
  * Noisy samples: from the line through the phases of sines fitted window by window, each on its own
  * parabola. Others, and fewer than four windows: from the line through the up-crossing times

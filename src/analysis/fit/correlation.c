@@ -191,5 +191,6 @@ bool series_correlation_period(const struct series *series, const struct period 
     for (int k = 0; k < peaks; k++)
         square += (at[k] - (k + 1) * period->value) * (at[k] - (k + 1) * period->value);
     period->uncertainty = sqrt(square / (peaks - 1) / kk);
+    *period = measured_at_pace(*period, series->pace);
     return true;
 }

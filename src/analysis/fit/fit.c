@@ -218,6 +218,14 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         if (drag && fit_discards_much(m.rejected, m.samples.n))
             return refuse_laws(&m, fit, error);
     }
+    if (series->pace > 0) {
+        fit->period = measured_at_pace(fit->period, series->pace);
+        fit->omega = measured_at_pace(fit->omega, series->pace);
+        fit->gamma = measured_at_pace(fit->gamma, series->pace);
+        fit_covariance_widen(&fit->covariance, SINE_OMEGA, fit->omega.uncertainty);
+        if (unknowns == FREE_GAMMA)
+            fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);
+    }
     fit_diagnose(&m, sway, fit);
     return true;
 }

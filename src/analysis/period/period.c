@@ -332,8 +332,15 @@ bool series_clean_period(const struct series *series, double centre, struct aren
                SMOOTH * (series->t[series->n - 1] - series->t[0]);
 }
 
-bool series_period(const struct series *series, struct arena *arena, struct period *period,
-                   struct error *error)
+struct measured measured_at_pace(struct measured time, double pace)
+{
+    if (pace > 0)
+        time.uncertainty = hypot(time.uncertainty, pace * time.value);
+    return time;
+}
+
+static bool find_period(const struct series *series, struct arena *arena, struct period *period,
+                        struct error *error)
 {
     if (series->n > LONG_RECORD && long_period(series, arena, period)) {
         return true;
@@ -350,5 +357,14 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
         wave_period(series, exact, arena, &wave) &&
         wave.period.uncertainty < period->period.uncertainty / 10)
         *period = wave;
+    return true;
+}
+
+bool series_period(const struct series *series, struct arena *arena, struct period *period,
+                   struct error *error)
+{
+    if (!find_period(series, arena, period, error))
+        return false;
+    period->period = measured_at_pace(period->period, series->pace);
     return true;
 }

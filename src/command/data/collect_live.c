@@ -36,7 +36,7 @@ static bool last_rows(const struct recording *recording, double from, struct are
         t[n] = series->t[first];
         y[n] = series->y[first];
     }
-    *series = (struct series){t, y, n, series->quantity, series->cancel};
+    *series = (struct series){t, y, n, series->quantity, series->cancel, series->pace};
     return n >= 16;
 }
 

@@ -72,6 +72,13 @@ static struct measured quotient(double numerator, struct measured x)
                              fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
 }
 
+void put_pace(const struct series *series, struct buffer *text)
+{
+    if (series->pace > 0)
+        buffer_format(text, "\n  (with the rate of the arrivals, which is known to %.2g %%)",
+                      100 * series->pace);
+}
+
 static struct measured quality(const struct fit *fit)
 {
     const double q = fit->omega.value / fit->gamma.value;
@@ -205,6 +212,7 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
     }
     if (fit->drag.candidates > 0)
         put_laws(summary, arena, text);
+    put_pace(&summary->subject->series, text);
     inputs_put(&summary->inputs, text);
     if (!isfinite(summary->k.value) && summary->spring)
         buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));

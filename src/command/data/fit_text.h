@@ -32,6 +32,8 @@ bool known_mass(const struct scene *scene, struct measured *mass);
 /* "name = value"; measured: an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured);
+/* How well the rate is known by which a recording without a clock got its times. */
+void put_pace(const struct series *series, struct buffer *text);
 void fit_add_warning(struct fit_summary *summary, const char *format, ...) PRINTF_LIKE(2, 3);
 void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena);
 /* What the residuals of a curve say against it. */

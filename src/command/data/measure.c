@@ -100,6 +100,7 @@ static bool measure_period(struct measuring *m)
     if (m->subject.recording &&
         series_correlation_period(&m->subject.series, &p, m->args->arena, &alike))
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
+    put_pace(&m->subject.series, &text);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
     if (m->subject.recording)
@@ -389,6 +390,7 @@ static bool measure_k(struct measuring *m)
     put_measured(&text, " (m", (struct measured){mass, u}, QUANTITY_MASS);
     put_measured(&text, ", T", p.period, QUANTITY_TIME);
     buffer_char(&text, ')');
+    put_pace(&m->subject.series, &text);
     if (m->subject.run)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
     else if (!own && !scene->chosen[index])

@@ -82,7 +82,7 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
         t[i] = points->at[i].x;
         y[i] = points->at[i].y;
     }
-    const struct series series = {t, y, points->n, QUANTITY_OTHER, curve->cancel};
+    const struct series series = {t, y, points->n, QUANTITY_OTHER, curve->cancel, 0};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
     points->measured = true;

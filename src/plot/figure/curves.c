@@ -280,7 +280,7 @@ bool run_even_series(const struct run *run, double from, double to, double perio
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel};
+    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel, 0};
     for (size_t i = 0; i < n; i++) {
         if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");

@@ -31,7 +31,7 @@ static void parabolas_are_exact(void **state)
         t[i] = 3 + 0.01 * i + 0.002 * sin(7.0 * i) + (i >= 500 ? 1 : 0);
         y[i] = 2 - 3 * t[i] + 0.5 * t[i] * t[i] + (i >= 500 ? 100 : 0);
     }
-    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL};
+    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL, 0};
     for (int points = 3; points <= 9; points += 2) {
         assert_true(series_derivative(&series, points, &arena, &d, &error));
         assert_int_equal(d.known, N);
@@ -58,7 +58,7 @@ static void loss_and_gain_are_as_stated(void **state)
         t[i] = h * i;
         y[i] = sin(omega * t[i]);
     }
-    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL};
+    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL, 0};
     assert_true(series_derivative(&series, DERIVATIVE_POINTS, &arena, &d, &error));
     for (int i = 2; i < N - 2; i++)
         largest = fmax(largest, fabs(d.value[i] -
@@ -79,7 +79,7 @@ static void the_autocorrelation_finds_the_period(void **state)
         t[i] = 0.01 * i;
         y[i] = 21.6 + 5 * exp(-0.01 * t[i]) * cos(6.283185307179586 / 0.7226 * t[i] + 1);
     }
-    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL};
+    const struct series series = {t, y, N, QUANTITY_LENGTH, NULL, 0};
     const struct period known = {
         .period = {0.73, 0}}; /* 7 % of a period off after as many periods */
     assert_true(series_correlation_period(&series, &known, &arena, &period));
@@ -106,7 +106,7 @@ static void the_autocorrelation_of_long_recordings(void **state)
         y[i] = 21.6 + 5 * cos(phase);
         phase += 6.283185307179586 * 0.01 / (i < LONG / 2 ? 0.7220 : 0.7240);
     }
-    const struct series series = {t, y, LONG, QUANTITY_LENGTH, NULL};
+    const struct series series = {t, y, LONG, QUANTITY_LENGTH, NULL, 0};
     const struct period known = {.period = {0.7230, 0}};
     assert_true(series_correlation_period(&series, &known, &arena, &period));
     if (!near(period.value, 0.7230, 1e-4))
@@ -128,7 +128,7 @@ static double seconds_uphill(int samples, double off)
         t[i] = i;
         y[i] = cos(6.283185307179586 * i / samples + 1);
     }
-    const struct series series = {t, y, (size_t)n, QUANTITY_LENGTH, NULL};
+    const struct series series = {t, y, (size_t)n, QUANTITY_LENGTH, NULL, 0};
     const struct period known = {.period = {(1 + off) * samples, 0}};
     const int64_t begin = clock_cpu_ns();
     assert_true(series_correlation_period(&series, &known, &arena, &period));

@@ -118,7 +118,7 @@ static struct series_exponent analyse(const double *y, size_t n, double dt)
     struct error error = {0};
     for (size_t i = 0; i < n; i++)
         t[i] = (double)i * dt;
-    const struct series series = {t, y, n, QUANTITY_NUMBER, NULL};
+    const struct series series = {t, y, n, QUANTITY_NUMBER, NULL, 0};
     if (!series_exponent(&series, &arena, &found, &error))
         fail_msg("%s", error.text);
     arena_reset(&arena);
@@ -312,7 +312,7 @@ static void test_cancelled(void **state)
         t[i] = 0.02 * (double)i;
     struct cancel cancel;
     atomic_init(&cancel.requested, 1);
-    const struct series series = {t, y, MOST, QUANTITY_NUMBER, &cancel};
+    const struct series series = {t, y, MOST, QUANTITY_NUMBER, &cancel, 0};
     assert_false(series_exponent(&series, &arena, &found, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     arena_reset(&arena);

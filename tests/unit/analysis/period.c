@@ -186,7 +186,7 @@ static void pulses_have_a_period(void **state)
             t[i] = 0.005 * i + 0.002 * sin(i);
             y[i] = exp(40 * (cos(6.283185307179586 * t[i] / period / (1 + late * t[i] / 50)) - 1));
         }
-        const struct series series = {t, y, 4000, QUANTITY_NUMBER, NULL};
+        const struct series series = {t, y, 4000, QUANTITY_NUMBER, NULL, 0};
         assert_true(series_period(&series, &arena, &p, &error) == !late);
         if (!late) {
             assert_true(fabs(p.period.value - period) < 1e-6);
@@ -450,7 +450,7 @@ static void peaks_are_all_found_and_nothing_else(void **state)
     (void)state;
     random_state = 28;
     static double t[2000], y[2000];
-    struct series series = {t, y, 2000, QUANTITY_LENGTH, NULL};
+    struct series series = {t, y, 2000, QUANTITY_LENGTH, NULL, 0};
     struct arena arena = {0};
     struct spectrum_peak peak[3];
     for (size_t i = 0; i < 2000; i++) {
@@ -523,7 +523,7 @@ static void what_rests_has_no_periods(void **state)
 {
     (void)state;
     static double t[3000], y[3000];
-    struct series series = {t, y, 3000, QUANTITY_LENGTH, NULL};
+    struct series series = {t, y, 3000, QUANTITY_LENGTH, NULL, 0};
     struct arena arena = {0};
     struct period period;
     struct error error;
