@@ -46,6 +46,10 @@ live=$(quantity period live-fit long.json)
 awk -v a="$live" -v b="$(quantity period fit long.json)" 'BEGIN { split(a, x, " "); split(b, y, " "); d = (x[1] - y[1]) / x[2]
     exit !(x[2] > 0 && d * d < 9 && x[2] < 3 * y[2]) }'
 ok "40000 lines are thinned, and its uncertainty knows" $? "$(cat long.json)"
+{ swing 1 100 8 | head -n 60; sleep 0.4; swing 1 100 8 | tail -n +61; sleep 0.4; } | # all of it is read before it ends
+    "$hooke" -n --format json -c "fit damped --live; collect - to=late.txt; fit damped" >late.json 2>&1
+[ -n "$(quantity period fit late.json)" ] && [ "$(quantity period live-fit late.json)" = "$(quantity period fit late.json)" ]
+ok "the last live fit is of the last lines, also where they came in the second after another" $? "$(cat late.json)"
 swing 1 100 0.5 | "$hooke" -n -c "fit damped --live; collect - to=early.txt" >early.out 2>&1
 grep -q '^live fit to t = 0.49 s: not determined$' early.out
 ok "half a second determines nothing" $? "$(cat early.out)"

@@ -114,6 +114,14 @@ void collect_fit_last(struct collection *c)
         c->view.due = c->live.fit_due = 0;
         look_at_recording(c);
     } while (c->view.lines == 0 && collect_own_place(c->session) >= 0);
+    const int place = collect_own_place(c->session);
+    if (place < 0)
+        return;
+    struct recording *all = c->session->recording[place]->recording;
+    if (c->state.fit.t != all->t[all->rows - 1]) { /* they had been read, and not yet fitted */
+        c->live.fit_due = 0;
+        collect_find(c, all);
+    }
 }
 
 /* What is waited for, once, when nothing comes, or nothing that can be read. */
