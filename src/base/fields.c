@@ -81,12 +81,52 @@ bool field_get(struct text in, const char *name, void *to, size_t bytes)
     return true;
 }
 
+/* The number that begins there, whatever its alignment. */
+static double number_at(enum field_kind kind, const char *at)
+{
+    int whole;
+    unsigned natural;
+    int64_t large;
+    uint64_t larger;
+    double real;
+    switch (kind) {
+    case FIELD_INTS:
+        return (double)*(int *)memcpy(&whole, at, sizeof whole);
+    case FIELD_UNSIGNED:
+        return (double)*(unsigned *)memcpy(&natural, at, sizeof natural);
+    case FIELD_INT64S:
+        return (double)*(int64_t *)memcpy(&large, at, sizeof large);
+    case FIELD_UINT64S:
+        return (double)*(uint64_t *)memcpy(&larger, at, sizeof larger);
+    default:
+        return *(double *)memcpy(&real, at, sizeof real);
+    }
+}
+
 static bool can_be(const struct field *field, struct text value)
 {
+    const size_t bytes =
+        field->kind == FIELD_INTS || field->kind == FIELD_UNSIGNED ? sizeof(int) : sizeof(double);
     bool can = true;
     for (size_t i = 0; i < value.len && field->kind == FIELD_BOOLS; i++)
         can &= (unsigned char)value.at[i] <= 1;
-    return can && (field->kind != FIELD_TEXT || memchr(value.at, 0, value.len));
+    if (field->kind == FIELD_TEXT)
+        return memchr(value.at, 0, value.len);
+    if (field->kind < FIELD_INTS || !(field->least < field->most))
+        return can;
+    for (size_t i = 0; i + bytes <= value.len && can; i += bytes) {
+        const double number = number_at(field->kind, value.at + i);
+        can = number >= field->least && number <= field->most;
+    }
+    return can;
+}
+
+bool fields_sound(const struct field *field, size_t count, const void *of)
+{
+    bool all = true;
+    for (size_t i = 0; i < count && all; i++)
+        all = can_be(&field[i], (struct text){(const char *)of + field[i].offset, field[i].bytes});
+    return all;
 }
 
 bool fields_get(struct text in, const struct field *field, size_t count, void *of)

@@ -114,6 +114,16 @@ bool plan_grid(const struct system *system, double dt, double span, struct plan 
     return true;
 }
 
+bool plan_propagates(const struct system *system, const struct method *method,
+                     const struct run_settings *settings, bool adaptive)
+{
+    const double interval = settings->record.interval;
+    return settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated &&
+           system->n == 2 && system->linear && system->autonomous && !method->growth &&
+           (settings->record.rule != RECORD_TIMES ||
+            fabs(remainder(interval, settings->dt)) <= 1e-14 * interval);
+}
+
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error)
@@ -149,11 +159,7 @@ bool plan_make(const struct system *system, const struct method *method,
         .seconds = NAN,
         .growth = adaptive ? NAN : predicted_growth(system, method, drag, fmin(dt, fabs(span))),
         .limit = NAN};
-    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive &&
-                       !settings->compensated && system->n == 2 && system->linear &&
-                       system->autonomous && !method->growth &&
-                       (!timed || fabs(remainder(settings->record.interval, dt)) <=
-                                      1e-14 * settings->record.interval);
+    plan->propagates = plan_propagates(system, method, settings, adaptive);
     if (plan->growth > 1 + GROWTH_MARGIN)
         plan->limit = plan_stable_limit(system, method, drag);
     double rows = floor(fabs(span) / settings->record.interval) + 2;

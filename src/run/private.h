@@ -442,6 +442,10 @@ bool walk_next(struct walk *walk);
 void walk_leave(struct walk *walk);
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
+/* plan.c: fixed steps of the scene are powers of a matrix. */
+bool plan_propagates(const struct system *system, const struct method *method,
+                     const struct run_settings *settings, bool adaptive);
+
 /* ---- ledger.c ---- */
 
 double system_energy(const struct system *system, const double *y); /* [J] */

@@ -5,10 +5,8 @@
  * matrix) is made anew, the same bits by the same operations; all that was computed is there. What
  * somebody else's library remembers, nobody can keep.
  */
-#include <hooke/run/store.h>
-#include "run/private.h"
+#include "run/store_private.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #define OF_RUN(member) FIELD_OF(struct run, member)
@@ -171,6 +169,10 @@ static bool get_epoch(struct run *run, struct text in)
     memcpy(epoch.value, scene.value, sizeof epoch.value);
     memcpy(epoch.value, value.at, value.len);
     memcpy(scene.value, epoch.value, sizeof scene.value);
+    struct scene same = scene; /* takes its values */
+    for (size_t i = 0; i < scene_params(&scene)->count; i++)
+        if (!scene_set(&same, (int)i, (struct measured){scene.value[i], 0}, &ignored))
+            return false;
     return scene_bind(&scene, &epoch.system, &ignored) && run_push_epoch(run, &epoch);
 }
 
@@ -203,6 +205,7 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
 {
     struct trace *trace = run->trace;
     const size_t bytes = run_row_bytes(run), count = trace->count;
+    int64_t before = 0;
     trace_clear_rows(trace);
     for (size_t i = 0; i < pieces && trace->count < count; i++) {
         if (piece[i].first != trace->count || piece[i].row_bytes != bytes)
@@ -213,6 +216,9 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
             int64_t step;
             const char *at = piece[i].at + k * bytes;
             memcpy(&step, at, sizeof step);
+            if (step < before || step > run->steps)
+                return false;
+            before = step;
             memcpy(row, at + sizeof step, trace->width * sizeof *row);
             memcpy(&mark, at + sizeof step + trace->width * sizeof *row,
                    trace->mark_width * sizeof(double));
@@ -270,13 +276,13 @@ struct run *run_restore(const struct scene *scene, const struct method *method, 
                         const struct stored_rows *piece, size_t pieces, struct error *error)
 {
     struct run_settings settings;
-    if (!field_get(in, "settings", &settings, sizeof settings)) {
+    if (!run_settings_take(in, &settings)) {
         error_set(error, ERROR_IO, "it was written by another version");
         return NULL;
     }
     struct run *run = run_create(scene, method, &settings, HUGE_VAL, error);
     if (run && fields_get(in, run_fields, COUNT_OF(run_fields), run) && get_epochs(run, in) &&
-        get_private(run, in) && get_trace(run->trace, run->system.n, in) &&
+        get_private(run, in) && get_trace(run->trace, run->system.n, in) && run_is_sound(run) &&
         get_rows(run, piece, pieces) && get_work(run, in))
         return run;
     run_destroy(run);

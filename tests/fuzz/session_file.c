@@ -2,8 +2,8 @@
 /*
  * A damaged file of a session: it is restored, with notes of what is missing, or refused; never a
  * crash, and what was restored can be drawn, used and kept again. Any bytes as they are; and whole
- * records and fields that are missing, doubled, cut or elsewhere, whose checksums are made right.
- * Numbers within a field whose checksum is right are the program's own: a checksum is no seal.
+ * records and fields that are missing, doubled, cut or elsewhere, and numbers that are any, whose
+ * checksums are made right: a checksum is no seal.
  */
 #include <hooke/view.h>
 
@@ -11,12 +11,10 @@
 #define UNIT "session files"
 #define FUZZ_SEEDS
 #define FUZZ_MUTATOR
+#include "fuzz/mend.h"
 #include "fuzz/replay.h"
 #include "fuzz/scripted.h"
 #include "fuzz/stored.h"
-#include "session/store/store.h"
-
-#include <stddef.h>
 
 static const char *const sessions[] = {
     "run 1 s; continue 0.3 s; note first; rename 1 a; k = 20; method verlet dt=3ms; run 0.2 s",
@@ -54,31 +52,6 @@ size_t fuzz_seed(size_t i, uint8_t *data, size_t max)
     buffer_free(&file);
     scripted_destroy(session, &reply);
     return len;
-}
-
-static size_t next_record(const uint8_t *data, size_t size, size_t from)
-{
-    for (; from + sizeof(struct record_head) <= size; from++)
-        if (memcmp(data + from, RECORD_MAGIC, sizeof RECORD_MAGIC - 1) == 0)
-            return from;
-    return size;
-}
-
-/* Every record ends where the next begins, and its sums are right. */
-static void mend(uint8_t *data, size_t size)
-{
-    const size_t first = sizeof STORE_HEADER - 1;
-    memcpy(data, STORE_HEADER, first);
-    for (size_t at = next_record(data, size, first), next; at < size; at = next) {
-        struct record_head head;
-        const size_t content = at + sizeof head;
-        next = next_record(data, size, content);
-        memcpy(&head, data + at, sizeof head);
-        head.bytes = next - content;
-        head.sum = bytes_sum((struct text){(const char *)data + content, next - content});
-        head.own = bytes_sum((struct text){(const char *)&head, offsetof(struct record_head, own)});
-        memcpy(data + at, &head, sizeof head);
-    }
 }
 
 /* ---- what is wrong with a file whose sums are right: parts are missing, doubled, cut ---- */
@@ -129,11 +102,52 @@ static void change_field(struct text content, struct buffer *out, uint64_t *rand
     }
 }
 
+/* One of its fields, or of those within it; no fields: all of it. */
+static struct text some_field(struct text content, uint64_t *random)
+{
+    for (int depth = 0; depth < 4; depth++) {
+        struct text rest = content, name, value;
+        size_t count = 0;
+        while (field_next(&rest, &name, &value))
+            count++;
+        if (count == 0 || rest.len > 0)
+            break;
+        size_t chosen = pick(random, count);
+        for (rest = content; field_next(&rest, &name, &value) && chosen > 0;)
+            chosen--;
+        content = value;
+    }
+    return content;
+}
+
+/* A number, whatever it is the number of: a flag, a count, a place, a value. */
+static void change_number(struct text content, struct buffer *out, uint64_t *random)
+{
+    static const double values[] = {0, 1, -1, 1e-300, 1e300, HUGE_VAL, -HUGE_VAL, NAN};
+    static const uint64_t edges[] = {0,          1,          2,          7,          0xff,
+                                     0x7fffffff, 0x80000000, 1ull << 62, UINT64_MAX, 1ull << 40};
+    const struct text field = some_field(content, random);
+    const size_t from = out->len + (size_t)(field.at - content.at), bytes = 1u << pick(random, 4);
+    uint64_t number = edges[pick(random, COUNT_OF(edges))];
+    buffer_put(out, content);
+    if (field.len < bytes || out->failed)
+        return;
+    if (bytes == 8 && pick(random, 2) == 0)
+        memcpy(&number, &values[pick(random, COUNT_OF(values))], sizeof number);
+    if (pick(random, 4) == 0)
+        number = fuzz_random(random) >> pick(random, 64);
+    memcpy(out->data + from + bytes * pick(random, field.len / bytes), &number, bytes);
+}
+
 /* A record that is missing, doubled, elsewhere, or has another content. */
 static void change_record(struct text in, struct buffer *out, uint64_t *random)
 {
     const uint8_t *data = (const uint8_t *)in.at;
-    const size_t from = next_record(data, in.len, 1 + pick(random, in.len));
+    size_t from = next_record(data, in.len, 1), count = 0;
+    for (size_t at = from; at < in.len; at = next_record(data, in.len, at + 1))
+        count++;
+    for (size_t skip = count > 1 ? pick(random, count) : 0; skip > 0; skip--)
+        from = next_record(data, in.len, from + 1);
     const size_t end = from < in.len ? next_record(data, in.len, from + 1) : in.len;
     const size_t act = pick(random, 8);
     const struct text record = {in.at + from, end - from};
@@ -146,6 +160,8 @@ static void change_record(struct text in, struct buffer *out, uint64_t *random)
         buffer_put(out, (struct text){record.at, head});
         if (record.at[offsetof(struct record_head, kind)] == RECORD_ROWS)
             change_rows(content, out, random);
+        else if (act >= 5)
+            change_number(content, out, random);
         else
             change_field(content, out, random);
     }
@@ -202,7 +218,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         mend((uint8_t *)file.data, file.len);
     scripted_time(20 * SCRIPTED_NS);
     if (stored_take(session, &reply, buffer_text(&file), &notes)) {
-        if (choice % 4 == 0)
+        if (choice % 2 == 0)
             use(session, &reply);
         scripted_time(20 * SCRIPTED_NS);
         stored_put(session, &kept);

@@ -9,21 +9,47 @@
 
 #include <hooke/base.h>
 
-/* A member of a struct that has no pointers in it. */
+/*
+ * A member of a struct that has no pointers in it. A file may hold any bytes: bools have to be 0 or
+ * 1, texts end, and where least < most numbers stand between them.
+ */
 struct field {
     const char *name;
     size_t offset, bytes;
-    enum field_kind { FIELD_BYTES, FIELD_BOOLS, FIELD_TEXT } kind;
+    enum field_kind {
+        FIELD_BYTES,
+        FIELD_BOOLS,
+        FIELD_TEXT,
+        FIELD_INTS,
+        FIELD_UNSIGNED, /* enums, too */
+        FIELD_INT64S,
+        FIELD_UINT64S,
+        FIELD_REALS
+    } kind;
+    double least, most;
 };
 
 #define FIELD_KIND(member)                                                                         \
-    _Generic((member), bool : FIELD_BOOLS, bool * : FIELD_BOOLS, char * : FIELD_TEXT, default      \
+    _Generic((member), bool                                                                        \
+             : FIELD_BOOLS, bool *                                                                 \
+             : FIELD_BOOLS, char *                                                                 \
+             : FIELD_TEXT, int                                                                     \
+             : FIELD_INTS, int *                                                                   \
+             : FIELD_INTS, unsigned                                                                \
+             : FIELD_UNSIGNED, unsigned *                                                          \
+             : FIELD_UNSIGNED, int64_t                                                             \
+             : FIELD_INT64S, uint64_t                                                              \
+             : FIELD_UINT64S, double                                                               \
+             : FIELD_REALS, double *                                                               \
+             : FIELD_REALS, default                                                                \
              : FIELD_BYTES)
-#define FIELD_OF(type, member)                                                                     \
+/* The member, whose numbers are between these. */
+#define FIELD_IN(type, member, least, most)                                                        \
     {                                                                                              \
 #member, offsetof(type, member), sizeof(((type *)0)->member),                              \
-            FIELD_KIND(((type *)0)->member)                                                        \
+            FIELD_KIND(((type *)0)->member), least, most                                           \
     }
+#define FIELD_OF(type, member) FIELD_IN(type, member, 0, 0)
 
 void field_put(struct buffer *to, const char *name, const void *value, size_t bytes);
 void field_text(struct buffer *to, const char *name, struct text value);
@@ -38,8 +64,10 @@ bool field_find(struct text in, const char *name, struct text *value);
 bool field_next(struct text *in, struct text *name, struct text *value);
 /* Exactly so many bytes, else false and *to as it was. */
 bool field_get(struct text in, const char *name, void *to, size_t bytes);
-/* All of them, or false; bools are 0 or 1, texts end. */
+/* All of them, each as it may be, or false. */
 bool fields_get(struct text in, const struct field *field, size_t count, void *of);
+/* Whether each of what has been read is as it may be. */
+bool fields_sound(const struct field *field, size_t count, const void *of);
 
 /* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
  */

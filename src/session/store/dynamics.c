@@ -150,7 +150,15 @@ static void *get_array(struct text in, const char *name, int *count, size_t item
 
 static bool sound(const struct dynamics *d, const struct solution *s)
 {
-    return s->n == d->n && s->values >= 0 && s->values <= DYNAMICS_VARIABLES;
+    return s->kind <= SOLUTION_RESPONSE && s->n == d->n && s->values >= 0 &&
+           s->values <= DYNAMICS_VARIABLES && s->multiple >= 0 && s->unstable >= 0 &&
+           s->unstable <= s->values;
+}
+
+/* Numbers of what was found, as they stand in its names. */
+static bool sound_number(int number)
+{
+    return number >= 0 && number <= INT32_MAX / 2;
 }
 
 static bool get_equilibria(struct dynamics *d, struct text in, uint64_t id, double *value)
@@ -169,8 +177,10 @@ static bool get_equilibria(struct dynamics *d, struct text in, uint64_t id, doub
     }
     *rests =
         (struct kept_equilibria){.id = id, .value = value, .count = count, .of = of, .form = form};
-    field_get(in, "forced", &rests->forced, sizeof rests->forced);
-    field_get(in, "complete", &rests->complete, sizeof rests->complete);
+    const struct field flags[] = {FIELD_OF(struct kept_equilibria, forced),
+                                  FIELD_OF(struct kept_equilibria, complete)};
+    for (size_t i = 0; i < COUNT_OF(flags); i++)
+        fields_get(in, &flags[i], 1, rests);
     return true;
 }
 
@@ -182,7 +192,7 @@ static bool get_orbit(struct dynamics *d, struct text in, uint64_t id, double *v
     if (!orbit.sample || numbers % (d->n + 1) != 0 || d->orbits == LIMIT_ORBITS ||
         !field_get(in, "number", &orbit.number, sizeof orbit.number) ||
         !field_get(in, "solution", &orbit.solution, sizeof orbit.solution) ||
-        !sound(d, &orbit.solution)) {
+        !sound_number(orbit.number) || !sound(d, &orbit.solution)) {
         free(orbit.sample);
         return false;
     }
@@ -193,14 +203,19 @@ static bool get_orbit(struct dynamics *d, struct text in, uint64_t id, double *v
 
 static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
 {
-    bool ok = b->params >= 1 && b->params <= 2;
+    const struct field flags[] = {FIELD_OF(struct branch, closed),
+                                  FIELD_OF(struct branch, cancelled)};
+    bool ok = b->params >= 1 && b->params <= 2 && sound_number(b->number) &&
+              b->branch.kind <= SOLUTION_RESPONSE &&
+              fields_sound(flags, COUNT_OF(flags), &b->branch);
     for (int j = 0; j < 2 && ok; j++)
         ok = b->param[j] >= 0 && b->param[j] < d->params;
     for (int i = 0; i < b->branch.count && ok; i++)
         ok = sound(d, &b->branch.point[i].solution) && b->branch.point[i].special < SPECIAL_COUNT;
     for (int k = 0; k < b->specials && ok; k++)
         ok = b->special[k].at >= 0 && b->special[k].at < b->branch.count &&
-             b->special[k].special > SPECIAL_NONE && b->special[k].special < SPECIAL_COUNT;
+             sound_number(b->special[k].number) && b->special[k].special > SPECIAL_NONE &&
+             b->special[k].special < SPECIAL_COUNT;
     return ok;
 }
 
@@ -257,6 +272,11 @@ static bool get_one(struct dynamics *d, struct text in, uint64_t id)
 
 static struct dynamics *get_head(struct text in, struct text *ids)
 {
+    static const struct field numbers[] = {
+        FIELD_IN(struct dynamics, next_orbit, 0, INT32_MAX / 2),
+        FIELD_IN(struct dynamics, next_branch, 0, INT32_MAX / 2),
+        FIELD_IN(struct dynamics, next_point, 0, INT32_MAX / 2),
+    };
     struct dynamics *d = calloc(1, sizeof *d);
     struct text equations;
     if (d && field_find(in, "equations", &equations) &&
@@ -267,7 +287,8 @@ static struct dynamics *get_head(struct text in, struct text *ids)
         field_get(in, "next_branch", &d->next_branch, sizeof d->next_branch) &&
         field_get(in, "next_point", d->next_point, sizeof d->next_point) &&
         field_find(in, "ids", ids) && d->params >= 0 && d->params <= LIMIT_PARAMETERS &&
-        d->n >= 0 && d->n <= DYNAMICS_VARIABLES &&
+        d->n >= 0 && d->n <= DYNAMICS_VARIABLES && d->next_id <= UINT64_MAX / 2 &&
+        fields_sound(numbers, COUNT_OF(numbers), d) &&
         (d->equations = strndup(equations.at, equations.len)))
         return d;
     free(d);

@@ -2,23 +2,52 @@
 /* Which members of a session its file keeps as they are. */
 #include "session/store/store.h"
 
+#include <float.h>
+#include <math.h>
+
 #define OF_SESSION(member) FIELD_OF(struct session, member)
+#define IN_SESSION(member, least, most) FIELD_IN(struct session, member, least, most)
 const struct field store_session[] = {
-    OF_SESSION(current_run),    OF_SESSION(next_run),      OF_SESSION(next_id),
-    OF_SESSION(said_method),    OF_SESSION(said_assumed),  OF_SESSION(current_recording),
-    OF_SESSION(data_is_latest), OF_SESSION(has_fit),       OF_SESSION(fit_of),
-    OF_SESSION(fit_zero),       OF_SESSION(fit_free),      OF_SESSION(fit_modes),
-    OF_SESSION(adopted.known),  OF_SESSION(adopted.exact), OF_SESSION(adopted.of),
-    OF_SESSION(studied_runs),   OF_SESSION(live.speed),    OF_SESSION(setup.method_chosen),
-    OF_SESSION(setup.drag),     OF_SESSION(setup.fixed),   OF_SESSION(setup.origin),
+    IN_SESSION(current_run, -1, LIMIT_RUNS - 1),
+    OF_SESSION(next_run),
+    IN_SESSION(next_id, 0, 0x1p62),
+    OF_SESSION(said_method),
+    OF_SESSION(said_assumed),
+    IN_SESSION(current_recording, -1, LIMIT_RECORDINGS - 1),
+    OF_SESSION(data_is_latest),
+    OF_SESSION(has_fit),
+    OF_SESSION(fit_of),
+    IN_SESSION(fit_zero, -DBL_MAX, DBL_MAX),
+    OF_SESSION(fit_free),
+    IN_SESSION(fit_modes, 0, MODES_MAX),
+    OF_SESSION(adopted.known),
+    OF_SESSION(adopted.exact),
+    OF_SESSION(adopted.of),
+    OF_SESSION(studied_runs),
+    IN_SESSION(live.speed, DBL_TRUE_MIN, INFINITY),
+    OF_SESSION(setup.method_chosen),
+    IN_SESSION(setup.drag, DRAG_DEFAULT, DRAG_COUNT - 1),
+    OF_SESSION(setup.fixed),
+    OF_SESSION(setup.origin),
 };
 const size_t store_session_count = COUNT_OF(store_session);
 
 #define OF_VIEW(member) FIELD_OF(struct view, member)
+#define IN_VIEW(member, least, most) FIELD_IN(struct view, member, least, most)
 const struct field store_view[] = {
-    OF_VIEW(layout), OF_VIEW(full),   OF_VIEW(x),       OF_VIEW(y),        OF_VIEW(window),
-    OF_VIEW(trail),  OF_VIEW(paging), OF_VIEW(overlay), OF_VIEW(overlays), OF_VIEW(cursors),
-    OF_VIEW(start),  OF_VIEW(starts), OF_VIEW(start_n),
+    IN_VIEW(layout, 0, LAYOUT_LOG),
+    OF_VIEW(full),
+    OF_VIEW(x),
+    OF_VIEW(y),
+    IN_VIEW(window, 0, DBL_MAX),
+    IN_VIEW(trail, 0, INFINITY),
+    OF_VIEW(paging),
+    OF_VIEW(overlay),
+    IN_VIEW(overlays, 0, LIMIT_OVERLAY),
+    OF_VIEW(cursors),
+    OF_VIEW(start),
+    IN_VIEW(starts, 0, LIMIT_STARTS),
+    IN_VIEW(start_n, 0, STARTS_VARIABLES),
 };
 const size_t store_view_count = COUNT_OF(store_view);
 

@@ -65,12 +65,17 @@ bool reader_scene(struct reader *reader, struct text in, const char *name, struc
     if (!make(reader, script, scene, error))
         return false;
     const size_t params = scene_params(scene)->count;
-    return (field_get(of, "value", scene->value, params * sizeof *scene->value) &&
-            field_get(of, "uncertainty", scene->uncertainty, params * sizeof *scene->uncertainty) &&
-            field_get(of, "chosen", scene->chosen, params * sizeof *scene->chosen) &&
-            field_get(of, "across", &scene->across, sizeof scene->across) &&
-            field_get(of, "atol", scene->atol, sizeof scene->atol)) ||
-           error_set(error, ERROR_IO, "its scene has other parameters in this version");
+    struct scene read = *scene;
+    if (!field_get(of, "value", read.value, params * sizeof *read.value) ||
+        !field_get(of, "uncertainty", read.uncertainty, params * sizeof *read.uncertainty) ||
+        !field_get(of, "chosen", read.chosen, params * sizeof *read.chosen) ||
+        !field_get(of, "across", &read.across, sizeof read.across) ||
+        !field_get(of, "atol", read.atol, sizeof read.atol))
+        return error_set(error, ERROR_IO, "its scene has other parameters in this version");
+    if (!sound_scene(&read))
+        return error_set(error, ERROR_IO, "its scene has values that no scene can have");
+    *scene = read;
+    return true;
 }
 
 bool reader_events(struct reader *reader, struct text in, const struct events **events,
@@ -93,9 +98,15 @@ bool reader_events(struct reader *reader, struct text in, const struct events **
 
 /* ---- runs ---- */
 
+static void get_flag(struct text in, const char *name, bool *flag)
+{
+    fields_get(in, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
+}
+
 /* What was asked of it, in order; false: damaged, or no memory. */
 static bool add_asked(struct run_slot *slot, struct text in, struct error *error)
 {
+    const struct scene *scene = &slot->run->scene;
     while (in.len > 0) {
         struct asked asked;
         struct text condition = TEXT("");
@@ -120,8 +131,9 @@ static bool add_asked(struct run_slot *slot, struct text in, struct error *error
                                         .from_t = asked.from_t,
                                         .t = asked.t,
                                         .value = asked.value};
-        if (asked.kind < REQUEST_GO || asked.kind > REQUEST_BACK ||
-            !journal_add(slot, request, condition, error))
+        if (!sound_asked(&asked, scene))
+            return error_set(error, ERROR_IO, "what was asked of it is damaged");
+        if (!journal_add(slot, request, condition, error))
             return false;
     }
     return true;
@@ -135,7 +147,7 @@ static struct run *compute(struct reader *reader, struct text state, const struc
     double seconds;
     struct error error;
     (void)reader;
-    if (!field_get(state, "settings", &settings, sizeof settings) ||
+    if (!run_settings_take(state, &settings) ||
         !field_get(state, "seconds", &seconds, sizeof seconds) || seconds >= SECONDS_MAX)
         return NULL;
     struct run *run = run_create(scene, method, &settings, HUGE_VAL, &error);
@@ -147,15 +159,17 @@ static struct run *compute(struct reader *reader, struct text state, const struc
 static bool replay(struct reader *reader, struct run_slot *slot, struct text state)
 {
     struct request *last = slot->last;
+    static const struct field name[] = {FIELD_OF(struct run, name)},
+                              stop[] = {FIELD_IN(struct run, stop, STOP_NONE, STOP_GIVEN_UP)};
     int64_t steps;
     double t;
     if (!field_get(state, "steps", &steps, sizeof steps) || !field_get(state, "t", &t, sizeof t) ||
-        !field_get(state, "name", slot->run->name, sizeof slot->run->name))
+        !fields_get(state, name, 1, slot->run) || steps < 0)
         return false;
     slot->last = NULL;
     const bool ok = journal_restore(reader->session, slot, last, steps, t);
     journal_release(last);
-    field_get(state, "stop", &slot->run->stop, sizeof slot->run->stop);
+    fields_get(state, stop, 1, slot->run);
     return ok && slot->run->steps == steps && slot->run->t == t;
 }
 
@@ -211,7 +225,7 @@ static bool read_run(struct reader *reader, const struct read_run *of, struct ru
     }
     struct run_slot *slot = session->run[session->runs - 1];
     bool going = false;
-    field_get(parts->in, "going", &going, sizeof going);
+    get_flag(parts->in, "going", &going);
     if (going) /* it was on its way, and can go on */
         run->stop = STOP_CANCELLED;
     journal_release(slot->last);
@@ -244,7 +258,7 @@ void reader_runs(struct reader *reader, struct text ids)
         memcpy(&id, ids.at, sizeof id);
         struct read_run *of = reader_run(reader, id);
         if (of)
-            field_get(of->content, "left_out", &left_out, sizeof left_out);
+            get_flag(of->content, "left_out", &left_out);
         if (!of || of->content.len == 0)
             error_set(&why, ERROR_IO, "it is damaged");
         else if (read_parts(reader, of, &parts, &why) && read_run(reader, of, &parts, &why))
@@ -376,7 +390,7 @@ static bool read_recording(struct reader *reader, struct text in, struct error *
         if (!field_find(in, name, &value) || value.len != recording_fields[i].bytes)
             continue;
         if (recording_fields[i].offset == offsetof(struct recording, cleaned))
-            memcpy(&cleaned, value.at, sizeof cleaned);
+            cleaned = value.at[0] == 1;
     }
     if (cleaned && !reader->restorer->execute(reader->restorer->context, session,
                                               TEXT("data clean apply"), error))
@@ -384,8 +398,9 @@ static bool read_recording(struct reader *reader, struct text in, struct error *
     for (int i = 0; i < RECORDING_FIELDS; i++) {
         char name[] = "field0";
         name[5] = (char)('0' + i);
-        field_get(in, name, (char *)recording + recording_fields[i].offset,
-                  recording_fields[i].bytes);
+        struct text value;
+        if (field_find(in, name, &value) && sound_field(&recording_fields[i], value))
+            memcpy((char *)recording + recording_fields[i].offset, value.at, value.len);
     }
     return true;
 }

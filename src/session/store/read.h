@@ -4,6 +4,7 @@
 #define HOOKE_SESSION_STORE_READ_H
 
 #include <hooke/run/store.h>
+#include <hooke/session/log.h>
 #include "session/store/store.h"
 
 struct read_run {
@@ -61,4 +62,15 @@ void reader_recordings(struct reader *reader);
 /* The bytes that the file has under that sum. */
 bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content);
 void reader_dynamics(struct reader *reader); /* dynamics.c */
+
+/* sound.c: whether what was read can stand in a session. */
+bool sound_setting(const struct setting *setting, const struct settings *settings);
+bool sound_item(const struct store_array *array, const void *item);
+bool sound_fit(const struct fit *fit);
+bool sound_adopted(const struct adopted_fit *adopted);
+bool sound_scene(const struct scene *scene);
+bool sound_view(const struct view *view);
+bool sound_field(const struct recording_field *field, struct text value);
+bool sound_asked(const struct asked *asked, const struct scene *scene);
+
 #endif

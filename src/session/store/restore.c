@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session from its file. */
+#include "session/store/read.h"
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
-#include "session/store/read.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -22,8 +22,10 @@ void reader_note(struct reader *reader, const char *format, ...)
 
 /* ---- values ---- */
 
-static void read_setting(const struct setting *setting, struct text in, struct settings *settings)
+static void read_setting(struct reader *reader, const struct setting *setting, struct text in,
+                         struct settings *settings)
 {
+    const struct settings before = *settings;
     struct text choice;
     bool chosen = false;
     if (setting->choices && field_find(in, "choice", &choice)) {
@@ -33,18 +35,23 @@ static void read_setting(const struct setting *setting, struct text in, struct s
     } else {
         field_get(in, "value", (char *)settings + setting->offset, setting->bytes);
     }
-    if (field_get(in, "chosen", &chosen, sizeof chosen))
+    if (!sound_setting(setting, settings)) {
+        reader_note(reader, "the setting %s is left out: it has no such value", setting->row.name);
+        *settings = before;
+        return;
+    }
+    if (fields_get(in, &(struct field){"chosen", 0, sizeof chosen, FIELD_BOOLS, 0, 0}, 1, &chosen))
         setting_choose(setting, chosen, settings);
 }
 
-static void read_settings(struct text in, struct settings *settings)
+static void read_settings(struct reader *reader, struct settings *settings)
 {
     struct text of, value;
-    if (!field_find(in, "settings", &of))
+    if (!field_find(reader->state, "settings", &of))
         return;
     for (size_t i = 0; i < setting_catalog.count; i++)
         if (!setting_at(i)->typed && field_find(of, setting_at(i)->row.name, &value))
-            read_setting(setting_at(i), value, settings);
+            read_setting(reader, setting_at(i), value, settings);
 }
 
 static void read_array(struct reader *reader, const struct store_array *array)
@@ -59,6 +66,20 @@ static void read_array(struct reader *reader, const struct store_array *array)
     if (!field_get(in, "item", &item, sizeof item) || item != array->item ||
         (array->max > 0 && count > (size_t)array->max)) {
         reader_note(reader, "%s: left out, another version wrote it", array->name);
+        return;
+    }
+    bool sound = true;
+    for (size_t i = 0; i < count && sound; i++) {
+        union {
+            struct named_value value;
+            struct measurement measurement;
+            struct stored_fit fit;
+        } one; /* aligned */
+        memcpy(&one, items.at + i * item, item);
+        sound = sound_item(array, &one);
+    }
+    if (!sound) {
+        reader_note(reader, "%s: left out, damaged", array->name);
         return;
     }
     size_t room = 1; /* as these arrays grow: full at every power of two */
@@ -126,6 +147,11 @@ static void read_fits(struct reader *reader)
     struct error why = {0};
     int stored = 0;
     session->has_fit &= field_get(in, "fit", &session->fit, sizeof session->fit);
+    if (!sound_fit(&session->fit)) {
+        reader_note(reader, "the last fit is left out: damaged");
+        session->has_fit = false;
+        memset(&session->fit, 0, sizeof session->fit);
+    }
     session->fit.model = NULL;
     if (session->has_fit)
         session->fit.model = model_name(field_find(in, "fit_model", &value) ? value : TEXT(""));
@@ -143,6 +169,10 @@ static void read_fits(struct reader *reader)
          !reader_scene(reader, reader->state, "adopted_scene", &session->adopted.scene, &why)))
         reader_note(reader, "the scene of the last fit is left out: %s", why.text);
     memcpy(&session->setup, &setup, sizeof setup);
+    if (!sound_adopted(&session->adopted)) {
+        reader_note(reader, "what was adopted is left out: damaged");
+        session->adopted = (struct adopted_fit){.of = ""};
+    }
 }
 
 static void read_table(struct reader *reader, struct text in)
@@ -192,7 +222,8 @@ static void read_lines(struct history *history, struct text in)
         history->first = history->count = from;
         history->text_first = text_from;
         history->lines_gone = 0;
-        field_get(in, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
+        static const struct field gone = FIELD_IN(struct history, lines_gone, 0, INT_MAX / 2);
+        fields_get(in, &gone, 1, history);
     }
     from -= history->first;
     text_from -= history->text_first;
@@ -294,7 +325,7 @@ static void read_setup(struct reader *reader)
         field_find(reader->state, "method", &name) ? catalog_find(&method_catalog, name) : NULL;
     if (method)
         setup->method = (const struct method *)(const void *)method;
-    read_settings(reader->state, &setup->settings);
+    read_settings(reader, &setup->settings);
     struct text points;
     if (field_find(reader->state, "calibration", &points)) {
         calibration_take_line(points, &setup->calibration);
@@ -311,10 +342,10 @@ static void read_view(struct reader *reader)
     struct view view = session->view;
     view.focus =
         field_find(in, "focus", &focus) ? catalog_find(reader->restorer->panes, focus) : NULL;
-    if (fields_get(in, store_view, store_view_count, &view) && view.layout <= LAYOUT_LOG &&
-        view.overlays >= 0 && view.overlays <= LIMIT_OVERLAY && view.starts >= 0 &&
-        view.starts <= LIMIT_STARTS)
+    if (fields_get(in, store_view, store_view_count, &view) && sound_view(&view))
         session->view = view;
+    else
+        reader_note(reader, "the view is left out: damaged, or of another version");
 }
 
 static void read_lesson(struct reader *reader)
@@ -359,8 +390,8 @@ static void settle(struct session *session, int at, uint64_t run_id)
     }
 }
 
-/* Places and numbers change while runs and recordings are added: what the file has of them is read
- * after that. */
+/* Places and numbers change while runs and recordings are added: what the file
+ * has of them is read after that. */
 static void read_all(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -379,7 +410,8 @@ static void read_all(struct reader *reader)
         ((size_t)at + 1) * sizeof current <= ids.len)
         memcpy(&current, ids.at + (size_t)at * sizeof current, sizeof current);
     settle(session, at, current);
-    read_fits(reader); /* executes commands: after a run that is damaged was taken out */
+    read_fits(reader); /* executes commands: after a run that is damaged was taken
+                          out */
     read_tables(reader);
     reader_dynamics(reader);
     read_view(reader);

@@ -142,7 +142,8 @@ static const char *other_command(void)
 /*
  * Commands that random sessions do not play: those that take seconds (they keep a table, as order
  * does), of the front end (tests/terminal), record (unit/command/sessions plays under it), report
- * (reads only), recipe (its lines are played), steps of a lesson (unit/command/resume).
+ * (reads only), recipe (its lines are played), steps of a lesson (unit/command/resume), collect and
+ * stop, which wait for a device (faults/collect, terminal/collect).
  */
 static const char unplayed[] = " selftest precision stress pause clear panes plain redraw "
                                "screenshot scroll quit record report recipe lab check hint skip "

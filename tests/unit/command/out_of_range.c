@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A session's file that somebody has written, with right checksums: numbers that nothing can have
+ * are left out by name, the rest is there and can be used. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "fuzz/mend.h"
+#include "unit/command/testing.h"
+
+#include <math.h>
+
+static const char lines[] = "m = 200 +- 0.3 g; method verlet dt=10ms; run 4 s; "
+                            "let A = 4 cm; measure period; change gamma 0.3; continue 0.2 s";
+
+/* Every value of that name in the file, from a byte on. False: there is none. */
+static bool put_number(struct buffer *file, const char *name, size_t at, const void *number,
+                       size_t bytes)
+{
+    const size_t len = strlen(name);
+    bool found = false;
+    for (size_t i = 0; i + 1 + len + sizeof(uint32_t) < file->len; i++) {
+        uint32_t has;
+        const size_t value = i + 1 + len + sizeof has;
+        if (file->data[i] != (char)len || memcmp(file->data + i + 1, name, len) != 0)
+            continue;
+        memcpy(&has, file->data + i + 1 + len, sizeof has);
+        if (has < at + bytes || has > file->len - value)
+            continue;
+        memcpy(file->data + value + at, number, bytes);
+        found = true;
+    }
+    return found;
+}
+
+static void numbers_out_of_range_are_left_out_by_name(void **state)
+{
+    static const int64_t minus = -1, far = INT64_MAX / 2;
+    static const double none = NAN, negative = -1;
+    static const int seven = 7777;
+    static const struct {
+        const char *field;
+        size_t at;
+        const void *number;
+        size_t bytes;
+        const char *named; /* in the notes */
+    } cases[] = {
+        {"setup.drag", 0, &seven, sizeof seven, "some values are left out"},
+        {"live.speed", 0, &none, sizeof none, "some values are left out"},
+        {"steps", 0, &minus, sizeof minus, "run 1"},
+        {"stop", 0, &seven, sizeof seven, "run 1"},
+        {"settings", 0, &none, sizeof none, "run 1"},
+        {"settings", offsetof(struct run_settings, kernel), &seven, sizeof seven, "run 1"},
+        {"now_step", 0, &far, sizeof far, "run 1"},
+        {"every", 0, &minus, sizeof minus, "run 1"},
+        {"count", 0, &far, sizeof far, "run 1"},
+        {"grids", 0, &minus, sizeof minus, "run 1"},
+        {"drag", 0, &seven, sizeof seven, "run 1"},
+        {"items", offsetof(struct named_value, quantity), &seven, sizeof seven,
+         "left out, damaged"},
+        {"value", 0, &negative, sizeof negative, "no scene can have"},
+        {"layout", 0, &seven, sizeof seven, "the view is left out"},
+        {"cursors", offsetof(struct cursors, quantity), &seven, sizeof seven, "the view"},
+    };
+    (void)state;
+    struct bench b;
+    struct stored stored = {0};
+    struct buffer whole = {0};
+    bench_open(&b, false);
+    type_ok(&b, lines);
+    bench_store(b.session, &stored, &whole);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer file = {0}, notes = {0};
+        struct bench again;
+        buffer_put(&file, buffer_text(&whole));
+        if (!put_number(&file, cases[i].field, cases[i].at, cases[i].number, cases[i].bytes))
+            fail_msg("%s: it is not in the file", cases[i].field);
+        mend((uint8_t *)file.data, file.len);
+        assert_true(bench_restore(&again, buffer_text(&file), &notes));
+        if (!strstr(said(&notes), cases[i].named))
+            fail_msg("%s: '%s' does not name it", cases[i].field, said(&notes));
+        type_ok(&again, "runs");
+        type_ok(&again, "scene spring; run 3 s; measure period; show all; save z --force");
+        bench_close(&again);
+        buffer_free(&file);
+        buffer_free(&notes);
+    }
+    bench_close(&b);
+    stored_free(&stored);
+    buffer_free(&whole);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_out_of_range_are_left_out_by_name)};
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}
