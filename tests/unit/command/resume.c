@@ -75,8 +75,8 @@ static void resumed_sessions_export_the_same(void **state)
         "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail "
         "all; focus energy "
         "full; range y 0:1mJ",
-        "set fps 5; run 1 s; load swing.txt; load swing.txt as=z; data use swing; let A = 4.2 cm; "
-        "set digits 4",
+        ("set fps 5; run 1 s; load swing.txt; load swing.txt as=z; data use swing; let A = 4.2 cm; "
+         "set digits 4"),
     };
     write_recording();
     for (size_t i = 0; i < COUNT_OF(sessions); i++) {

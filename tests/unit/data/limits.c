@@ -137,8 +137,8 @@ static const char *const seeds[] = {
     "Motion Sensor Data File Sep 20, 2018 1:40 PM\r\nTime (s)\tDistance (cm)\tDist Error "
     "(cm)\r\n0.430\t16.500\t0.239\r\n0.440\t16.509"
     "\t0.239\r\n0.450\t16.565\t0.239",
-    "\xEF\xBB\xBF\"Time (s) Run #1\";\"Position (m) Run "
-    "#1\"\r\n0,00;0,17\r\n0,01;0,18\r\n;\r\n0,02;0,19\r\n",
+    ("\xEF\xBB\xBF\"Time (s) Run #1\";\"Position (m) Run "
+     "#1\"\r\n0,00;0,17\r\n0,01;0,18\r\n;\r\n0,02;0,19\r\n"),
     "# dt = 10 ms\nt [s],y [m]\n0,0.5\n1,-1e-300\n2,nan\n3,inf\n",
     "Sample\tDistance(cm)\n0\t20.5\t\n1\t20.6\t\n2\t20.7\t\n",
     "t (s)  x (cm)\n 0.0 1.5\n 0.1\t2.5\n# remark\n 0.2 3.5\n",
