@@ -54,7 +54,8 @@ int _rl_abort_internal(void)
 }
 
 /* vi's put, and what it repeats, are done as often as is typed: a line of 1e6 times another took
- * minutes. */
+ * minutes. A count that overflows is the least int, with which delete and rubout call each other
+ * for ever. */
 int _rl_dispatch(int key, Keymap map)
 {
     static int (*own)(int, Keymap);
@@ -62,6 +63,8 @@ int _rl_dispatch(int key, Keymap map)
         line_find_own(&own, "_rl_dispatch");
     if (rl_numeric_arg > COUNT_MOST)
         rl_numeric_arg = COUNT_MOST;
+    if (rl_numeric_arg < -COUNT_MOST)
+        rl_numeric_arg = -COUNT_MOST;
     return own ? own(key, map) : 0;
 }
 
