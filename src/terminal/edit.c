@@ -30,6 +30,7 @@ __attribute__((weak)) int _rl_forward_char_internal(int count);
 __attribute__((weak)) int _rl_dispatch(int key, Keymap map);
 __attribute__((weak)) void rl_redisplay(void);
 __attribute__((weak)) int rl_newline(int count, int key);
+__attribute__((weak)) int rl_insert_text(const char *text);
 extern sigjmp_buf _rl_top_level __attribute__((weak));
 int _rl_pushed_input_available(void) __attribute__((weak));
 
@@ -66,6 +67,20 @@ int _rl_dispatch(int key, Keymap map)
     if (rl_numeric_arg < -COUNT_MOST)
         rl_numeric_arg = -COUNT_MOST;
     return own ? own(key, map) : 0;
+}
+
+/* A cut that is put often is cut and put again: after three times its length is no int any more. No
+ * line that is longer would be taken. */
+int rl_insert_text(const char *text)
+{
+    static int (*own)(const char *);
+    if (!own)
+        line_find_own(&own, "rl_insert_text");
+    if (text && strlen(text) + (size_t)rl_end > LIMIT_LINE) {
+        rl_ding();
+        return 0;
+    }
+    return own ? own(text) : 0;
 }
 
 /* In vi's command mode what follows the last character is the last one that has a width. It may

@@ -80,6 +80,10 @@ CASES = [
     ("data list", RECORDING, "data", "", ""),
     ("data zero", RECORDING, "data zero 20 cm", "", ""),
     ("data restore", RECORDING, "data restore", "", ""),
+    ("calibrate", RECORDING, "calibrate", "", ""),
+    ("calibrate points", RECORDING, "calibrate y 19.6 cm 20 cm 39.1 cm 40 cm", "calibrate off", ""),
+    ("calibrate at", RECORDING, "calibrate y 25 cm 15 cm at=0:0.05,0.33:0.39", "calibrate off", ""),
+    ("zero", RECORDING, "zero", "calibrate off", ""),
     ("data join", RECORDING + "; load speed.txt; data use big", "data join speed", "", ""),
     ("data drop", RECORDING, "data drop big", "load big.txt; m = 200 g", ""),
     ("adopt", FITTED, "adopt", "undo", ""),
@@ -141,6 +145,8 @@ CASES = [
     ("export even", STEPS, "export a.csv every=2ms --force", "", ""),
     ("export table", STEPS, "export a.csv table --force", "", ""),
     ("export events", TOPS, "export a.csv events --force", "", ""),
+    ("load scene", "", "load scene large.ode", "", ""),
+    ("load scene notes", "", "load scene notes.ode", "", ""),
     ("save", STEPS, "save a.hk --force", "", ""),
     ("save data", LAID, "save a.hk --force", "", ""),
     ("source recorded", "", "source recorded.hk", "unset m", "+"),
@@ -230,6 +236,13 @@ for _form, _file in DRAWN.items():
     CASES.append(("plot %s data" % _form, RECORDING, "plot position > %s --force" % _file, "", ""))
     CASES.append(("plot %s run" % _form, STEPS, "plot y,y > %s --full --force" % _file, "", ""))
 
+for _form in ("c", "py", "m", "ode", "tex"):
+    CASES.append(("export scene .%s" % _form, STEPS, "export scene a.%s --force" % _form, "", ""))
+    CASES.append(("export large scene .%s" % _form, "load scene large.ode; method rk4 dt=10ms",
+                  "export scene a.%s --force" % _form, "", ""))
+CASES.append(("export scene slopes", "load scene large.ode; method backward-euler dt=10ms",
+              "export scene a.c --force", "", ""))
+
 for _file in FORMS:
     CASES.append(("load " + _file, "", "load " + _file, "data drop " + _file.split(".")[0], ""))
 for _method in ADAPTIVE:
@@ -250,7 +263,8 @@ for _what in ("k = 5 N/m", "let q = 2*y", "observe p = m*v", "event top when v f
     CASES.append((_what, LARGE, _what, "", "="))
 
 # what a short look takes, of fewer rows
-SHORT = ("load", "collect", "data clean", "plot svg data", "compare", "run until")
+SHORT = ("load", "collect", "data clean", "plot svg data", "compare", "run until", "zero", "load scene",
+         "export large scene .c")
 
 
 def workbook(path, rows):
@@ -275,6 +289,19 @@ def written(path, rows, heading, row, mark="."):
         for i in range(rows):
             line = row % (i * 0.001, 20 + 5 * math.cos(0.0087 * i))
             out.write((line if mark == "." else line.replace(".", mark)) + "\n")
+
+
+def scenes(folder):
+    """Files of XPPAUT: 60 equations of 1800 operations, and a note for each of 19 000 lines."""
+    names = ["x%d" % i for i in range(60)]
+    with open(os.path.join(folder, "large.ode"), "w") as out:
+        out.write("".join("par p%d=%g\n" % (i, 1 + i / 7) for i in range(60)))
+        for i, name in enumerate(names):
+            terms = ("p%d*sin(%s)*%s" % (k % 60, names[(i + k) % 60], names[(i + 7 * k) % 60]) for k in range(300))
+            out.write("%s'=-%s+%s\n" % (name, name, "+".join(terms)))
+        out.write("@ total=10, dt=0.01, meth=rk4\ndone\n")
+    with open(os.path.join(folder, "notes.ode"), "w") as out:
+        out.write("x'=-x\n" + "bdry x\n" * 19000 + "done\n")
 
 
 def commands(folder):
@@ -346,3 +373,4 @@ def recordings(program, folder, rows, names):
         if wanted(name):
             written(os.path.join(folder, name), rows, heading, row, mark)
     commands(folder)
+    scenes(folder)

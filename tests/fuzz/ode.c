@@ -21,7 +21,7 @@ static void make(const struct ode_scene *from)
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     const struct model *model =
-        models ? typed_make(models, TEXT("fuzz"), from->line, from->lines, &error) : NULL;
+        models ? typed_make(models, TEXT("fuzz"), from->line, from->lines, NULL, &error) : NULL;
     struct scene scene;
     static struct system system;
     if (model) {

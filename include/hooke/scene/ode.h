@@ -52,6 +52,7 @@ struct ode_options {
     struct text set; /* values of this one; "": none */
     /* Of the lower-case name of a variable or parameter: is it needed? NULL: none is. */
     bool (*taken)(struct text name);
+    const struct cancel *cancel;
 };
 
 /* All in the arena. False: error, which begins with the line. */

@@ -92,7 +92,8 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
                               const struct typed_line *line, struct error *error);
 /* All lines at once, which do not have to make sense one by one. Texts are copied. NULL: error. */
 const struct model *typed_make(struct typed_models *models, struct text name,
-                               const struct typed_line *line, int count, struct error *error);
+                               const struct typed_line *line, int count,
+                               const struct cancel *cancel, struct error *error);
 /*
  * A built-in scene as one that is all typed, with the same state and values: of the texts in the
  * rows of its terms (those that are there), and what was typed on top of it. Natural sizes and

@@ -19,8 +19,8 @@ struct raw {
     const struct unit *unit; /* NULL: none */
 };
 
-static bool take(const struct recording *recording, double from, double to, struct raw *raw,
-                 struct error *error)
+static bool take(const struct session *session, const struct recording *recording, double from,
+                 double to, struct raw *raw, struct error *error)
 {
     const struct calibration *c = &recording->calibration;
     const struct column *column = &recording->column[recording->value];
@@ -28,6 +28,8 @@ static bool take(const struct recording *recording, double from, double to, stru
     *raw = (struct raw){.unit = unit_find(text_of(c->known ? c->unit[0] : column->unit))};
     for (size_t i = 0; i < recording->rows; i++) {
         double value = column->value[i];
+        if (cancelled_at(session->front.cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped: nothing was calibrated");
         if (!(recording->t[i] >= from && recording->t[i] <= to) || !isfinite(value))
             continue;
         if (c->known)
@@ -143,7 +145,7 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
         return error_set(error, ERROR_COMMAND, "nothing has come yet");
     const double end = recording->t[recording->rows - 1];
     const int i = now->aim.taken;
-    if (!take(recording, end - LAST, end, &raw[i], error))
+    if (!take(session, recording, end - LAST, end, &raw[i], error))
         return false;
     reply_line(reply, "%.6g%s%s reads %.6g%s%s, scatter %.2g in %zu samples", now->aim.truth[i],
                blank(name_of(now->aim.truth_unit[i])), name_of(now->aim.truth_unit[i]), raw[i].mean,
@@ -182,7 +184,7 @@ static bool take_windows(struct session *session, struct text at, const double t
         }
         if (!recording)
             return error_at(error, all, "there is no recording whose means could be taken");
-        if (!take(recording, edge[0], edge[1], &raw[i], error))
+        if (!take(session, recording, edge[0], edge[1], &raw[i], error))
             return false;
     }
     return from_raw(session, raw, truth, unit, reply, error);
@@ -268,7 +270,7 @@ HANDLER(zero)
     const double end = recording->t[recording->rows - 1],
                  period = session->collecting ? session->collecting->period : NAN,
                  last = period > 0 ? fmax(1, floor(LAST / period)) * period : LAST;
-    if (!take(recording, end - last, end, &raw, error))
+    if (!take(session, recording, end - last, end, &raw, error))
         return false;
     struct calibration c =
         session->setup.calibration.known ? session->setup.calibration : recording->calibration;

@@ -130,8 +130,8 @@ static bool take(struct session *session, const struct arguments *args, struct t
     if (!system)
         return error_memory(error);
     name_of(file, name);
-    const struct model *model =
-        typed_make(session->models, text_of(name), from->line, from->lines, error);
+    const struct model *model = typed_make(session->models, text_of(name), from->line, from->lines,
+                                           session->front.cancel, error);
     if (!model) {
         name_line(from, error);
         return false;
@@ -227,7 +227,8 @@ bool load_scene(struct session *session, const struct arguments *args, struct te
     char *lower = arena_text(args->arena, set);
     for (char *c = lower; c && *c; c++)
         *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
-    const struct ode_options options = {.set = text_of(lower), .taken = is_setting};
+    const struct ode_options options = {
+        .set = text_of(lower), .taken = is_setting, .cancel = session->front.cancel};
     struct ode_scene from;
     struct setup *before = arena_alloc(args->arena, sizeof *before);
     if (!file_read(path, FILE_MAX, &content, error)) {

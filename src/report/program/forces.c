@@ -178,7 +178,7 @@ void program_functions(struct scene_program *p, enum part part)
 {
     if (p->syntax->dialect == DIALECT_OCTAVE)
         put_observed_functions(p, part);
-    for (int row = 0; row < p->written.rows; row++)
+    for (int row = 0; row < p->written.rows && !cancelled(p->session->front.cancel); row++)
         if (expr_of(p, part, row) || is_dry(p, part))
             put_function(p, part, row);
 }

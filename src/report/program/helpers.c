@@ -69,6 +69,8 @@ struct source_item {
     bool needed, root, function;
 };
 
+#define WORDS 256 /* between two looks */
+
 struct source_items {
     struct source_item *item;
     int count, capacity;
@@ -257,11 +259,14 @@ static bool is_root(struct text name)
     return false;
 }
 
-static bool need(const struct source_items *items, struct text text, bool from_outside)
+static bool need(const struct source_items *items, struct text text, bool from_outside,
+                 const struct cancel *cancel)
 {
     struct text word;
     bool more = false;
-    for (size_t at = 0; next_word(text, &at, &word);) {
+    for (size_t at = 0, i = 1; next_word(text, &at, &word); i++) {
+        if (i % WORDS == 0 && cancelled(cancel))
+            return false;
         struct source_item *item = from_outside && !is_root(word) ? NULL : item_named(items, word);
         /* a variable may have the name of a function */
         if (!item || (item->function && !(at < text.len && text.at[at] == '(')))
@@ -285,10 +290,10 @@ static bool has_word(struct text text, struct text wanted)
 /* ---- writing ---- */
 
 static void put_item(struct buffer *out, const struct source_items *items, struct text text,
-                     struct text program)
+                     struct text program, const struct cancel *cancel)
 {
     size_t at = 0;
-    while (at < text.len) {
+    while (at < text.len && !cancelled(cancel)) {
         const struct text rest = {text.at + at, text.len - at}, word = word_at(text, at);
         if (text_starts(rest, TEXT("fused_here() ? "))) {
             at += (size_t)(strstr(rest.at, " : ") + 3 - rest.at);
@@ -320,10 +325,11 @@ static bool is_static(struct text text)
 static void put_c(struct scene_program *p, const struct source_items *items, struct text program,
                   struct buffer *declared)
 {
+    const struct cancel *cancel = p->session->front.cancel;
     bool any = false;
     for (int i = 0; i < items->count; i++) {
         const struct source_item *item = &items->item[i];
-        if (!item->needed)
+        if (!item->needed || cancelled(cancel))
             continue;
         if (!any)
             buffer_put(p->out, TEXT("\n/* ---- hooke's own functions: the same bits on every "
@@ -335,13 +341,13 @@ static void put_c(struct scene_program *p, const struct source_items *items, str
         }
         if (!is_static(item->text))
             buffer_put(p->out, TEXT("static "));
-        put_item(p->out, items, item->text, program);
+        put_item(p->out, items, item->text, program, cancel);
         buffer_put(p->out, item->text.at[0] == '#' ? TEXT("\n") : TEXT("\n\n"));
         if (!item->root)
             continue;
         const size_t head = strcspn(item->text.at, "{");
         buffer_put(declared, is_static(item->text) ? TEXT("") : TEXT("static "));
-        put_item(declared, items, text_trim((struct text){item->text.at, head}), program);
+        put_item(declared, items, text_trim((struct text){item->text.at, head}), program, cancel);
         declared->len -= declared->data && declared->data[declared->len - 1] == '\n';
         buffer_put(declared, TEXT(";\n"));
     }
@@ -400,22 +406,24 @@ static bool defines(struct text program, struct text name)
     return false;
 }
 
-static void need_python(struct python_items *items, struct text program, struct text text)
+static void need_python(struct python_items *items, struct text program, struct text text,
+                        const struct cancel *cancel)
 {
     for (int i = 0; i < items->count; i++) {
-        if (items->needed[i] || !calls_it(text, items->name[i]) || defines(program, items->name[i]))
+        if (items->needed[i] || cancelled(cancel) || !calls_it(text, items->name[i]) ||
+            defines(program, items->name[i]))
             continue;
         items->needed[i] = true;
-        need_python(items, program, items->text[i]);
+        need_python(items, program, items->text[i], cancel);
     }
 }
 
-static void put_python(struct text program, struct buffer *declared)
+static void put_python(struct text program, struct buffer *declared, const struct cancel *cancel)
 {
     struct python_items items = {0};
     struct buffer own = {0}, text = {0};
     cut_python(&items);
-    need_python(&items, program, program);
+    need_python(&items, program, program, cancel);
     for (int i = 0; i < items.count; i++)
         if (items.needed[i])
             buffer_format(&own, "\n\n%.*s", (int)items.text[i].len, items.text[i].at);
@@ -423,7 +431,7 @@ static void put_python(struct text program, struct buffer *declared)
     buffer_put(&text, buffer_text(&own));
     int count = 0;
     for (size_t i = 0; i < COUNT_OF(of_math); i++)
-        if (has_word(buffer_text(&text), text_of(of_math[i])))
+        if (!cancelled(cancel) && has_word(buffer_text(&text), text_of(of_math[i])))
             buffer_format(declared, "%s%s", count++ ? ", " : "from math import ", of_math[i]);
     buffer_format(declared, "%simport sys\n", count ? "\n" : "");
     buffer_put(declared, buffer_text(&own));
@@ -448,6 +456,7 @@ static void insert(struct buffer *out, size_t at, struct text text)
 
 void program_helpers(struct scene_program *p, size_t declared)
 {
+    const struct cancel *cancel = p->session->front.cancel; /* whoever began looks, too */
     struct buffer front = {0};
     struct text program = {0};
     char *copy = p->out->failed ? NULL : arena_text(p->arena, buffer_text(p->out));
@@ -457,19 +466,20 @@ void program_helpers(struct scene_program *p, size_t declared)
     }
     program = (struct text){copy + declared, strlen(copy + declared)};
     if (p->syntax->dialect == DIALECT_PYTHON) {
-        put_python(program, &front);
+        put_python(program, &front, cancel);
     } else if (p->syntax->dialect == DIALECT_C) {
         struct source_items items = {0};
         for (size_t i = 0; i < COUNT_OF(sources); i++)
             cut(&items, sources[i]);
-        bool any = need(&items, program, true);
+        bool any = need(&items, program, true, cancel);
         if (any)
             buffer_put(&front, TEXT("#include <stdbool.h>\n#include <stdint.h>\n"
                                     "#include <string.h>\n\n"));
         for (bool more = any; more;) {
             more = false;
             for (int i = 0; i < items.count; i++)
-                more = (items.item[i].needed && need(&items, items.item[i].text, false)) || more;
+                more = (items.item[i].needed && need(&items, items.item[i].text, false, cancel)) ||
+                       more;
         }
         put_c(p, &items, program, &front);
         free(items.item);

@@ -207,5 +207,7 @@ bool session_program(const struct session *session, enum dialect dialect, struct
                : dialect == DIALECT_XPP ? make_names(&p) && program_xpp(&p)
                                         : write_computing(&p);
     written_free(&p.written);
+    if (cancelled(session->front.cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped: nothing was written");
     return fine && (!out->failed || error_memory(error));
 }

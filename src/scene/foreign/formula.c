@@ -379,19 +379,21 @@ static bool put_chain(struct ode_writing *w, node of, const struct scope *scope,
 {
     const bool sum = is_link(of, true);
     const int own = sum ? TERM : FACTOR;
-    int links = 0;
+    size_t links = 0;
     node first = of;
     for (; is_link(first, sum); first = first->argument[0])
         links++;
+    node *link = arena_array(w->reader->ode->arena, links + 1, sizeof *link);
+    if (!link)
+        return error_memory(w->reader->ode->error);
+    first = of;
+    for (size_t i = links; i > 0; first = first->argument[0])
+        link[--i] = first;
     if ((may > own && !put_text(w, "(")) || !put(w, first, scope, own))
         return false;
-    for (int i = links - 1; i >= 0; i--) {
-        node link = of;
-        for (int k = 0; k < i; k++)
-            link = link->argument[0];
-        if (!put_link(w, link, scope))
+    for (size_t i = 0; i < links; i++)
+        if (!put_link(w, link[i], scope))
             return false;
-    }
     return may <= own || put_text(w, ")");
 }
 

@@ -91,6 +91,12 @@ static bool set_initials(struct ode_statements *s)
     return true;
 }
 
+bool ode_stopped(const struct ode *ode)
+{
+    return cancelled(ode->cancel) &&
+           !error_set(ode->error, ERROR_CANCELLED, "stopped: nothing was loaded");
+}
+
 static bool apply_set(struct ode_statements *s, const struct ode_set *set)
 {
     struct text rest = set->values, name, value;
@@ -164,6 +170,8 @@ static bool add_lines(struct ode *ode, enum ode_kind kind, enum typed_kind as,
         struct typed_line line = {.kind = as, .name = text_of(symbol->as), .order = 1};
         if (symbol->kind != kind)
             continue;
+        if (ode_stopped(ode))
+            return false;
         if (as == TYPED_EQUATION || as == TYPED_OBSERVE) {
             const char *copy = right_side(ode, symbol);
             if (!copy)
@@ -203,7 +211,7 @@ static bool note_tables(struct ode_statements *s)
 bool ode_read(struct text file, const struct ode_options *options, struct arena *arena,
               struct ode_scene *scene, struct error *error)
 {
-    struct ode_statements s = {.ode = {.arena = arena, .error = error}};
+    struct ode_statements s = {.ode = {.arena = arena, .error = error, .cancel = options->cancel}};
     struct ode_line *line;
     *scene = (struct ode_scene){.lines = 0};
     *error = (struct error){.code = ERROR_NONE};

@@ -10,6 +10,7 @@
 #define ODE_SYMBOLS 1024           /* names of all kinds: scenes have fewer */
 #define ODE_ARGUMENTS 20
 #define ODE_EVENTS 16
+#define ODE_LOOK 32 /* lines between two looks */
 
 struct ode_line {
     struct text text; /* lower case, without blanks at its ends */
@@ -59,9 +60,12 @@ struct ode {
     struct ode_symbol *symbol;
     int symbols, capacity, count[ODE_KINDS];
     size_t bytes; /* of formulas, so far */
+    const struct cancel *cancel;
 };
 
 struct ode_symbol *ode_find(const struct ode *ode, struct text name);
+/* True, with its error: it is cancelled. */
+bool ode_stopped(const struct ode *ode);
 /* Those that a right-hand side may read: all, or what is there before it. */
 struct ode_reader {
     struct ode *ode;

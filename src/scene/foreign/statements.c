@@ -348,8 +348,11 @@ bool ode_statements(struct ode_statements *s, struct error *error)
     s->event = arena_array(arena, ODE_EVENTS, sizeof *s->event);
     if (!s->set || !s->event)
         return error_memory(error);
-    for (int i = 0; i < s->lines; i++)
+    for (int i = 0; i < s->lines; i++) {
+        if (i % ODE_LOOK == ODE_LOOK - 1 && ode_stopped(&s->ode))
+            return false;
         if (!take(s, &s->line[i]))
             return false;
+    }
     return true;
 }

@@ -10,6 +10,8 @@
 
 static bool read_expr(struct compile *c, const struct typed_line *line, const struct expr **expr)
 {
+    if (cancelled(c->typed->cancel))
+        return error_set(c->error, ERROR_CANCELLED, "stopped: nothing was made of it");
     const struct expr_scope scope = {.context = c, .find = typed_find, .offer = typed_offer};
     const struct text text = line->expr;
     size_t used;
@@ -254,6 +256,8 @@ static bool group_rows(struct compile *c, const unsigned *depends)
                                     typed->potential || (typed->model.order == 2 && !typed->base)};
     for (int row = 0; row < rows; row++) {
         const struct expr *whole, *group[GROUPS] = {NULL, NULL, NULL};
+        if (cancelled(typed->cancel))
+            return error_set(c->error, ERROR_CANCELLED, "stopped: nothing was made of it");
         if (!whole_row(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
             return false;
         for (int g = 0; g < GROUPS; g++) {

@@ -165,7 +165,9 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
                                   const struct typed_line *copy, const struct typed_line *chosen,
                                   struct error *error)
 {
-    if (typed_compile(typed, error))
+    const bool fine = typed_compile(typed, error);
+    typed->cancel = NULL;
+    if (fine)
         return keep(models, typed);
     bool found = false;
     for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
@@ -198,11 +200,13 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
 }
 
 const struct model *typed_make(struct typed_models *models, struct text name,
-                               const struct typed_line *line, int count, struct error *error)
+                               const struct typed_line *line, int count,
+                               const struct cancel *cancel, struct error *error)
 {
     struct typed *typed = begin(NULL, true, error);
     if (!typed)
         return NULL;
+    typed->cancel = cancel;
     snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
     typed->line = arena_array(&typed->arena, (size_t)count + 1, sizeof *line);
     bool fine = typed->line;

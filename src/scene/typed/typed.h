@@ -21,7 +21,8 @@ enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
  * read, and what programs keep of them.
  */
 struct typed {
-    struct typed *next; /* of all models */
+    struct typed *next;          /* of all models */
+    const struct cancel *cancel; /* while it is compiled */
     struct arena arena;
     struct model model;
     struct preset preset; /* settings under the name of the model */

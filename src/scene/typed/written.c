@@ -172,7 +172,7 @@ bool typed_written(struct typed_models *models, const struct scene *scene, struc
     if (!scene_bind_motion(scene, &w.system, error))
         return false;
     if (write_lines(&w))
-        model = typed_make(models, TEXT("written"), w.line, w.lines, error);
+        model = typed_make(models, TEXT("written"), w.line, w.lines, NULL, error);
     arena_reset(&w.arena);
     if (!model)
         return false;

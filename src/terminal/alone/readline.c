@@ -8,6 +8,7 @@ void own__rl_abort_internal(void);
 void own__rl_dispatch(void);
 void own__rl_forward_char_internal(void);
 void own_rl_add_undo(void);
+void own_rl_insert_text(void);
 void own_rl_newline(void);
 void own_rl_redisplay(void);
 
@@ -23,8 +24,9 @@ void *__wrap_dlsym(void *handle, const char *name)
     static const struct {
         const char *name;
         void (*function)(void);
-    } own[] = {OWN(_rl_abort_internal), OWN(_rl_dispatch), OWN(_rl_forward_char_internal),
-               OWN(rl_add_undo),        OWN(rl_newline),   OWN(rl_redisplay)};
+    } own[] = {OWN(_rl_abort_internal), OWN(_rl_dispatch),   OWN(_rl_forward_char_internal),
+               OWN(rl_add_undo),        OWN(rl_insert_text), OWN(rl_newline),
+               OWN(rl_redisplay)};
     void *found = NULL;
     (void)handle;
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)

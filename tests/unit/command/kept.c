@@ -114,31 +114,6 @@ static void describe_all(const struct session *session, struct buffer *text)
 
 /* ---- sessions ---- */
 
-static const char *study_or_result(void)
-{
-    return ONE_OF("measure period", "fit damped", "measure amplitude", "fit sine", "order rk4",
-                  "print 2*y", "fit scene k", "note good", "duration = 3 ms; run until v > 0",
-                  "undo", "undo; redo", "checkpoint a", "checkpoint a; restore a",
-                  "load swing.txt as=one; scene spring; fit sine; adopt",
-                  "scene new; var x = 2; var z = 0; x' = z; z' = (1-x^2)*z-x; orbit; use orbit 1",
-                  "scene new; var x = 0.5; param r = -1; x' = r*x-x^3; equilibria; branch r=-2:2");
-}
-
-/* What looks, draws, writes files and reads them. */
-static const char *other_command(void)
-{
-    return ONE_OF("plan", "show", "runs",
-                  "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria",
-                  "use equilibrium 1", "scene spring; lyapunov over 5 s",
-                  "lyapunov of y window=0:1", "scene damped; basins y=-0.1:0.1:0.05 v=-1:1:0.5",
-                  "stability", "sweep k=1:3:1 measure=max --threads 1", "cursor A 0.1 s",
-                  "cursor off", "plot position", "describe energy", "zoom 2", "pan 0.1 s",
-                  "overlay all", "overlay off", "export e.csv --force", "echo hello",
-                  "save s.hk --force", "source s.hk", "history 3", "help run", "apropos energy",
-                  "list limits", "speed 2", "param own = 3", "observe two = 2*t",
-                  "start y=0.02,v=0.1", "start clear; start v=0.3; plot portrait");
-}
-
 /*
  * Commands that random sessions do not play: those that take seconds (they keep a table, as order
  * does), of the front end (tests/terminal), record (unit/command/sessions plays under it), report

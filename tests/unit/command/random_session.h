@@ -278,7 +278,8 @@ static void random_recording(char *line, size_t size)
              ONE_OF("load swing.txt as=one", "load speed.txt as=two", "data window 1:4",
                     "data window 0.5:7.25", "data zero 0.2", "data mass 200 +- 0.1 g",
                     "data use one", "data use two", "data join two", "data clean apply",
-                    "data drop two", "data join off", "data mass off", "zero",
+                    "data drop two", "data join off", "data mass off", "zero", "data restore",
+                    "calibrate y 20 cm 15 cm at=0:0.04,0.34:0.38",
                     "calibrate y 19.6 cm 20 cm 39.1 cm 40 cm", "calibrate off"));
 }
 
@@ -340,8 +341,56 @@ static inline void play(struct bench *b, uint64_t seed, struct buffer *typed)
         play_statement(b, typed);
 }
 
+static inline const char *study_or_result(void)
+{
+    return ONE_OF("measure period", "fit damped", "measure amplitude", "fit sine", "order rk4",
+                  "print 2*y", "fit scene k", "note good", "duration = 3 ms; run until v > 0",
+                  "undo", "undo; redo", "checkpoint a", "checkpoint a; restore a",
+                  "load swing.txt as=one; scene spring; fit sine; adopt",
+                  "scene new; var x = 2; var z = 0; x' = z; z' = (1-x^2)*z-x; orbit; use orbit 1",
+                  "scene new; var x = 0.5; param r = -1; x' = r*x-x^3; equilibria; branch r=-2:2",
+                  "load scene pulse.ode", "load scene pulse.ode set=high; run 0.2 s",
+                  "scene spring; run 2 s; fit drag", "measure decay", "measure period of v",
+                  "compare euler rk4 dt=20ms", "fit a*cos(w*t)+c w=8.7",
+                  "fit a*cos(w*t)+c w=8.7 --bootstrap 3", "measure frequency windows=2",
+                  "load swing.txt as=one; data window 0:4; fit damped; adopt; run 0.3 s",
+                  "event top when v falling do record; run 2 s; list events");
+}
+
+/* What looks, draws, writes files and reads them. */
+static inline const char *other_command(void)
+{
+    return ONE_OF("plan", "show", "runs",
+                  "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria",
+                  "use equilibrium 1", "scene spring; lyapunov over 5 s",
+                  "lyapunov of y window=0:1", "scene damped; basins y=-0.1:0.1:0.05 v=-1:1:0.5",
+                  "stability", "sweep k=1:3:1 measure=max --threads 1", "cursor A 0.1 s",
+                  "cursor off", "plot position", "describe energy", "zoom 2", "pan 0.1 s",
+                  "overlay all", "overlay off", "export e.csv --force", "echo hello",
+                  "save s.hk --force", "source s.hk", "history 3", "help run", "apropos energy",
+                  "list limits", "speed 2", "param own = 3", "observe two = 2*t",
+                  "start y=0.02,v=0.1", "start clear; start v=0.3; plot portrait",
+                  "export scene a.c --force", "export scene a.py --force",
+                  "export scene a.m --force", "export scene a.ode --force",
+                  "export scene a.tex --force", "export scene a.ode --force; load scene a.ode",
+                  "scene damped; export scene a.ode --force; load scene a.ode; run 0.2 s",
+                  "export e.csv data --force", "run 0.1 s; export e.csv table --force",
+                  "export e.csv events --force", "export e.csv measurements --force",
+                  "export e.json t,y every=2 --force", "plot position > p.svg --force",
+                  "run 0.1 s; list runs > r.csv --force", "data", "data restore", "data clean",
+                  "load swing.txt --preview", "describe phase", "plot v against y",
+                  "cursor A 0.1 s; cursor B 0.2 s", "cursor next", "show all", "list recordings",
+                  "measure period; list measurements", "calibrate",
+                  "calibrate y 20 cm 15 cm at=0:0.04,0.34:0.38", "data clean apply; data restore");
+}
+
+/* Recordings, and a scene of XPPAUT. */
 static void write_recordings(void)
 {
+    static const char pulse[] = "par k=20,b=0.1\nx'=v\nv'=-k*x-b*v\naux e=v^2/2\n"
+                                "init x=0.1\nglobal 1 {x-0.05} {v=0.9*v}\nset high {k=40}\n"
+                                "@ total=2,dt=0.01,meth=rk4\ndone\n";
+    write_file("pulse.ode", pulse, sizeof pulse - 1);
     for (int speed = 0; speed < 2; speed++) {
         struct buffer text = {0};
         buffer_format(&text, "time\t%s\ns\t%s\n", speed ? "velocity" : "distance",

@@ -141,7 +141,7 @@ static void test_typed(void **state)
              .order = 2,
              .expr = {rows[i].equation, strlen(rows[i].equation)}}};
         const struct model *model =
-            typed_make(models, TEXT("made"), line, (int)COUNT_OF(line), &error);
+            typed_make(models, TEXT("made"), line, (int)COUNT_OF(line), NULL, &error);
         if (!model)
             fail_msg("%s: %s", rows[i].equation, error.text);
         struct scene scene;
