@@ -54,6 +54,7 @@ struct argument {
     enum quantity quantity;
     const struct catalog *choices;
     const char *lead; /* a word that may stand before: "of" */
+    const char *more; /* what else may stand in its text, for usage: "[from LABEL]" */
     int group;        /* those of the same group (not 0) exclude each other */
 };
 

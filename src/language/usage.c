@@ -54,6 +54,8 @@ void command_usage(const struct command *command, struct buffer *text)
         }
         if (!required)
             buffer_char(text, ']');
+        if (argument->more)
+            buffer_format(text, " %s", argument->more);
     }
     if (command->flags & COMMAND_TABLES)
         buffer_put(text, TEXT(" [> FILE]"));

@@ -126,6 +126,7 @@ struct found_orbit {
     double family_from;
     bool given_up;    /* it is unstable, and a stable one was not looked for any longer */
     double error;     /* of states and period, relative to natural sizes; NAN: of a family */
+    double away;      /* from the state of the request, at its nearest, of its extent; NAN */
     double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
     int samples;      /* of one period */
     double

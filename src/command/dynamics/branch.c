@@ -439,5 +439,7 @@ COMMAND(
                 "r=-1:1 from BP1\n"
                 "scene duffing-driven; branch omega=0.5:3 of response",
     .see = "equilibria orbit use list", .flags = COMMAND_TABLES, .completes = COMPLETES_SWEEP,
-    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED), KEY("max", TYPE_INTEGER),
-              KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE)))
+    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED,
+                    .more = "[NAME=FROM:TO] [of equilibrium [N]|of orbit [N]|of response] "
+                            "[from LABEL]"),
+              KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE)))

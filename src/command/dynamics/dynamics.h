@@ -17,6 +17,7 @@ void put_eigenvalues(struct buffer *out, const struct solution *solution);
 /* kept.c: values by their names, in SI, as an object of the record. */
 void reply_state(struct reply *reply, const struct system *system, const char *key,
                  const double *state);
+void reply_stable(struct reply *reply, const struct solution *s, bool family);
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
 /* list equilibria, orbits, branches, points; false: the scene is none. */
 bool list_dynamics(struct session *session, enum listed kind, struct arena *arena,

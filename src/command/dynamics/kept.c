@@ -53,6 +53,16 @@ void reply_values(struct reply *reply, const char *key, const struct solution *s
     reply_close(reply);
 }
 
+/* Not known, and neutral, are neither. */
+void reply_stable(struct reply *reply, const struct solution *s, bool family)
+{
+    const bool stable = solution_stable(s);
+    if (!solution_is_known(s) || (stable && family))
+        reply_null(reply, "stable");
+    else
+        reply_bool(reply, "stable", stable);
+}
+
 static void cell_values(struct text_table *table, const struct solution *s)
 {
     struct buffer out = {0};
@@ -91,7 +101,7 @@ static void cell_what(struct text_table *table, const struct branch_point *point
 
 static void put_point(struct text_table *table, const struct scene *scene,
                       const struct system *system, const struct kept_branch *branch,
-                      const struct kept_point *point)
+                      const struct kept_point *point, bool periods)
 {
     const struct branch_point *at = kept_point_at(branch, point);
     char label[KEPT_LABEL];
@@ -108,17 +118,17 @@ static void put_point(struct text_table *table, const struct scene *scene,
                         param_at(scene, branch->param[j])->quantity, 10);
     }
     cell_take(table, &where);
+    if (at->solution.period > 0)
+        cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
+    else if (periods)
+        cell_text(table, "-");
+    cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
     for (int i = 0; i < system->n; i++) {
         const double value = at->solution.state[i],
                      range = at->solution.top[i] - at->solution.bottom[i];
         cell_quantity(table, fabs(value) < 1e-13 * range ? 0 : value,
-                      system_variable(system, i).quantity, 6);
+                      system_variable(system, i).quantity, 5);
     }
-    if (at->solution.period > 0)
-        cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
-    else
-        cell_text(table, "-");
-    cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
 }
 
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
@@ -128,21 +138,29 @@ void put_points(const struct session *session, const struct kept_branch *const *
     struct system system;
     struct error ignored;
     int specials = 0;
-    for (int b = 0; b < count; b++)
+    bool periods = false;
+    for (int b = 0; b < count; b++) {
         specials += branch[b]->specials;
+        for (int k = 0; k < branch[b]->specials; k++)
+            periods =
+                periods || kept_point_at(branch[b], &branch[b]->special[k])->solution.period > 0;
+    }
     if (specials == 0 || !scene_bind_motion(scene, &system, &ignored))
         return;
-    struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system.n + 5};
+    struct text_table table = {
+        .arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4 + periods};
     static const char *const heads[] = {"", "", "at"};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
+    if (periods)
+        cell_text(&table, "T");
+    cell_text(&table, "verified");
+    /* the state last: where a row is too long for a line, it is what goes on in the next */
     for (int i = 0; i < system.n; i++)
         cell_text(&table, system_variable(&system, i).name);
-    cell_text(&table, "T");
-    cell_text(&table, "verified");
     for (int b = 0; b < count; b++)
         for (int k = 0; k < branch[b]->specials; k++)
-            put_point(&table, scene, &system, branch[b], &branch[b]->special[k]);
+            put_point(&table, scene, &system, branch[b], &branch[b]->special[k], periods);
     text_table_put(&table, out);
 }
 
@@ -267,10 +285,7 @@ static bool list_orbits(const struct dynamics *d, const struct system *system, s
         reply_real(reply, "period", s->period);
         reply_state(reply, system, "state", s->state);
         reply_values(reply, "multipliers", s);
-        if (solution_is_known(s))
-            reply_bool(reply, "stable", solution_stable(s));
-        else
-            reply_null(reply, "stable");
+        reply_stable(reply, s, solution_ones(s) > 0);
         reply_end(reply);
     }
     return true;

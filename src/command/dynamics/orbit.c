@@ -69,6 +69,21 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 
 /* ---- what is said ---- */
 
+#define AWAY 0.01 /* of its extent, from the start: the motion there is not on it */
+
+/* Where it was looked for from, and whether it is the motion from there. */
+static void put_from(struct buffer *out, const struct found_orbit *orbit, const char *from)
+{
+    buffer_format(out, ", from %s", from);
+    if (orbit->given_up)
+        buffer_put(out, TEXT("; no stable one was found: the motion may be chaotic"));
+    if (orbit->family && orbit->away > AWAY)
+        buffer_format(out,
+                      ";\n  it passes there at %.2g of its extent: the motion from there is not "
+                      "on it, and was not found to close",
+                      orbit->away);
+}
+
 static void put_energy(struct buffer *out, const struct found_orbit *orbit, bool driven)
 {
     if (!isfinite(orbit->energy_in) || orbit->energy_in == 0)
@@ -134,16 +149,14 @@ static void reply_orbit(const struct system *system, int number, const struct fo
     reply_state(reply, system, "state", s->state);
     reply_values(reply, "multipliers", s);
     reply_real(reply, "trivial", s->trivial);
-    if (solution_is_known(s))
-        reply_bool(reply, "stable", solution_stable(s));
-    else
-        reply_null(reply, "stable");
+    reply_stable(reply, s, orbit->family);
     reply_real(reply, "residual", s->residual);
     reply_real(reply, "error", orbit->error);
     reply_state(reply, system, "max", s->top);
     reply_state(reply, system, "min", s->bottom);
     reply_bool(reply, "family", orbit->family);
     reply_real(reply, "energy_in", orbit->energy_in);
+    reply_real(reply, "away", orbit->away);
     reply_end(reply);
 }
 
@@ -209,9 +222,7 @@ HANDLER(orbit)
             buffer_put(&text, TEXT(",\n  along its family from T = "));
             buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);
         } else {
-            buffer_format(&text, ", from %s%s", request.settles ? from : "the guess",
-                          found.given_up ? "; no stable one was found: the motion may be chaotic"
-                                         : "");
+            put_from(&text, &found, request.settles ? from : "the guess");
         }
         reply_text(reply, buffer_text(&text));
         reply_orbit(&system, kept->number, &found, reply);
@@ -237,4 +248,4 @@ COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stabil
         .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"
                     "scene vanderpol; orbit period=6 s",
         .see = "equilibria use list run", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))
+        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST, .more = "[period=T]")))

@@ -18,6 +18,8 @@
 #define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
+#define STANDING 1e-9 /* relative, of the parameter of orbits: rounding */
+#define RESTING 1e-13 /* of equilibria */
 #define TOGETHER 1e-6 /* the start, and what is found of it */
 #define FAR 0.3       /* from the start: another solution */
 
@@ -191,6 +193,20 @@ static void forget_turns(struct branch_walk *w)
             return;
         if (point[i].special == SPECIAL_FOLD || point[i].special == SPECIAL_CROSSING)
             point[i].special = SPECIAL_NONE;
+    }
+}
+
+/* A fold behind which the parameter stands still to the branch's end is a turn of rounding (as on
+ * the way to a homoclinic orbit). Towards the first point: by -1. */
+static void forget_last_turns(struct branch *b, int by)
+{
+    const double there = b->count > 0 ? b->point[by > 0 ? 0 : b->count - 1].solution.param[0] : 0,
+                 apart = b->kind == SOLUTION_EQUILIBRIUM ? RESTING : STANDING;
+    for (int i = by > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += by) {
+        if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
+            return;
+        if (b->point[i].special == SPECIAL_FOLD)
+            b->point[i].special = SPECIAL_NONE;
     }
 }
 
@@ -439,6 +455,8 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     }
     branch->cancelled = cancelled(r->cancel);
     branch->seconds = clock_seconds(since);
+    for (int by = -1; by <= 1 && !branch->closed; by += 2)
+        forget_last_turns(branch, by);
     /* at the edge of the range what leads away from there is the family, at the same value */
     const bool stays = branch->count == 1 && !branch->cancelled && of_family(r);
     if ((fine || branch->count > 0) && !stays)

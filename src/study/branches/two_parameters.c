@@ -17,8 +17,9 @@
 #include "study/dynamics/solutions.h"
 
 #define DELTA 1e-6
-#define ASIDE 1e-4 /* of units: along a fold of orbits */
-#define FRESH 1e-4 /* farther away the condition of an orbit is derived anew */
+#define ASIDE 1e-4  /* of units: along a fold of orbits */
+#define MIXED 0.618 /* of the second parameter: their sum is in no special direction */
+#define FRESH 1e-4  /* farther away the condition of an orbit is derived anew */
 #define FIRST 0.01
 #define LONGEST 0.05
 #define SHORTEST 1e-6
@@ -206,7 +207,10 @@ static void test(void *context, const double *u, const double *jacobian, const d
                        : NAN;
         return;
     }
-    double along[CURVE_MAX];
+    /* what is not across the fold, also where the first parameter alone does not go across it */
+    double along[CURVE_MAX], *by_param = base->work->jacobian + n;
+    for (int i = 0; i < n; i++)
+        by_param[i * (n + 1)] += MIXED * c->by_second[i];
     if (!curve_tangent(base->problem, c->along, along))
         return;
     memcpy(c->along, along, sizeof c->along);

@@ -497,6 +497,29 @@ static bool sample(struct vector_field *field, struct found_orbit *orbit, double
     return true;
 }
 
+/* Of its extent, the nearest that it comes to where it was looked for from. */
+static double away_from(const struct orbit_search *s, const struct found_orbit *orbit)
+{
+    const int n = s->field.n;
+    double nearest = HUGE_VAL;
+    for (int k = 0; k + 1 < orbit->samples; k++) {
+        const double *a = orbit->sample + k * (n + 1) + 1, *b = a + n + 1;
+        double along = 0, length = 0, sum = 0, to[FIELD_VARIABLES], by[FIELD_VARIABLES];
+        for (int i = 0; i < n; i++) {
+            const double off = s->request->state[i] - a[i], turn = s->field.turn[i];
+            to[i] = (turn > 0 ? remainder(off, turn) : off) / s->field.size[i];
+            by[i] = (b[i] - a[i]) / s->field.size[i];
+            along += to[i] * by[i];
+            length += by[i] * by[i];
+        }
+        const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
+        for (int i = 0; i < n; i++)
+            sum += (to[i] - share * by[i]) * (to[i] - share * by[i]);
+        nearest = fmin(nearest, sum);
+    }
+    return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
+}
+
 /* [J] over a period: what a drive puts in; without one, what is put in where power is above 0. */
 static double energy_of(const struct system *system, const struct found_orbit *orbit)
 {
@@ -525,6 +548,7 @@ static bool finish(struct orbit_search *s, struct error *error)
     put_sample(orbit, n, 0, orbit->solution.state);
     if (!sample(&s->field, orbit, 0, orbit->solution.state, orbit->solution.period, 0))
         orbit->samples = 1;
+    orbit->away = orbit->samples > 1 ? away_from(s, orbit) : NAN;
     if (field_jumps(&s->field, s->field.system.t0, orbit->solution.state, orbit->solution.period)) {
         orbit->solution.values = 0;
         orbit->solution.trivial = orbit->error = NAN;

@@ -166,6 +166,12 @@ static void test_response(void **state)
     /* 253392 where a fold is looked for below its rounding */
     assert_true(branch.evals < 180000);
     branch_free(&branch);
+    /* towards a drive that stops it ends while its periods can be followed: minutes otherwise */
+    branch = follow(&scene, "w", 0, 2, &start, NULL, 0);
+    assert_string_equal(branch.ends[0], "the period grows without bound");
+    assert_non_null(special(&branch, SPECIAL_FOLD, 2));
+    assert_true(branch.evals < 2500000);
+    branch_free(&branch);
 }
 
 /* van der Pol: period and multiplier, then the stiff one, by its asymptotic terms (Dorodnicyn 1947,
