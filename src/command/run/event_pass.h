@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What events do where a run has stopped because of them. */
-#ifndef HOOKE_COMMAND_RUN_PASSAGE_H
-#define HOOKE_COMMAND_RUN_PASSAGE_H
+#ifndef HOOKE_COMMAND_RUN_EVENT_PASS_H
+#define HOOKE_COMMAND_RUN_EVENT_PASS_H
 
 #include "command/internal.h"
 

@@ -31,21 +31,21 @@ static bool crosses(double before, double after)
 }
 
 /* A time since the start of the step, velocity and acceleration there. */
-struct moment {
+struct near_turn {
     double x, v, a;
 };
 
-static struct moment moment(struct step *step, double t, double x, const double *y)
+static struct near_turn near_turn(struct step *step, double t, double x, const double *y)
 {
     double a[1];
     system_acceleration(step->system, t, y, a);
     step->cost.evals++;
-    return (struct moment){x, y[1], a[0]};
+    return (struct near_turn){x, y[1], a[0]};
 }
 
-/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of the
+/* Where v = 0 between two of them: cubic Hermite interpolation of the time as a function of the
  * velocity. */
-static double turning_time(const struct moment *p, const struct moment *q)
+static double turning_time(const struct near_turn *p, const struct near_turn *q)
 {
     const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
     const double x =
@@ -61,8 +61,8 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
         return STEP_OK;
     const size_t size = (size_t)step->system->n * sizeof *before;
     const double near = fmax(TURN_NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
-    struct moment first = moment(step, t, 0, before),
-                  last = moment(step, t + step->h, step->h, step->y);
+    struct near_turn first = near_turn(step, t, 0, before),
+                     last = near_turn(step, t + step->h, step->h, step->y);
     double x = turning_time(&first, &last);
     if (fabs(x) <= near || fabs(step->h - x) <= near)
         return STEP_OK;
@@ -78,7 +78,7 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
         enum step_status status = method_step(method, step);
         if (status != STEP_OK)
             return status;
-        const struct moment here = moment(step, t + x, x, step->y);
+        const struct near_turn here = near_turn(step, t + x, x, step->y);
         if (fabs(here.v) <= near * fabs(here.a))
             break;
         *((here.v < 0) == (first.v < 0) ? &first : &last) = here;

@@ -25,19 +25,19 @@ static inline void fill(double *lane, double value)
 }
 
 /* A time. */
-struct moment {
+struct lane_time {
     const double *t; /* [LANES] each lane's own; NULL: the same in all lanes: */
     double all;
 };
 
-static inline double time_of(struct moment at, int lane)
+static inline double time_of(struct lane_time at, int lane)
 {
     return at.t ? at.t[lane] : at.all;
 }
 
 /* Adds what a built-in term adds. */
-static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term, struct moment at,
-                         double *out)
+static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term,
+                         struct lane_time at, double *out)
 {
     const double *state = lanes->input + LANES;
     if (term->once) {
@@ -62,7 +62,7 @@ static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term
 }
 
 /* out [rows]: the sum of the forces whose flags under `mask` are `wanted` */
-INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, struct moment at,
+INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, struct lane_time at,
                    double *out)
 {
     bool first = true;
@@ -91,7 +91,7 @@ INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, st
         out[l] = -0.0;
 }
 
-INLINE void slope(struct typed_lanes *lanes, struct moment at, double *out)
+INLINE void slope(struct typed_lanes *lanes, struct lane_time at, double *out)
 {
     const int positions = lanes->n - lanes->rows;
     memcpy(out, lanes->input + (1 + lanes->n - positions) * LANES,
@@ -100,14 +100,14 @@ INLINE void slope(struct typed_lanes *lanes, struct moment at, double *out)
 }
 
 /* So much of a step after its beginning; own: [LANES], where lanes have their own. */
-INLINE struct moment moment_of(const struct typed_lanes *lanes, double c, double *own)
+INLINE struct lane_time lane_time_of(const struct typed_lanes *lanes, double c, double *own)
 {
     const double step = (double)lanes->step;
     if (!lanes->own)
-        return (struct moment){.all = (lanes->t0 + step * lanes->h) + c * lanes->h};
+        return (struct lane_time){.all = (lanes->t0 + step * lanes->h) + c * lanes->h};
     for (int lane = 0; lane < LANES; lane++)
         own[lane] = (lanes->own_t0[lane] + step * lanes->own_h[lane]) + c * lanes->own_h[lane];
-    return (struct moment){.t = own};
+    return (struct lane_time){.t = own};
 }
 
 static bool alike(const double *value, int count)
@@ -139,7 +139,7 @@ static void begin(struct typed_lanes *lanes)
     if (lanes->method->tableau) {
         memcpy(lanes->y, lanes->input + LANES, (size_t)lanes->n * LANES * sizeof *lanes->y);
         stages_take(lanes->weights, lanes->method->tableau, lanes->own ? 1 : lanes->h);
-        slope(lanes, moment_of(lanes, 0, at), lanes->k);
+        slope(lanes, lane_time_of(lanes, 0, at), lanes->k);
     }
     lanes->ready = true;
 }
@@ -225,7 +225,7 @@ static void look(struct typed_lanes *lanes, double *row)
     } else { /* the last slope belongs to t + h, which rounds in another way than the time of the
                 next step */
         double at[LANES];
-        slope(lanes, moment_of(lanes, 0, at), lanes->spare);
+        slope(lanes, lane_time_of(lanes, 0, at), lanes->spare);
         memcpy(row + LANES, lanes->spare, size);
     }
 }
@@ -241,7 +241,7 @@ CLONES static void rk_march(struct typed_lanes *lanes, int64_t count, double *ro
     for (int64_t i = 0; i < count; i++) {
         for (int s = 1; s < stages; s++) {
             combine(&lanes->weights[s], h, n, k, y, z);
-            slope(lanes, moment_of(lanes, tableau->c[s], at), k + s * n * LANES);
+            slope(lanes, lane_time_of(lanes, tableau->c[s], at), k + s * n * LANES);
         }
         if (!tableau->fsal)
             combine(&lanes->weights[0], h, n, k, y, z);
@@ -252,7 +252,7 @@ CLONES static void rk_march(struct typed_lanes *lanes, int64_t count, double *ro
         if (tableau->fsal)
             memcpy(k, k + (stages - 1) * n * LANES, size);
         else
-            slope(lanes, moment_of(lanes, 0, at), k);
+            slope(lanes, lane_time_of(lanes, 0, at), k);
         if (row)
             look(lanes, row + i * 2 * LANES);
     }
@@ -272,7 +272,7 @@ static void flow(const struct typed_lanes *lanes, double *v)
 }
 
 /* As split_kick(). */
-INLINE void kick(struct typed_lanes *lanes, int index, struct moment at, const double *w,
+INLINE void kick(struct typed_lanes *lanes, int index, struct lane_time at, const double *w,
                  double *restrict v)
 {
     const double *restrict pull = lanes->pull, *restrict drag = lanes->drag;
@@ -299,7 +299,7 @@ CLONES static void split_march(struct typed_lanes *lanes, int64_t count, double 
     double *restrict q = lanes->input + LANES, *restrict v = q + max;
     for (int64_t i = 0; i < count; i++) {
         double time[LANES], w[LANES];
-        struct moment at = moment_of(lanes, 0, time);
+        struct lane_time at = lane_time_of(lanes, 0, time);
         if (way->around)
             flow(lanes, v);
         for (int index = 0; index < splitting->count; index++) {

@@ -65,13 +65,13 @@ static void nearest(const struct solution *s, int count, int *place)
     }
 }
 
-struct piece {
+struct chord_piece {
     struct branch_walk *w;
     const struct curve_place *a, *b;
     int count; /* that pass */
 };
 
-static bool place_at(const struct piece *p, double share, struct curve_place *at,
+static bool place_at(const struct chord_piece *p, double share, struct curve_place *at,
                      struct solution *s)
 {
     const struct curve_problem *problem = p->w->path->problem;
@@ -86,18 +86,18 @@ static bool place_at(const struct piece *p, double share, struct curve_place *at
            solutions_at(p->w->path, at, false, s) && s->values >= p->count;
 }
 
-struct rates {
+struct rate_fit {
     int count;
     double node[NODES], rate[NODES];
 };
 
 static double rate_at(void *context, double share)
 {
-    const struct rates *fit = context;
+    const struct rate_fit *fit = context;
     return curve_interpolated(fit->count, fit->node, fit->rate, share);
 }
 
-static double root_of(struct rates *fit)
+static double root_of(struct rate_fit *fit)
 {
     const int last = fit->count - 1;
     return root_between(rate_at, fit, fit->node[0], fit->rate[0], fit->node[last], fit->rate[last],
@@ -120,11 +120,11 @@ static enum special kind_of(const struct solution *s, double unit, int count, co
 
 /* The sum of their rates is smooth where they meet; places are beside its zero, at Chebyshev's
  * nodes, as the correction at a crossing is singular. */
-static bool pass_together(const struct piece *p, struct found_special *found)
+static bool pass_together(const struct chord_piece *p, struct found_special *found)
 {
     const int n = p->w->path->problem->n;
     struct curve_place at[NODES];
-    struct rates fit = {.count = 0};
+    struct rate_fit fit = {.count = 0};
     const double unit = p->w->unit;
     int place[DYNAMICS_VARIABLES];
     for (int k = 0; k < NODES; k++) {
@@ -152,7 +152,7 @@ static bool pass_together(const struct piece *p, struct found_special *found)
             y[k] = at[k].tangent[i];
         found->at.tangent[i] = curve_interpolated(fit.count, fit.node, y, share);
     }
-    struct rates fewer = fit;
+    struct rate_fit fewer = fit;
     fewer.count--;
     const bool known = signbit(fewer.rate[0]) != signbit(fewer.rate[fewer.count - 1]);
     found->near = curve_distance(n + 1, p->a->u, p->b->u) *
@@ -167,7 +167,7 @@ static bool pass_together(const struct piece *p, struct found_special *found)
     return true;
 }
 
-static bool middle_of(const struct piece *p, struct curve_place *at, int *grows)
+static bool middle_of(const struct chord_piece *p, struct curve_place *at, int *grows)
 {
     static const double share[] = {0.5, 0.4, 0.6, 0.3, 0.7};
     struct solution s;
@@ -181,7 +181,7 @@ static void between(struct branch_walk *w, const struct curve_place *a, int a_gr
                     const struct curve_place *b, int b_grows, int depth,
                     struct found_special *found, int *count)
 {
-    const struct piece p = {w, a, b, abs(a_grows - b_grows)};
+    const struct chord_piece p = {w, a, b, abs(a_grows - b_grows)};
     const int before = *count;
     if (p.count == 0 || (p.count == 1 && depth == 0) || cancelled(w->request->cancel))
         return;

@@ -7,7 +7,7 @@
 #include "study/sweep/sweep.h"
 
 /* One point's motion through the section. */
-struct passage {
+struct crossings {
     struct run *run;
     double period; /* [s] of a strobe */
     bool angle[LIMIT_VARIABLES];
@@ -21,8 +21,8 @@ struct passage {
 };
 
 struct section {
-    struct arena arena; /* of the present passages */
-    struct passage lane[LANES];
+    struct arena arena; /* of the present crossings */
+    struct crossings lane[LANES];
     struct system bound;                   /* to look at a drive */
     double *state;                         /* [SWEEP_ROWS + 1][n][LANES]; NULL: no lanes */
     double (*slope)[LANES], offset[LANES]; /* [n] where values are linear in the state */
@@ -30,14 +30,14 @@ struct section {
 };
 
 /* The run of point i at its start, and its event. False: refused, which has been said. */
-bool passage_begin(struct sweep_worker *worker, int64_t i, struct passage *passage);
+bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *crossings);
 /* So many steps, or so long [s] where steps adapt, without an event are the end. */
-bool passage_ends(const struct sweep_request *request, const struct run *run, int64_t steps,
-                  double time);
+bool crossings_end(const struct sweep_request *request, const struct run *run, int64_t steps,
+                   double time);
 /* Is that row of its run the state after so many periods? */
-bool passage_strobed(const struct passage *passage, size_t row, int64_t period);
+bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t period);
 /* What the run has recorded becomes the point's; `before`: so many of its records are not kept. */
-void passage_take(struct sweep_worker *worker, int64_t i, const struct passage *passage,
-                  int64_t before, int64_t count);
+void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
+                    int64_t before, int64_t count);
 
 #endif

@@ -30,7 +30,7 @@ static int state_slot(void *context, int slot)
     return moving.kind == MOVING_STATE ? moving.index : slot;
 }
 
-static bool settle_lane(struct arena *arena, struct passage *p)
+static bool settle_lane(struct arena *arena, struct crossings *p)
 {
     const struct event *event = &p->event;
     struct lane_names names = {.run = p->run};
@@ -51,7 +51,7 @@ static double load_state(const void *context, int slot)
     return state->at[(size_t)slot * LANES + (size_t)state->lane];
 }
 
-static double value_of(const struct passage *p, const double *row, int lane)
+static double value_of(const struct crossings *p, const double *row, int lane)
 {
     const struct lane_state state = {row, lane};
     const struct expr_scope scope = {.context = &state, .load = load_state};
@@ -67,7 +67,7 @@ static bool is_linear(struct section *s, int n, int used)
     for (int k = 0; k < n; k++)
         slot[k] = k;
     for (int lane = 0; lane < used; lane++) {
-        const struct passage *p = &s->lane[lane];
+        const struct crossings *p = &s->lane[lane];
         if (!expr_linear(p->left, slot, n) || (p->right && !expr_linear(p->right, slot, n)))
             return false;
         s->offset[lane] = value_of(p, unit, lane);
@@ -118,7 +118,7 @@ static void march(struct sweep_worker *worker, int64_t count)
 }
 
 /* The step after `step` once more, by the run of the point; false: it has seen nothing there. */
-static bool take_again(const struct sweep_worker *worker, struct passage *p, int64_t step,
+static bool take_again(const struct sweep_worker *worker, struct crossings *p, int64_t step,
                        const double *y)
 {
     const struct sweep_section *section = &worker->job->request->section;
@@ -146,7 +146,7 @@ static bool wild(const double *y, int n)
 
 /* ---- the strobe ---- */
 
-static int64_t strobe_step(const struct sweep_worker *worker, const struct passage *p)
+static int64_t strobe_step(const struct sweep_worker *worker, const struct crossings *p)
 {
     const double due = p->period * (double)(worker->job->request->section.skip + p->seen + 1),
                  h = worker->job->request->settings.dt;
@@ -154,14 +154,14 @@ static int64_t strobe_step(const struct sweep_worker *worker, const struct passa
 }
 
 /* False: the moment is not seen from there on. */
-static bool strobe_lane(const struct sweep_worker *worker, struct passage *p, const double *y)
+static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, const double *y)
 {
     const int64_t period = worker->job->request->section.skip + p->seen + 1;
     const size_t row = (size_t)p->seen + 1;
     take_again(worker, p, p->step, y);
-    if (!passage_strobed(p, row, period)) /* it lies at the very beginning of the next step */
+    if (!crossings_strobed(p, row, period)) /* it lies at the very beginning of the next step */
         take_again(worker, p, p->step + 1, p->run->y);
-    return passage_strobed(p, row, period);
+    return crossings_strobed(p, row, period);
 }
 
 /* Those whose next moment lies in the step after this one. */
@@ -170,7 +170,7 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
     const struct sweep_section *section = &worker->job->request->section;
     double y[LIMIT_VARIABLES];
     for (int lane = 0; lane < worker->used; lane++) {
-        struct passage *p = &worker->section->lane[lane];
+        struct crossings *p = &worker->section->lane[lane];
         if (p->done || p->step != step)
             continue;
         lanes_state(worker->lanes, lane, y);
@@ -188,7 +188,7 @@ static void march_strobe(struct sweep_worker *worker)
     while (!cancelled(job->request->cancel)) {
         int64_t next = INT64_MAX;
         for (int lane = 0; lane < worker->used; lane++) {
-            const struct passage *p = &worker->section->lane[lane];
+            const struct crossings *p = &worker->section->lane[lane];
             next = p->done || p->step > next ? next : p->step;
         }
         if (next == INT64_MAX)
@@ -219,11 +219,11 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
                       const double value[3])
 {
     const struct sweep_section *section = &worker->job->request->section;
-    struct passage *p = &worker->section->lane[lane];
+    struct crossings *p = &worker->section->lane[lane];
     const double a = value[1], b = value[2], change = fabs(b - a);
     const int direction = p->event.direction;
     double y[LIMIT_VARIABLES];
-    p->done = passage_ends(worker->job->request, p->run, step + 1 - p->last, 0);
+    p->done = crossings_end(worker->job->request, p->run, step + 1 - p->last, 0);
     if (p->done || (step == 0 && a == 0 && b != 0)) /* what it starts at is none */
         return;
     const bool crosses = signbit(a) != signbit(b);
@@ -284,10 +284,10 @@ static void march_events(struct sweep_worker *worker)
 
 static void finish_lane(struct sweep_worker *worker, int lane)
 {
-    struct passage *p = &worker->section->lane[lane];
+    struct crossings *p = &worker->section->lane[lane];
     const struct sweep_section *section = &worker->job->request->section;
     const int64_t i = worker->point[lane];
-    passage_take(worker, i, p, 0, section->strobe ? p->seen : (int64_t)run_event_records(p->run));
+    crossings_take(worker, i, p, 0, section->strobe ? p->seen : (int64_t)run_event_records(p->run));
     worker->job->sweep->status[i] = STOP_END;
     worker->side_by_side++;
     worker->steps += (double)(section->strobe ? p->step : p->last);
@@ -300,8 +300,8 @@ void section_march(struct sweep_worker *worker)
     bool lanes = !lanes_carry(worker->job->request->method, worker->drag);
     arena_reset(&s->arena);
     for (int lane = 0; lane < worker->used; lane++) {
-        struct passage *p = &s->lane[lane];
-        p->done = p->alone = !lanes || !passage_begin(worker, worker->point[lane], p);
+        struct crossings *p = &s->lane[lane];
+        p->done = p->alone = !lanes || !crossings_begin(worker, worker->point[lane], p);
         if (!p->alone && section->strobe)
             p->step = strobe_step(worker, p);
         else if (!p->alone)
@@ -312,7 +312,7 @@ void section_march(struct sweep_worker *worker)
     else if (lanes)
         march_events(worker);
     for (int lane = 0; lane < worker->used; lane++) {
-        struct passage *p = &s->lane[lane];
+        struct crossings *p = &s->lane[lane];
         if (lanes && p->done && !p->alone)
             finish_lane(worker, lane);
         if (p->run)
