@@ -93,6 +93,33 @@ static int64_t take_given(struct run *run, const struct march *march)
     return taken;
 }
 
+/* Steps by the method, those beyond a state that has diverged as if they had not been taken: what a
+ * run costs depends on neither the kernel nor on how many steps are taken at once. *good: those
+ * before it. */
+static int64_t march_within(struct run *run, struct march *march, enum step_status *status,
+                            int64_t *good)
+{
+    struct run_private *p = run->private_state;
+    const int n = run->system.n;
+    const bool restores = !(run->method->flags & METHOD_EXTERNAL);
+    const size_t size = method_work_size(run->method, n) * sizeof *p->work;
+    const struct step was = p->step;
+    const struct switches_state switches = run->controller.switches;
+    if (restores)
+        memcpy(p->work_before, p->work, size);
+    int64_t taken = method_turning_march(run->method, p->kernel, march, status);
+    *good = rows_within(march->row, taken, n, p->bound);
+    if (restores && *good + 1 < taken + (*status != STEP_OK)) {
+        p->step = was;
+        run->controller.switches = switches;
+        copy_state(run->y, p->before, n);
+        memcpy(p->work, p->work_before, size);
+        march->count = *good + 1;
+        taken = method_turning_march(run->method, p->kernel, march, status);
+    }
+    return taken;
+}
+
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;
@@ -102,6 +129,9 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         p->step.low || left <= 0 || segment->between)
         return false;
 
+    if (!p->work_before &&
+        !(p->work_before = malloc(method_work_size(run->method, n) * sizeof *p->work + 1)))
+        return false;
     size_t capacity = CHUNK_ROWS;
     double *in_trace = trace_open(run->trace, &capacity), *row = in_trace;
     if (!row) {
@@ -122,7 +152,8 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         march.count = min(march.count, HOT_ROWS);
     if (propagator)
         find_block(run, segment, march.first);
-    int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
+    int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0,
+            good = -1;
     const bool propagated = taken > 0;
     if (propagated) {
         p->step.warm = false;
@@ -133,10 +164,12 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
          */
         if (propagator)
             march.count = min(march.count, propagator_rest(march.first));
-        taken = method_turning_march(run->method, p->kernel, &march, &status);
+        taken = march_within(run, &march, &status, &good);
     }
-    const bool certain = propagated && propagator_within(propagator, p->bound);
-    int64_t good = certain ? taken : rows_within(row, taken, n, p->bound);
+    if (good < 0)
+        good = propagated && propagator_within(propagator, p->bound)
+                   ? taken
+                   : rows_within(row, taken, n, p->bound);
     *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
     if (in_trace) {
         trace_close(run->trace, (size_t)good);

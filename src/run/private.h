@@ -268,6 +268,7 @@ struct run_private {
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
     double *scratch;
+    double *work_before; /* the method's memory before many steps; NULL: none were taken */
     const double *given; /* [n] each, of the steps from given_first to given_end: run_give() */
     int64_t given_first, given_end;
     double factor; /* power of two on states before their energies are compared */

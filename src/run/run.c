@@ -201,6 +201,7 @@ void run_destroy(struct run *run)
         method_end(run->method, &run->private_state->step);
         free(run->private_state->work);
         free(run->private_state->scratch);
+        free(run->private_state->work_before);
         free(run->private_state->propagator);
         free(run->private_state->epoch);
         events_watch_destroy(run->private_state->watch);
