@@ -11,6 +11,7 @@
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
 #define SHORTEST 1e-7 /* of the longest */
+#define AHEAD 0.01    /* of the longest: what stops the shortest is nearer than this */
 #define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
 #define SLOWEST 100   /* the same of a drive that stops within the range */
@@ -250,6 +251,32 @@ static void tell(struct branch_walk *w, const struct curve_place *at,
 
 static const char jump[] = "the equations jump along the orbit, and multipliers with them";
 
+static bool jumps(struct branch_walk *w, const struct solution *s)
+{
+    struct vector_field *field = &w->path->field;
+    return w->path->kind != SOLUTION_EQUILIBRIUM &&
+           field_jumps(field, field->system.t0, s->state, s->period);
+}
+
+/* Where no step leads on: does the orbit come to a jump just beyond, in the direction of the
+ * branch? Whether a correction gets across it, or none does, are matters of rounding. */
+static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, double longest)
+{
+    if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)
+        return false;
+    for (double by = SHORTEST * longest; by < AHEAD * longest; by *= 2) {
+        struct curve_place ahead = *at;
+        struct solution s;
+        for (int i = 0; i <= w->path->problem->n; i++)
+            ahead.u[i] += by * at->tangent[i];
+        if (!solutions_seen(w->path, &ahead, &s))
+            return false;
+        if (jumps(w, &s))
+            return true;
+    }
+    return false;
+}
+
 /* From `at`, which is recorded already, until it ends; false: no memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
@@ -271,7 +298,9 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         tell(w, &at, &start, i, max);
         by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next))
-            return fails_there(w, "no step leads on");
+            return !cancelled(w->request->cancel) && jumps_ahead(w, &at, far)
+                       ? end_there(w, jump)
+                       : fails_there(w, "no step leads on");
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0)
@@ -309,8 +338,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return false;
         if (is_over(w, &at, &next, &start, leaves))
             return true;
-        if (w->path->kind != SOLUTION_EQUILIBRIUM &&
-            field_jumps(&w->path->field, w->path->field.system.t0, solution.state, solution.period))
+        if (jumps(w, &solution))
             return end_there(w, jump);
         w->before = at;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
