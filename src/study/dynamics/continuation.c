@@ -313,7 +313,8 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     return true;
 }
 
-/* A place where another curve crosses: about ever smaller pieces, as long as that helps. */
+/* A place where another curve crosses: about ever smaller pieces, as long as that helps: nearer to
+ * it the test is smaller, and what corrections and rounding leave moves its zero by more. */
 static bool look_about(struct chord *c, double share, double half, struct curve_place *at,
                        double *near)
 {
@@ -324,7 +325,10 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
         c->looks = 0;
         if (!locate_crossing(c, share, half, &better, &next))
             break;
-        *near = c->length * fabs(next - share);
+        const double moved = c->length * fabs(next - share);
+        if (k > 1 && moved >= *near) /* before that it says how far the crossing was, not this */
+            break;
+        *near = moved;
         *at = better;
         share = next;
         if (*near < 1e-12)
