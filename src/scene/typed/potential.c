@@ -405,7 +405,7 @@ static bool fits_between(const struct typed_term *term, const double *c, const d
     double mass[LIMIT_VARIABLES];
     typed_masses(c, mass);
     const struct force_path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
-    double size;
+    double size = 0;
     const double fall = integral(&path, &size);
     return fabs(potential_a - potential_b - fall) <=
            tolerated * (fabs(potential_a) + fabs(potential_b) + size);

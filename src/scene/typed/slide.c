@@ -188,7 +188,7 @@ static void solve(int count, double (*by)[LIMIT_SLIDING], const double *right, d
 static void find_fractions(const struct sliding *s, double t, const double *y,
                            struct around *around, double *fraction)
 {
-    double right[LIMIT_SLIDING];
+    double right[LIMIT_SLIDING] = {0};
     look_around(s, t, y, around);
     for (int i = 0; i < s->count; i++) {
         fraction[i] = 0.5;

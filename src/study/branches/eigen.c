@@ -224,7 +224,7 @@ static double coefficient(const struct taylor *t, double omega)
     third(t, a, b, aab);
     third(t, b, b, bbb);
     /* C(q, q, conj q) = C(aaa) + C(abb) + i (C(aab) + C(bbb)) */
-    double re[FIELD_VARIABLES], im[FIELD_VARIABLES];
+    double re[FIELD_VARIABLES] = {0}, im[FIELD_VARIABLES] = {0};
     for (int i = 0; i < n; i++) {
         re[i] = aaa[i] + bba[i];
         im[i] = aab[i] + bbb[i];

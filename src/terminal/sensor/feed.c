@@ -55,7 +55,8 @@ static void end(struct feed *feed, enum feed_end how, const char *failure)
     pthread_mutex_lock(&feed->lock);
     if (feed->look.end == FEED_GOES_ON) {
         feed->look.end = how;
-        snprintf(feed->look.failure, sizeof feed->look.failure, "%s", failure);
+        snprintf(feed->look.failure, sizeof feed->look.failure, "%.*s",
+                 (int)sizeof feed->look.failure - 1, failure);
     }
     pthread_mutex_unlock(&feed->lock);
 }
