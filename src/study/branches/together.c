@@ -119,8 +119,10 @@ static enum special kind_of(const struct solution *s, double unit, int count, co
 }
 
 /* The sum of their rates is smooth where they meet; places are beside its zero, at Chebyshev's
- * nodes, as the correction at a crossing is singular. */
-static bool pass_together(const struct chord_piece *p, struct found_special *found)
+ * nodes, as the correction at a crossing is singular. Its memory is no part of between(), which
+ * goes DEEPEST deep. */
+static __attribute__((noinline)) bool pass_together(const struct chord_piece *p,
+                                                    struct found_special *found)
 {
     const int n = p->w->path->problem->n;
     struct curve_place at[NODES];
@@ -167,7 +169,8 @@ static bool pass_together(const struct chord_piece *p, struct found_special *fou
     return true;
 }
 
-static bool middle_of(const struct chord_piece *p, struct curve_place *at, int *grows)
+static __attribute__((noinline)) bool middle_of(const struct chord_piece *p, struct curve_place *at,
+                                                int *grows)
 {
     static const double share[] = {0.5, 0.4, 0.6, 0.3, 0.7};
     struct solution s;
