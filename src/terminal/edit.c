@@ -34,9 +34,10 @@ __attribute__((weak)) int rl_insert_text(const char *text);
 extern sigjmp_buf _rl_top_level __attribute__((weak));
 int _rl_pushed_input_available(void) __attribute__((weak));
 
-#define NARROWEST 12    /* a prompt and some of a line */
-#define COUNT_MOST 1000 /* of a key that is repeated */
-#define KEY_TURNS 512   /* more than the queue holds */
+#define NARROWEST 12                    /* a prompt and some of a line */
+#define COUNT_MOST 1000                 /* of a key that is repeated */
+#define REPEATED_MOST ((size_t)1 << 14) /* [byte] of a line, by such keys */
+#define KEY_TURNS 512                   /* more than the queue holds */
 
 static struct {
     sigjmp_buf frame;
@@ -70,13 +71,15 @@ int _rl_dispatch(int key, Keymap map)
 }
 
 /* A cut that is put often is cut and put again: after three times its length is no int any more. No
- * line that is longer would be taken. */
+ * line that is longer would be taken; and where a count makes it, it is no longer than searches for
+ * a character, whose time grows with the square of the length, are done with at once. */
 int rl_insert_text(const char *text)
 {
     static int (*own)(const char *);
     if (!own)
         line_find_own(&own, "rl_insert_text");
-    if (text && strlen(text) + (size_t)rl_end > LIMIT_LINE) {
+    const size_t most = rl_numeric_arg > 1 ? REPEATED_MOST : LIMIT_LINE;
+    if (text && strlen(text) + (size_t)rl_end > most) {
         rl_ding();
         return 0;
     }

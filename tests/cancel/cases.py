@@ -292,12 +292,12 @@ def written(path, rows, heading, row, mark="."):
 
 
 def scenes(folder):
-    """Files of XPPAUT: 60 equations of 1800 operations, and a note for each of 19 000 lines."""
+    """Files of XPPAUT: 60 equations of 600 operations, and a note for each of 19 000 lines."""
     names = ["x%d" % i for i in range(60)]
     with open(os.path.join(folder, "large.ode"), "w") as out:
         out.write("".join("par p%d=%g\n" % (i, 1 + i / 7) for i in range(60)))
         for i, name in enumerate(names):
-            terms = ("p%d*sin(%s)*%s" % (k % 60, names[(i + k) % 60], names[(i + 7 * k) % 60]) for k in range(300))
+            terms = ("p%d*sin(%s)*%s" % (k % 60, names[(i + k) % 60], names[(i + 7 * k) % 60]) for k in range(100))
             out.write("%s'=-%s+%s\n" % (name, name, "+".join(terms)))
         out.write("@ total=10, dt=0.01, meth=rk4\ndone\n")
     with open(os.path.join(folder, "notes.ode"), "w") as out:

@@ -47,6 +47,7 @@ struct written {
     const struct expr *dry;      /* what dry friction takes, in none of them; NULL: none */
     int observed;                /* the first name of what is observed */
     const struct expr **observe; /* [names - observed] */
+    const struct cancel *cancel; /* of what is made of it; whoever began looks, too */
 };
 
 /* The texts of another dialect, a built-in term as the reader knows it: as_typed, else as it is

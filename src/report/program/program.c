@@ -201,7 +201,9 @@ bool session_program(const struct session *session, enum dialect dialect, struct
                               .error = error};
     const bool as_typed = dialect == DIALECT_TEX || dialect == DIALECT_XPP;
     p.syntax = program_syntax(dialect);
-    bool fine = written_make(&p.written, p.scene, as_typed, error) && make_plan(&p);
+    bool fine = written_make(&p.written, p.scene, as_typed, error);
+    p.written.cancel = session->front.cancel;
+    fine = fine && !cancelled(p.written.cancel) && make_plan(&p);
     if (fine)
         fine = dialect == DIALECT_TEX   ? make_names(&p) && program_tex(&p)
                : dialect == DIALECT_XPP ? make_names(&p) && program_xpp(&p)

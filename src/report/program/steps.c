@@ -59,7 +59,7 @@ static bool is_read(const struct scene_program *p, int i)
 {
     const struct written *w = &p->written;
     bool *reads = arena_array(p->arena, (size_t)w->names, sizeof *reads);
-    for (int row = 0; reads && row < w->rows; row++)
+    for (int row = 0; reads && row < w->rows && !cancelled(w->cancel); row++)
         if (w->all[row] && !expr_reads(w->all[row], w->zero, reads))
             return true;
     for (int k = w->observed; reads && k < w->names; k++)

@@ -10,7 +10,8 @@
 #define ODE_SYMBOLS 1024           /* names of all kinds: scenes have fewer */
 #define ODE_ARGUMENTS 20
 #define ODE_EVENTS 16
-#define ODE_LOOK 32 /* lines between two looks */
+#define ODE_NOTES 64 /* said; nobody reads more */
+#define ODE_LOOK 32  /* lines between two looks */
 
 struct ode_line {
     struct text text; /* lower case, without blanks at its ends */

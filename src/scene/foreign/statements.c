@@ -34,11 +34,16 @@ bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t siz
 bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
 {
     char text[300];
+    if (s->notes > ODE_NOTES)
+        return true;
     const int used = snprintf(text, sizeof text, "line %d: ", line);
     va_list args;
     va_start(args, format);
     vsnprintf(text + used, sizeof text - (size_t)used, format, args);
     va_end(args);
+    if (s->notes == ODE_NOTES)
+        snprintf(text, sizeof text, "line %d and those behind it: what there is to say is left out",
+                 line);
     for (int i = 0; i < s->notes; i++)
         if (strcmp(s->note[i].text, text) == 0)
             return true;

@@ -40,6 +40,8 @@ static bool add_term(struct taking *t, const struct bound_term *term)
             return false;
         if (!expr)
             continue;
+        if (cancelled(w->cancel))
+            return error_set(t->error, ERROR_CANCELLED, "stopped: nothing was written");
         if (!add_expr(t, expr, &node) ||
             !equations_derive(t->equations, t->equations->outputs - 1, 1, state, n, t->error))
             return false;
