@@ -293,7 +293,9 @@ static void begin(const struct model *model, struct system *system)
     };
 }
 
-bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error)
+/* Natural sizes of what is typed cost a trial run. */
+static bool bind_motion(const struct scene *scene, bool sized, struct system *system,
+                        struct error *error)
 {
     const struct model *model = scene->model;
     const double *param = scene->value;
@@ -313,12 +315,25 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
     system->switches = model->typed ? typed_switches(system) : 0;
     bind_dry(system);
     system->pieces = has_pieces(system);
-    if (model->typed && (!typed_base(model) || system->oscillator.whole))
+    if (model->typed && !typed_base(model) && !sized)
+        typed_start(param, system);
+    else if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
         if (!check_term(system, &system->term[i], error))
             return false;
     return !model->typed || typed_check(system, error);
+}
+
+bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error)
+{
+    return bind_motion(scene, true, system, error);
+}
+
+bool scene_bind_rates(const struct scene *scene, struct system *system)
+{
+    struct error ignored;
+    return bind_motion(scene, false, system, &ignored);
 }
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error)

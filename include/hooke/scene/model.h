@@ -259,6 +259,8 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
 /* Without looking for the potential of typed forces, which takes about a thousand evaluations: for
  * those who bind many and ask for no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
+/* For rates and starts only: natural sizes of what is typed, which cost a trial run, are 1. */
+bool scene_bind_rates(const struct scene *scene, struct system *system);
 
 /* As if methods did not step across kinks. */
 void system_turn_at_kinks(struct system *system);

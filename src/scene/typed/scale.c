@@ -82,7 +82,7 @@ static double try_out(const struct system *system, double span, double *max, boo
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES],
         early[LIMIT_VARIABLES];
     double t = system->t0, h = FIRST * span, end = t + span;
-    memcpy(y, system->start, sizeof y);
+    memcpy(y, system->start, (size_t)n * sizeof *y);
     memcpy(early, max, (size_t)n * sizeof *early);
     system_derivative(system, t, y, f);
     for (int step = 0; step < STEPS && t < end && t + h > t; step++) {
@@ -100,7 +100,7 @@ static double try_out(const struct system *system, double span, double *max, boo
             continue;
         }
         t += h;
-        memcpy(y, next, sizeof y);
+        memcpy(y, next, (size_t)n * sizeof *y);
         for (int i = 0; i < n; i++)
             max[i] = fmax(max[i], fabs(y[i]));
         if (t - system->t0 <= span / SPAN) {
@@ -162,15 +162,22 @@ static void size_unseen(int n, double *max)
             max[i] = FLOOR * largest;
 }
 
-void typed_begin(const double *param, struct system *system)
+void typed_start(const double *param, struct system *system)
 {
     const struct typed *typed = system->model->typed;
-    double max[LIMIT_VARIABLES];
     system->t0 = param[typed->t0];
     for (int i = 0; i < system->n; i++) {
         system->start[i] = param[typed->initial[i]];
-        max[i] = fabs(system->start[i]);
+        system->scale[i] = 1;
     }
+}
+
+void typed_begin(const double *param, struct system *system)
+{
+    double max[LIMIT_VARIABLES];
+    typed_start(param, system);
+    for (int i = 0; i < system->n; i++)
+        max[i] = fabs(system->start[i]);
     if (system->oscillator.whole) {
         oscillator_scale(system, 0, 0, 0);
         return;

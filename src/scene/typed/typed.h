@@ -203,5 +203,7 @@ void typed_recognise(const struct typed_term *term, const double *c, struct osci
 /* ---- natural sizes (typed_scale.c) ---- */
 
 void typed_begin(const double *param, struct system *system); /* struct model's begin */
+/* The same but for natural sizes, which are 1. */
+void typed_start(const double *param, struct system *system);
 
 #endif

@@ -133,11 +133,10 @@ bool field_by_parameter(struct vector_field *field, int j, const double *y, doub
 {
     struct scene side[2];
     struct system system;
-    struct error ignored;
     double rate[2][LIMIT_VARIABLES];
     const double apart = sides(field, j, side);
     for (int s = 0; s < 2; s++) {
-        if (!scene_bind_motion(&side[s], &system, &ignored))
+        if (!scene_bind_rates(&side[s], &system))
             return false;
         system_derivative(&system, field->system.t0, y, rate[s]);
     }
@@ -158,11 +157,10 @@ double field_drive_by(struct vector_field *field, int j)
         return field->drive_by[j];
     struct scene side[2];
     struct system system;
-    struct error ignored;
     double period[2];
     const double apart = sides(field, j, side);
     for (int s = 0; s < 2; s++) {
-        if (!scene_bind_motion(&side[s], &system, &ignored))
+        if (!scene_bind_rates(&side[s], &system))
             return NAN;
         period[s] = system_drive(&system);
     }

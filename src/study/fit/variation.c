@@ -49,14 +49,13 @@ static bool find_between(const struct scene *scene, int index, struct system sid
     const double value = scene->value[index],
                  size = fmax(fabs(value), row->min_excluded ? LEAST * fabs(row->initial) : SMALL);
     struct scene trial = *scene;
-    struct error ignored;
     double at[2];
     for (int s = 0; s < 2; s++) {
         trial.value[index] = at[s] = value + (s == 0 ? DELTA : -DELTA) * size;
-        if (scene_bind_motion(&trial, &side[s], &ignored))
+        if (scene_bind_rates(&trial, &side[s]))
             continue;
         trial.value[index] = at[s] = value; /* beyond a bound: a difference to one side */
-        if (!scene_bind_motion(&trial, &side[s], &ignored))
+        if (!scene_bind_rates(&trial, &side[s]))
             return false;
     }
     *d = (struct parameter_change){.apart = at[0] - at[1]};
