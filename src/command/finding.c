@@ -301,10 +301,8 @@ static void put_meanings(const struct session *session, const struct command *co
     if (!command || where.at == statement.at)
         return;
     const enum argument_form form = form_of(statement, where);
-    if (form == FORM_OPTION && text_is(where, "force") && overwrites_nothing(command)) {
+    if (form == FORM_OPTION && text_is(where, "force") && overwrites_nothing(command))
         buffer_put(text, TEXT("to= takes a new file: what is there is not overwritten"));
-        return;
-    }
     struct buffer takers = {0}, usage = {0};
     if (form == FORM_KEY && !kind) { /* one of the other commands, or of the session */
         const struct row *row =
