@@ -454,33 +454,36 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     const int64_t since = clock_ns();
     const double psize = r->to - r->from;
     *branch = (struct branch){.count = 0};
+    struct solution_curve *path = malloc(sizeof *path); /* it is large, and the walk goes deep */
+    if (!path)
+        return error_memory(error);
     struct branch_walk w = {.request = r, .out = branch, .psize = psize};
     const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
     bool fine = true;
     w.sides = r->forward || (r->leave && !crossing) ? 1 : 2;
     for (int side = 0; fine && side < 2 && !branch->closed; side++) {
         w.side = side;
-        struct solution_curve path;
         struct curve_place first;
         if (side == 1 && (r->forward || (r->leave && !crossing)))
             break;
-        if (!begin(r, side == 0 ? -1 : 1, psize, &path, &first, error)) {
+        if (!begin(r, side == 0 ? -1 : 1, psize, path, &first, error)) {
             fine = side == 1 && branch->count > 0;
             break;
         }
-        branch->kind = path.kind;
-        w.path = &path;
+        branch->kind = path->kind;
+        w.path = path;
         w.end = branch->ends[side == 0 && !r->forward && (!r->leave || crossing) ? 0 : 1];
         w.period = 0;
         struct solution solution;
-        fine = solutions_at(&path, &first, true, &solution) &&
+        fine = solutions_at(path, &first, true, &solution) &&
                ((side == 1 && !crossing) || walk_record(&w, &first, SPECIAL_NONE, &solution));
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             branch_reverse(branch);
-        branch->evals += path.field.evals;
-        solutions_end(&path);
+        branch->evals += path->field.evals;
+        solutions_end(path);
     }
+    free(path);
     branch->cancelled = cancelled(r->cancel);
     branch->seconds = clock_seconds(since);
     for (int by = -1; by <= 1 && !branch->closed; by += 2)
