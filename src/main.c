@@ -137,20 +137,28 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
-/* The files are those that stand among the options. */
-static int check_sweep(struct session *session, const struct options *options, struct reply *reply)
+/* Checks the files, or hand-ins, that are named among the options. */
+static int check_named(struct session *session, const struct options *options, struct reply *reply)
 {
     const char **path = malloc(((size_t)options->tasks + 1) * sizeof *path);
-    int count = 0, status = ERROR_USAGE;
-    for (int i = 0; path && i < options->tasks; i++)
+    int count = 0, status = ERROR_USAGE, others = 0;
+    if (path && options->check)
+        path[count++] = options->check;
+    for (int i = 0; path && i < options->tasks; i++) {
         if (options->task[i].kind == TASK_FILE)
             path[count++] = options->task[i].text;
-    if (count > 0 && count == options->tasks) {
+        else
+            others++;
+    }
+    if (count == 0 || others > 0) {
+        reply_note(reply, "hooke: error: %s, and nothing else",
+                   options->check ? "--check needs folders" : "--check-sweep needs files");
+    } else if (options->check) {
+        status = hand_ins_check(session, path, count, reply);
+    } else {
         reply_command_begin(reply, (enum output_format)session->setup.settings.format);
         status = sweep_check(path, count, session->front.cancel, reply);
         reply_command_end(reply, "check-sweep");
-    } else {
-        reply_note(reply, "hooke: error: --check-sweep needs files, and nothing but files");
     }
     free(path);
     return status;
@@ -163,10 +171,8 @@ static void work(struct session *session, const struct options *options, enum fr
     if (!options->check && !options->check_sweep) {
         strays_sweep_path("."); /* of programs that were killed */
     }
-    if (options->check) {
-        session->status = hand_in_check(session, options->check, reply);
-    } else if (options->check_sweep) {
-        session->status = check_sweep(session, options, reply);
+    if (options->check || options->check_sweep) {
+        session->status = check_named(session, options, reply);
     } else {
         batch_run(session, options, kind == FRONT_END && options->tasks == 0, reply, streams);
     }

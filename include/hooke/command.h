@@ -88,13 +88,16 @@ void lesson_follow(struct session *session, struct reply *reply);
 /* ---- a hand-in, run again ---- */
 
 /*
- * Runs session.hk of a folder that `report` wrote, writing nothing, and says which values, figures
- * and files of the folder are not what it gives: values within their uncertainty, what has none in
- * six digits; figures and data byte by byte; of what is read the lines with digits. The record
- * `check`: differences [{file, what, detail}], folder, agrees, values, figures, files. Returns the
- * exit status: 0 all agree, ERROR_COMMAND some differ, ERROR_USAGE there is no session to run.
+ * Runs session.hk of each folder that `report` wrote, in a session of its own and writing nothing,
+ * and reports which values, figures and files of the folder are not what it gives. Values are
+ * compared within their uncertainty (those without one in six digits), data number by number,
+ * figures byte by byte, and of documents the lines that hold digits. Adds the record `check` of
+ * each: differences [{file, what, detail}], folder, agrees, values, figures, files, moved. Returns
+ * the largest exit status: 0 if all agree, ERROR_COMMAND if some differ, ERROR_USAGE if a folder
+ * has no session to run.
  */
-int hand_in_check(struct session *session, const char *folder, struct reply *reply);
+int hand_ins_check(struct session *session, const char *const *folder, int folders,
+                   struct reply *reply);
 
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 

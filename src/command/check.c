@@ -1,32 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A hand-in, the folder of `report`, against what its session.hk gives when it is run again. */
 #define _GNU_SOURCE /* memmem */
+#include "command/check.h"
 #include "command/handed_in.h"
 #include "command/internal.h"
 
-#include <hooke/report/lab.h>
-
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define HANDED_MAX (1u << 28) /* [byte] a file of it */
-#define SAME_DIGITS 1e-6      /* of values without uncertainty, relative */
-#define SAME_UNCERTAINTY 0.05 /* uncertainties have two digits */
 
-struct check {
-    struct report report;
-    struct arena arena;
-    const char *folder;
-    struct reply *reply;
-    struct buffer failure; /* the first error of the session */
-    int values, figures, files, differences;
-};
+/* Longest part of a line that a difference quotes: a page holds figures of many kilobytes. */
+enum { QUOTE_MAX_BYTES = 160 };
 
-static void differs(struct check *check, const char *file, const char *what, struct text detail)
+void check_differs(struct check *check, const char *file, const char *what, struct text detail)
 {
     struct reply *reply = check->reply;
     struct buffer safe = {0};
-    safe_text(&safe, detail, false);
+    size_t length = detail.len < QUOTE_MAX_BYTES ? detail.len : QUOTE_MAX_BYTES;
+    while (length < detail.len && length > 0 && ((unsigned char)detail.at[length] & 0xC0) == 0x80)
+        length--; /* inside a character of UTF-8 */
+    safe_text(&safe, (struct text){detail.at, length}, false);
+    if (length < detail.len)
+        buffer_put(&safe, TEXT(" ..."));
     check->differences++;
     reply_line(reply, "differs: %s: %s%s%s", file, what, safe.len ? ": " : "", buffer_view(&safe));
     reply_object(reply, NULL);
@@ -35,128 +32,6 @@ static void differs(struct check *check, const char *file, const char *what, str
     reply_string(reply, "detail", buffer_view(&safe));
     reply_close(reply);
     buffer_free(&safe);
-}
-
-/* ---- values ---- */
-
-struct values { /* columns of values.csv; NULL: it has none of that name or kind */
-    const char *const *name, *const *of, *const *source;
-    const double *value, *uncertainty, *t;
-    size_t rows;
-};
-
-static bool find_values(const struct table *table, struct values *values)
-{
-    *values = (struct values){.rows = table->rows};
-    for (int i = 0; i < table->columns; i++) {
-        const struct table_column *column = &table->column[i];
-        const struct {
-            const char *name;
-            const char *const **text;
-            const double **number;
-        } wanted[] = {
-            {"name", &values->name, NULL},
-            {"of", &values->of, NULL},
-            {"source", &values->source, NULL},
-            {"value", NULL, &values->value},
-            {"uncertainty", NULL, &values->uncertainty},
-            {"t", NULL, &values->t},
-        };
-        for (size_t k = 0; k < COUNT_OF(wanted); k++) {
-            if (strcmp(column->name, wanted[k].name) != 0)
-                continue;
-            if (wanted[k].text)
-                *wanted[k].text = column->text;
-            else
-                *wanted[k].number = column->value;
-        }
-    }
-    return values->name && values->of && values->source && values->value && values->uncertainty;
-}
-
-static double time_of(const struct values *values, size_t row)
-{
-    return values->t && isfinite(values->t[row]) ? values->t[row] : -HUGE_VAL;
-}
-
-static bool same_key(const struct values *a, size_t i, const struct values *b, size_t j)
-{
-    return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->of[i], b->of[j]) == 0 &&
-           strcmp(a->source[i], b->source[j]) == 0 && !(time_of(a, i) < time_of(b, j)) &&
-           !(time_of(a, i) > time_of(b, j));
-}
-
-/* What is named alike is counted: the row of `b` that is as many-th there as row i is in `a`. */
-static size_t find_row(const struct values *a, size_t i, const struct values *b)
-{
-    size_t before = 0;
-    for (size_t k = 0; k < i; k++)
-        before += same_key(a, k, a, i);
-    for (size_t j = 0; j < b->rows; j++)
-        if (same_key(a, i, b, j) && before-- == 0)
-            return j;
-    return b->rows;
-}
-
-/* Within the uncertainty, which has to be the same; exact values in their digits. */
-static bool agree(struct measured stated, struct measured computed)
-{
-    const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0,
-                 v = isfinite(stated.uncertainty) ? fabs(stated.uncertainty) : 0;
-    return fabs(stated.value - computed.value) <= fmax(u, SAME_DIGITS * fabs(computed.value)) &&
-           fabs(v - u) <= SAME_UNCERTAINTY * u;
-}
-
-static void compare_value(struct check *check, const struct values *handed, size_t i,
-                          const struct values *again, size_t j)
-{
-    const struct measured stated = {handed->value[i], handed->uncertainty[i]};
-    const struct measured computed = {again->value[j], again->uncertainty[j]};
-    check->values++;
-    if (agree(stated, computed))
-        return;
-    struct buffer detail = {0};
-    buffer_format(&detail, "%s of %s (%s): it says %.9g +- %.2g, the session gives %.9g +- %.2g",
-                  handed->name[i], handed->of[i], handed->source[i], stated.value,
-                  stated.uncertainty, computed.value, computed.uncertainty);
-    differs(check, "values.csv", "a value", buffer_text(&detail));
-    buffer_free(&detail);
-}
-
-static void tell_unmatched(struct check *check, const struct values *values, size_t i,
-                           const char *what)
-{
-    struct buffer detail = {0};
-    buffer_format(&detail, "%s of %s (%s) = %.9g", values->name[i], values->of[i],
-                  values->source[i], values->value[i]);
-    check->values++;
-    differs(check, "values.csv", what, buffer_text(&detail));
-    buffer_free(&detail);
-}
-
-static void compare_values(struct check *check, struct text handed_text, struct text again_text)
-{
-    struct table handed_table = {0}, again_table = {0};
-    struct values handed, again;
-    struct error error = {0};
-    if (!table_parse(handed_text, NULL, &check->arena, &handed_table, &error) ||
-        !find_values(&handed_table, &handed)) {
-        differs(check, "values.csv", "it is no table of values", text_of(error.text));
-        return;
-    }
-    if (!table_parse(again_text, NULL, &check->arena, &again_table, &error) ||
-        !find_values(&again_table, &again))
-        return;
-    for (size_t i = 0; i < handed.rows; i++) {
-        const size_t j = find_row(&handed, i, &again);
-        if (j < again.rows)
-            compare_value(check, &handed, i, &again, j);
-        else
-            tell_unmatched(check, &handed, i, "the session does not give");
-    }
-    for (size_t j = 0; j < again.rows; j++)
-        if (find_row(&again, j, &handed) == handed.rows)
-            tell_unmatched(check, &again, j, "it lacks");
 }
 
 /* ---- what is read ---- */
@@ -206,29 +81,11 @@ static void compare_lines(struct check *check, const char *file, struct text han
             digit |= line.at[i] >= '0' && line.at[i] <= '9';
         if (digit && line.at[0] != '#' && !text_starts(line, TEXT("<h")) &&
             !has_line(handed, line) && !is_of_moved(check->report.session, line))
-            differs(check, file, "this line is not there", line);
+            check_differs(check, file, "this line is not there", line);
     }
 }
 
-/* But for comments, which say where a file was. */
-static bool next_row(struct text *text, struct text *line)
-{
-    while (text->len > 0 && text_split(text, '\n', line))
-        if (!text_starts(*line, TEXT("#")))
-            return true;
-    return false;
-}
-
-static bool same_rows(struct text a, struct text b)
-{
-    struct text from_a = TEXT(""), from_b = TEXT("");
-    bool more_a, more_b;
-    do {
-        more_a = next_row(&a, &from_a);
-        more_b = next_row(&b, &from_b);
-    } while (more_a && more_b && text_equal(from_a, from_b));
-    return !more_a && !more_b;
-}
+/* ---- files ---- */
 
 static bool ends_in(const char *name, const char *end)
 {
@@ -236,35 +93,48 @@ static bool ends_in(const char *name, const char *end)
     return n >= m && strcmp(name + n - m, end) == 0;
 }
 
-/* A file of the report that the session gives again: with that of the folder. */
+/* Reads a file of the folder; reports a file that is missing, a folder, a pipe or not readable. */
+static bool read_handed(struct check *check, const char *name, struct buffer *content)
+{
+    struct buffer path = {0};
+    struct error error = {0};
+    struct stat st;
+    buffer_format(&path, "%s/%s", check->folder, name);
+    const bool found = stat(buffer_view(&path), &st) == 0;
+    bool read = false;
+    if (!found)
+        check_differs(check, name, "it is not there", TEXT(""));
+    else if (!S_ISREG(st.st_mode))
+        check_differs(check, name, S_ISDIR(st.st_mode) ? "it is a folder" : "it is not a file",
+                      TEXT(""));
+    else if (!(read = file_read(buffer_view(&path), HANDED_MAX, content, &error)))
+        check_differs(check, name, "it cannot be read", text_of(error.text));
+    buffer_free(&path);
+    return read;
+}
+
+/* Compares a file of the report that the session gives with that of the folder. */
 static bool compare_file(void *context, const char *name, struct text again, struct error *error)
 {
     struct check *check = context;
-    struct buffer path = {0}, handed = {0};
+    struct buffer handed = {0};
     const bool prose = ends_in(name, ".md") || ends_in(name, ".html") || ends_in(name, ".tex");
     const bool figure = text_starts(text_of(name), TEXT("figure-"));
-    struct error missing = {0};
     (void)error;
-    if (strcmp(name, "session.hk") == 0)
+    if (strcmp(name, "session.hk") == 0 || !read_handed(check, name, &handed)) {
+        buffer_free(&handed);
         return true;
-    buffer_format(&path, "%s/%s", check->folder, name);
+    }
     check->files++;
     check->figures += figure && !ends_in(name, ".txt");
-    if (!file_read(buffer_view(&path), HANDED_MAX, &handed, &missing)) {
-        if (!prose) /* they may be handed in as another document */
-            differs(check, name, "it is not there", TEXT(""));
-    } else if (strcmp(name, "values.csv") == 0) {
-        compare_values(check, buffer_text(&handed), again);
-    } else if (prose) {
+    if (strcmp(name, "values.csv") == 0)
+        check_values(check, buffer_text(&handed), again);
+    else if (prose)
         compare_lines(check, name, buffer_text(&handed), again);
-    } else if (figure ? !text_equal(buffer_text(&handed), again)
-                      : !same_rows(buffer_text(&handed), again)) {
-        differs(check, name,
-                figure ? "it is not the figure that the session gives"
-                       : "it is not the data that the session gives",
-                TEXT(""));
-    }
-    buffer_free(&path);
+    else if (!figure)
+        check_data(check, name, buffer_text(&handed), again);
+    else if (!text_equal(buffer_text(&handed), again))
+        check_differs(check, name, "it is not the figure that the session gives", TEXT(""));
     buffer_free(&handed);
     return true;
 }
@@ -349,7 +219,7 @@ static void conclude(struct check *check)
     buffer_free(&verdict);
 }
 
-int hand_in_check(struct session *session, const char *folder, struct reply *reply)
+static int check_folder(struct session *session, const char *folder, struct reply *reply)
 {
     struct check *check = calloc(1, sizeof *check);
     struct session *view = malloc(sizeof *view);
@@ -363,7 +233,8 @@ int hand_in_check(struct session *session, const char *folder, struct reply *rep
             reply_begin(reply, "check");
             reply_array(reply, "differences");
             if (check->failure.len > 0)
-                differs(check, "session.hk", "it ends in an error", buffer_text(&check->failure));
+                check_differs(check, "session.hk", "it ends in an error",
+                              buffer_text(&check->failure));
             *view = *session;
             check->report = (struct report){.session = session,
                                             .view = view,
@@ -371,9 +242,10 @@ int hand_in_check(struct session *session, const char *folder, struct reply *rep
                                             .put = compare_file,
                                             .context = check};
             if (session->runs == 0 && session->recordings == 0)
-                differs(check, "session.hk", "it gives neither a run nor a recording", TEXT(""));
+                check_differs(check, "session.hk", "it gives neither a run nor a recording",
+                              TEXT(""));
             else if (!report_write(&check->report, &error))
-                differs(check, "session.hk", "it gives no report", text_of(error.text));
+                check_differs(check, "session.hk", "it gives no report", text_of(error.text));
             document_free(&check->report.document);
             conclude(check);
             reply_command_end(reply, "check");
@@ -384,5 +256,23 @@ int hand_in_check(struct session *session, const char *folder, struct reply *rep
     }
     free(view);
     free(check);
+    return status;
+}
+
+int hand_ins_check(struct session *session, const char *const *folder, int folders,
+                   struct reply *reply)
+{
+    int status = 0;
+    for (int i = 0; i < folders && !cancelled(session->front.cancel); i++) {
+        struct session *own = session_create(&session->front);
+        if (!own)
+            return ERROR_COMMAND;
+        own->safe = session->safe;
+        own->verbose = session->verbose;
+        own->setup.settings.format = session->setup.settings.format;
+        const int one = check_folder(own, folder[i], reply);
+        status = one > status ? one : status;
+        session_destroy(own);
+    }
     return status;
 }

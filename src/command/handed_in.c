@@ -3,11 +3,11 @@
 
 #include <hooke/hooke.h>
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
 #define MOST_BYTES (1u << 28)
-#define FILE_DIGITS 12 /* of the numbers in a sensor's file, at most */
 
 static struct text key_of(const struct table *table, const char *key)
 {
@@ -17,23 +17,44 @@ static struct text key_of(const struct table *table, const char *key)
     return TEXT("");
 }
 
-/* The zero was subtracted, and the values are in the SI unit: back to the file's own decimals, so
- * that the same numbers come of them bit for bit. */
-static void undo_export(struct recording *recording, struct text zero)
+/* Returns the shortest decimal number that has the value `si` to rounding: the number that stood in
+ * the file, whose SI value may be off by the subtraction of the zero. `scale` is the larger of the
+ * two that were subtracted; `digits` is where the search starts, and is set to where it ended. */
+static double number_in_file(double si, double scale, const struct unit *unit, int *digits)
+{
+    const double rounding = 2 * DBL_EPSILON * scale;
+    for (int d = *digits; d <= DBL_DECIMAL_DIG; d++) {
+        char text[64];
+        double number, back;
+        snprintf(text, sizeof text, "%.*f", d, si / unit->factor);
+        if (real_parse(text_of(text), &number) == REAL_OK &&
+            unit_convert(unit, unit->quantity, number, &back) && fabs(back - si) <= rounding) {
+            *digits = d > 0 ? d - 1 : 0;
+            return back;
+        }
+    }
+    return si;
+}
+
+/* Adds the zero that was subtracted, and goes by the file's own decimals in its own unit, so that
+ * the same doubles come of them where they have a few digits less than doubles. */
+static void undo_export(struct recording *recording, struct text zero, struct text factor)
 {
     size_t used = 0;
     double off = 0;
+    struct unit unit = {.quantity = recording->column[recording->value].quantity, .factor = 1};
     if (real_scan(zero, '.', &off, &used) != REAL_OK)
         return;
-    const struct unit *unit = unit_find(text_trim((struct text){zero.at + used, zero.len - used}));
-    const enum quantity quantity = recording->column[recording->value].quantity;
+    const struct unit *of_zero =
+        unit_find(text_trim((struct text){zero.at + used, zero.len - used}));
+    off *= of_zero ? of_zero->factor : 1;
+    if (real_parse(factor, &unit.factor) != REAL_OK || !(fabs(unit.factor) > 0))
+        unit.factor = 1;
+    int digits = 0;
     for (size_t i = 0; i < recording->rows; i++) {
-        char number[64];
-        double value = recording->y[i] / (unit ? unit->factor : 1) + off;
-        snprintf(number, sizeof number, "%.*g", FILE_DIGITS, value);
-        if (real_parse(text_of(number), &value) == REAL_OK &&
-            (!unit || unit_convert(unit, quantity, value, &value)))
-            recording->y[i] = value;
+        const double si = recording->y[i] + off;
+        recording->y[i] =
+            number_in_file(si, fmax(fabs(recording->y[i]), fabs(off)), &unit, &digits);
     }
 }
 
@@ -47,7 +68,8 @@ static struct recording *take(const char *file, const char *path,
     struct recording *recording = NULL;
     if (file_read(file, MOST_BYTES, &text, &error) &&
         table_parse(buffer_text(&text), options->cancel, arena, &table, &error)) {
-        const struct text name = key_of(&table, "recording"), zero = key_of(&table, "zero");
+        const struct text name = key_of(&table, "recording"), zero = key_of(&table, "zero"),
+                          factor = key_of(&table, "factor");
         const struct load_options own = {.name = name, .cancel = options->cancel};
         if (text_equal(text_last_component(key_of(&table, "file")),
                        text_last_component(text_of(path))) &&
@@ -57,7 +79,7 @@ static struct recording *take(const char *file, const char *path,
             /* times that were smoothed once already */
             if (table.rows == recording->rows && table.columns > 0 && table.column[0].value)
                 memcpy(recording->t, table.column[0].value, table.rows * sizeof *recording->t);
-            undo_export(recording, zero);
+            undo_export(recording, zero, factor);
             recording->path = arena_text(&recording->arena, text_of(path));
             snprintf(recording->format, sizeof recording->format, HANDED_IN);
         }

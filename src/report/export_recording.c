@@ -90,9 +90,11 @@ bool export_recorded(const struct session *session, const struct argument_value 
     keys_add_text(&keys, "recording", recording->name);
     keys_add_text(&keys, "file", recording->path);
     keys_add_text(&keys, "column", value->name);
-    struct buffer zero = {0}, cleaned = {0};
+    struct buffer zero = {0}, factor = {0}, cleaned = {0};
     buffer_exact(&zero, (struct measured){recording->zero, 0}, value->quantity);
     keys_add(&keys, "zero", &zero);
+    buffer_real(&factor, value->factor);
+    keys_add(&keys, "factor", &factor); /* SI value of a unit of the file */
     recording_describe_masked(recording, &cleaned);
     if (cleaned.len > 0) {
         cleaned.len--; /* the newline */

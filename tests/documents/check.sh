@@ -68,8 +68,8 @@ rm "bad/$figure"
 checks bad 1 "$figure: it is not there"
 ok "no figure" $?
 changed
-sed -i '100s/[0-9]$/0/; 101s/[0-9]$/1/' bad/recording-1.csv
-checks bad 1 'recording-1.csv: it is not the data that the session gives'
+awk -F, -v OFS=, 'NR == 100 {$2 += 1e-6} {print}' good/recording-1.csv >bad/recording-1.csv
+checks bad 1 'recording-1.csv: it is not the data that the session gives: y of row 9[0-9] is .*, the session gives '
 ok "data" $?
 changed
 sed -i 's/dt=10ms/dt=20ms/' bad/session.hk
@@ -118,5 +118,87 @@ cp "good/$other" "bad/$figure"
 [d] = r["differences"]
 sys.exit(not (r["kind"] == "check" and r["agrees"] is False and d["file"] == sys.argv[1] and r["values"] > 20))' "$figure"
 ok "as JSON" $?
+
+# ---- each file has to be there, and each folder is checked ----
+changed
+rm bad/report.md
+checks bad 1 'report.md: it is not there'
+ok "no report.md" $?
+mkdir bad/report.md
+checks bad 1 'report.md: it is a folder'
+ok "a folder instead of report.md" $?
+rmdir bad/report.md && mkfifo bad/report.md
+checks bad 1 'report.md: it is not a file'
+ok "a pipe instead of report.md" $?
+changed
+rm bad/report.html
+"$hooke" -n --check good bad >out 2>&1
+[ $? -eq 1 ] && grep -q '^good: .*: they agree' out && grep -q '^bad: .*: 1 difference' out
+ok "two folders: each is checked" $?
+"$hooke" -n --format json --check good good >out 2>&1 && [ "$(grep -c '"kind":"check"' out)" -eq 2 ]
+ok "a record of each" $?
+changed
+sed -i 's/data:image/data: image/' bad/report.html
+checks bad 1 'report.html: this line is not there' && ! grep -q '.\{300\}' out
+ok "a long line is quoted in part" $?
+
+# ---- honest hand-ins, away from their recordings: units, digits, zeros ----
+honest=8
+[ "${LONG:-}" ] && honest=100
+python3 - <<END
+import math, random
+kinds = [("cm", 3, 21.3), ("cm", 1, 40.0), ("mm", 0, 300), ("mm", 2, -12.5), ("m", 4, 0.213), ("m", 17, 0.213), ("in", 3, 8.4), ("cm", 15, 30)]
+for i in range($honest):
+    r = random.Random(i)
+    unit, digits, offset = kinds[i % len(kinds)]
+    amplitude, omega, gamma = offset * r.uniform(0.1, 0.3), r.uniform(5, 12), r.uniform(0.01, 0.3)
+    with open(f"made-{i}.txt", "w") as out:
+        out.write(f"Time (s)\tDistance ({unit})\n")
+        for k in range(500):
+            t = 0.02 * k
+            y = offset + amplitude * math.exp(-gamma * t / 2) * math.cos(omega * t) + r.gauss(0, 0.01 * abs(amplitude))
+            out.write(f"{t:.2f}\t{y:.{digits}f}\n")
+END
+wrong=0
+for i in $(seq 0 $((honest - 1))); do
+    "$hooke" -n -q -c "load made-$i.txt; m = 200.0(1) g; measure period; fit damped; measure k; adopt; method rk4 dt=10ms; run 5 s
+        plot position; report honest-$i" >>made.out 2>&1 || { wrong=$((wrong + 1)); continue; }
+    (cd away && "$hooke" -n --check "../honest-$i" >../out 2>&1) || { wrong=$((wrong + 1)); cat out >>made.out; }
+done
+mv made.out out
+[ $wrong -eq 0 ]
+ok "$honest honest hand-ins away from their recordings agree" $?
+"$hooke" -n --check honest-* >out 2>&1
+ok "in place, too" $?
+
+# ---- tampering: one number at a time, anywhere in a table ----
+wrong=0
+for i in $(seq 20); do
+    changed
+    file=$(cd good && ls recording-1.csv run-*.csv runs.csv values.csv | sed -n "$((i % 4 + 1))p")
+    python3 - "good/$file" "bad/$file" "$i" <<'END'
+import random, sys
+r = random.Random(int(sys.argv[3]))
+lines = open(sys.argv[1]).read().splitlines(True)
+rows = [k for k, line in enumerate(lines) if line[0] != "#"][1:]
+while True:
+    k = r.choice(rows)
+    cells = lines[k].rstrip("\n").split(",")
+    c = r.randrange(len(cells))
+    try:
+        value = float(cells[c])
+    except ValueError:
+        continue
+    if value != 0 and abs(value) < 1e300:
+        break
+cells[c] = repr(value * r.choice([1.1, 0.9, -1, 2, 10]))
+lines[k] = ",".join(cells) + "\n"
+open(sys.argv[2], "w").write("".join(lines))
+END
+    checks bad 1 "$file: " || { wrong=$((wrong + 1)); diff "good/$file" "bad/$file" >>left; }
+done
+[ $wrong -eq 0 ] || cat left >>out
+[ $wrong -eq 0 ]
+ok "20 numbers that were changed are found" $?
 echo "1..$n"
 exit $bad
