@@ -142,7 +142,10 @@ static void count(struct cvode *c, struct cost *cost)
         CVodeGetNumJacEvals(c->memory, &jacobians);
         CVodeGetNumNonlinSolvIters(c->memory, &iterations);
     }
-    const struct cost now = {evals, jacobians, iterations, refused + unsolved};
+    const struct cost now = {.evals = evals,
+                             .jacobians = jacobians,
+                             .solves = iterations,
+                             .rejected = refused + unsolved};
     cost->evals += now.evals - c->counted.evals;
     cost->jacobians += now.jacobians - c->counted.jacobians;
     cost->solves += now.solves - c->counted.solves;
