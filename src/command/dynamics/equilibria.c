@@ -5,6 +5,7 @@
 #include <hooke/report.h>
 #include "command/dynamics/dynamics.h"
 
+#include <float.h>
 #include <math.h>
 
 /* ---- the box ---- */
@@ -69,10 +70,27 @@ void put_eigenvalues(struct buffer *out, const struct solution *s)
     }
 }
 
+/* The digits by which states show that they differ: 7, or more where two are close. */
+static int digits_of(const struct equilibria *found, int n)
+{
+    int digits = 7;
+    for (int k = 1; k < found->count; k++) {
+        double apart = 0;
+        for (int i = 0; i < n; i++) {
+            const double a = found->of[k - 1].state[i], b = found->of[k].state[i];
+            apart = fmax(apart, fabs(b - a) / fmax(fmax(fabs(a), fabs(b)), DBL_MIN));
+        }
+        if (apart > 0)
+            digits = (int)fmax(digits, fmin(2 - floor(log10(apart)), 17));
+    }
+    return digits;
+}
+
 void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
                     struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 3};
+    const int digits = digits_of(found, system->n);
     cell_text(&table, "");
     for (int i = 0; i < system->n; i++)
         cell_text(&table, system_variable(system, i).name);
@@ -81,7 +99,8 @@ void put_equilibria(struct buffer *out, const struct system *system, const struc
     for (int k = 0; k < found->count; k++) {
         cell_count(&table, k + 1);
         for (int i = 0; i < system->n; i++)
-            cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity, 7);
+            cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity,
+                          digits);
         cell_text(&table, type_name(found->form[k].type));
         struct buffer values = {0};
         put_eigenvalues(&values, &found->of[k]);

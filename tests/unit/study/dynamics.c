@@ -253,7 +253,7 @@ static void test_doubtful_equilibria(void **state)
         const char *line, *near; /* NULL: proven that there are no others */
         int count, degenerate;
     } cases[] = {{"x' = x^2", "near x = 0, y = 0", 1, 1},
-                 {"x' = (x-0.5)^2*(y+1)", "near x = 0.5, y = 0", 0, 0},
+                 {"x' = (x-0.5)^2*(y+1)", "near x = 0.5, y = 0", 1, 1},
                  {"x' = x^2-1e-6", NULL, 2, 0},
                  {"x' = x^2+1e-6", NULL, 0, 0},
                  {"x' = abs(x)", "near x = 0, y = 0", 1, 1},

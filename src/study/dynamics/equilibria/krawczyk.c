@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/dynamics/krawczyk.h"
+#include "study/dynamics/equilibria/krawczyk.h"
 
 #include <math.h>
 
@@ -52,11 +52,23 @@ static struct interval times(struct interval a, struct interval b)
     return (struct interval){nextafter(out.lo, -HUGE_VAL), nextafter(out.hi, HUGE_VAL)};
 }
 
-enum verdict krawczyk(const struct system *bounded, struct interval *box, const struct interval *by)
+/* Half the width that rounding of f(m) alone gives the operator in direction i. */
+static double rounding_of(int n, const double *inverse, const struct interval *rate, int i)
+{
+    double sum = 0;
+    for (int j = 0; j < n; j++)
+        sum += fabs(inverse[i * n + j]) * (rate[j].hi - rate[j].lo) / 2;
+    return sum;
+}
+
+enum verdict krawczyk(const struct system *bounded, struct interval *box, const struct interval *by,
+                      double *rounding)
 {
     const int n = bounded->n;
     double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
     struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
+    for (int i = 0; rounding && i < n; i++)
+        rounding[i] = 0;
     if (!invert(n, by, inverse))
         return UNKNOWN;
     for (int i = 0; i < n; i++)
@@ -64,6 +76,8 @@ enum verdict krawczyk(const struct system *bounded, struct interval *box, const 
     system_bounds(bounded, at, rate, NULL);
     bool inside = true, smaller = false;
     for (int i = 0; i < n; i++) {
+        if (rounding)
+            rounding[i] = rounding_of(n, inverse, rate, i);
         k[i] = at[i];
         for (int j = 0; j < n; j++)
             k[i] = sum(k[i], product(-inverse[i * n + j], rate[j]));
