@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "study/dynamics/average.h"
+#include "study/dynamics/dimension.h"
 #include "study/dynamics/tangents.h"
 
 #define COST 2000000 /* evaluations where no time is given */
@@ -14,9 +15,9 @@
 #define BINS 4096    /* of the time, at most twice as many */
 #define BIN_STEPS 16 /* at least, as far as is known */
 #define FORCED_BINS 512
-#define STROBES 8    /* periods of which the map is looked at */
-#define AT_REST 1e-9 /* of the rate that sizes and exponents make */
-#define WITHIN 2     /* standard errors */
+#define STROBES 8             /* periods of which the map is looked at */
+#define AT_REST 1e-9          /* of the rate that sizes and exponents make */
+#define VOLUME_ROUNDING 1e-12 /* of the largest exponent: volumes stay what they are */
 
 struct exponents_search {
     const struct lyapunov_request *request;
@@ -168,32 +169,23 @@ static bool go_through(struct exponents_search *s)
 static void find_dimension(const struct exponents_search *s, const int *order)
 {
     struct lyapunov *f = s->found;
-    double sum = 0, error = 0, part[FIELD_VARIABLES];
-    int j = 0;
+    double slope[FIELD_VARIABLES], size = fabs(f->divergence) / f->n;
     f->dimension = (struct exponent){NAN, NAN};
-    for (; j < f->count; j++) {
-        const double e = f->exponent[j].error;
-        if (!(sum + f->exponent[j].value >= -WITHIN * (error + e)))
-            break;
-        sum += f->exponent[j].value;
-        error += e;
-    }
-    if (!f->determined || (j == f->count && j < f->n))
+    if (!f->determined)
         return;
-    if (j == f->n) {
-        f->dimension = (struct exponent){j, 0};
+    for (int i = 0; i < f->count; i++)
+        size = fmax(size, fabs(f->exponent[i].value));
+    if (f->count == f->n && f->divergence >= -VOLUME_ROUNDING * size) {
+        f->dimension = (struct exponent){f->n, 0};
         return;
     }
-    const double next = -f->exponent[j].value;
-    f->dimension = (struct exponent){j + fmax(sum, 0) / next, 0};
-    for (int i = 0; i <= j; i++)
-        part[i] = j == 0 ? 0 : i < j ? 1 / next : fmax(sum, 0) / (next * next);
+    f->dimension = (struct exponent){kaplan_yorke(f->exponent, f->count, f->n, size, slope), 0};
     double *mixed = s->series + (size_t)(f->count + 1) * s->bins;
     memset(mixed, 0, s->done * sizeof *mixed);
-    for (int i = 0; i <= j; i++) {
-        f->dimension.error += f->regular ? part[i] * f->exponent[i].error : 0;
+    for (int i = 0; i < f->count; i++) {
+        f->dimension.error += f->regular ? fabs(slope[i]) * f->exponent[i].error : 0;
         for (size_t b = 0; b < s->done; b++)
-            mixed[b] += part[i] * s->series[(size_t)order[i] * s->bins + b];
+            mixed[b] += slope[i] * s->series[(size_t)order[i] * s->bins + b];
     }
     if (!f->regular)
         f->dimension.error = average_scatter(mixed, s->done, f->batches);
