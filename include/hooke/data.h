@@ -95,7 +95,9 @@ struct recording {
     double header_start; /* [s] and when the first sample was taken */
     /* these are better than the times beside the values, which are rounded or counts */
     bool header_rules;
-    double dt; /* [s] (t_last - t_first)/(rows - 1) */
+    double dt; /* [s] of the line through all stamps where they are even, else the mean step */
+    /* relative standard uncertainty of dt that rounded stamps leave; 0: they are exact */
+    double pace;
     int header_lines;
     char separator;       /* '\t' ',' ';' ' ', '\n': a single column */
     char decimal;         /* '.' ',' */

@@ -13,8 +13,9 @@
 struct samples {
     const double *t, *y;
     size_t n;
-    double t0, dt; /* [s] where uniform: t = t0 + i dt to within the rounding of the times */
+    double t0, dt; /* [s] where uniform: t = t0 + i dt */
     bool uniform;
+    double pace; /* relative standard uncertainty that all times have in common */
     unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };

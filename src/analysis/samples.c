@@ -3,36 +3,23 @@
 #include "analysis/internal.h"
 #include "analysis/fit/projection.h"
 
+#include <hooke/data/even_times.h>
+
 #include <math.h>
 #include <string.h>
 
 #define SPIKES_MAX 0.2 /* of the samples */
 #define OUTLIER 6.0    /* standard deviations: a spike is no noise */
 
-/*
- * Instruments print i/60 s as 0.017 0.033 0.050: such times are the grid's, rounded to a multiple
- * of 10^-digits. True if all times are multiples of it and lie close to the grid.
- */
-static bool rounded_grid(const struct series *series, double dt, double deviation)
+/* Puts the line through rounded stamps in their place: whoever reads x->t then has the times of the
+ * samples. Returns false if out of memory. */
+static bool even_out(struct samples *samples, const struct even_times *even, struct arena *arena)
 {
-    for (int digits = 2; digits <= 5; digits++) {
-        /* of a time, and of the first or last */
-        double scale = pow(10.0, digits), limit = 1.01 / scale;
-        if (deviation > limit || limit > 0.2 * dt) {
-            continue;
-        }
-        bool multiples = true;
-        for (size_t i = 0; i < series->n && multiples; i++) {
-            if (i % LOOK_EACH_ROWS == 0 && cancelled(series->cancel))
-                return false;
-            double x = series->t[i] * scale;
-            multiples = fabs(x - nearbyint(x)) < 1e-6 + 1e-12 * fabs(x);
-        }
-        if (multiples) {
-            return true;
-        }
-    }
-    return false;
+    double *t = arena_array(arena, samples->n, sizeof *t);
+    for (size_t i = 0; t && i < samples->n; i++)
+        t[i] = even->first + (double)i * even->step;
+    samples->t = t;
+    return t != NULL;
 }
 
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
@@ -47,17 +34,14 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     if (series->n < 2) {
         return true;
     }
-    double first = series->t[0], dt = (series->t[series->n - 1] - first) / (double)(series->n - 1),
-           deviation = 0;
-    for (size_t i = 0; i < series->n; i++) {
-        if (i % LOOK_EACH_ROWS == 0 && cancelled(series->cancel))
-            return false;
-        deviation = fmax(deviation, fabs(series->t[i] - (first + (double)i * dt)));
-    }
-    samples->t0 = first;
-    samples->dt = dt;
-    samples->uniform = dt > 0 && (deviation <= 1e-9 * dt + 4e-16 * fabs(series->t[series->n - 1]) ||
-                                  (rounded_grid(series, dt, deviation)));
+    struct even_times even;
+    even_times_find(series->t, series->n, series->cancel, &even);
+    samples->t0 = even.first;
+    samples->dt = even.step;
+    samples->uniform = even.even;
+    samples->pace = hypot(even.pace, series->pace);
+    if (even.even && even.resolution > 0 && !even_out(samples, &even, arena))
+        return false;
     return !cancelled(series->cancel);
 }
 

@@ -315,7 +315,7 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
                          "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",
                          recording->name, n, recording->window[0], recording->window[1], min);
     *series = (struct series){
-        t, y, n, recording->column[recording->value].quantity, recording->cancel, 0};
+        t, y, n, recording->column[recording->value].quantity, recording->cancel, recording->pace};
     const struct collected *known = recording->collected;
     if (known && known->clock == CLOCK_ARRIVAL && known->rate.uncertainty > 0)
         series->pace = known->rate.uncertainty / known->rate.value;

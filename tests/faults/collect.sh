@@ -68,7 +68,7 @@ attempts without_clock
 ok "the period by the line through the arrivals, and their jitter" $? "$(cat none.txt)"
 relative() { sed -n "s/.*$1\([0-9.]*\) +- \([0-9.]*\).*/\1 \2/p" none.txt | head -n 1; }
 awk -v t="$(relative '  T = ')" -v f="$(relative 'arrivals, ')" 'BEGIN { split(t, x, " "); split(f, y, " ")
-    exit !(y[2] > 0 && x[2] / x[1] > 0.8 * y[2] / y[1]) }' && grep -q 'with the rate of the arrivals, which is known to' none.txt
+    exit !(y[2] > 0 && x[2] / x[1] > 0.8 * y[2] / y[1]) }' && grep -q 'with the sampling rate, which the times give to' none.txt
 ok "the uncertainty of T has that of the rate in it, and says so" $? "$(cat none.txt)"
 grep -q '3 skipped before the first sample' none.txt
 ok "text at the start is told" $? "$(cat none.txt)"

@@ -218,10 +218,10 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         if (drag && fit_discards_much(m.rejected, m.samples.n))
             return refuse_laws(&m, fit, error);
     }
-    if (series->pace > 0) {
-        fit->period = measured_at_pace(fit->period, series->pace);
-        fit->omega = measured_at_pace(fit->omega, series->pace);
-        fit->gamma = measured_at_pace(fit->gamma, series->pace);
+    if (m.samples.pace > 0) {
+        fit->period = measured_at_pace(fit->period, m.samples.pace);
+        fit->omega = measured_at_pace(fit->omega, m.samples.pace);
+        fit->gamma = measured_at_pace(fit->gamma, m.samples.pace);
         fit_covariance_widen(&fit->covariance, SINE_OMEGA, fit->omega.uncertainty);
         if (unknowns == FREE_GAMMA)
             fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);

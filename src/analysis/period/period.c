@@ -240,7 +240,8 @@ static bool sine_period(const struct series *series, struct motion *m, struct ar
 }
 
 /* Of many samples, in a few passes. False: no memory, or the slower way has to judge. */
-static bool long_period(const struct series *series, struct arena *arena, struct period *period)
+static bool long_period(const struct series *series, struct arena *arena, struct period *period,
+                        double *pace)
 {
     struct samples x;
     struct track track;
@@ -249,6 +250,7 @@ static bool long_period(const struct series *series, struct arena *arena, struct
     if (!samples_init(&x, series, arena) || !(x.dt > 0)) {
         return false;
     }
+    *pace = x.pace;
     const struct samples part = samples_part(&x, x.n / 2, x.n / 2 + NOISE_SAMPLES);
     if (!track_long(&x, arena, &track) || !track_is_oscillation(&track) ||
         !track_period(&track, arena, period)) {
@@ -339,16 +341,18 @@ struct measured measured_at_pace(struct measured time, double pace)
     return time;
 }
 
+/* *pace: relative standard uncertainty that all times have in common. */
 static bool find_period(const struct series *series, struct arena *arena, struct period *period,
-                        struct error *error)
+                        double *pace, struct error *error)
 {
-    if (series->n > LONG_RECORD && long_period(series, arena, period)) {
+    if (series->n > LONG_RECORD && long_period(series, arena, period, pace)) {
         return true;
     }
     struct motion m;
     struct period wave;
     const bool found = motion_require(&m, series, arena, NULL, error),
                exact = overview_is_exact(&m.overview);
+    *pace = m.samples.pace;
     if (!found || !sine_period(series, &m, arena, period, error))
         return wave_period(series, exact, arena, period);
     /* What repeats itself without noise, but is no sine, is placed better by its crossings than by
@@ -363,8 +367,9 @@ static bool find_period(const struct series *series, struct arena *arena, struct
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error)
 {
-    if (!find_period(series, arena, period, error))
+    double pace = 0;
+    if (!find_period(series, arena, period, &pace, error))
         return false;
-    period->period = measured_at_pace(period->period, series->pace);
+    period->period = measured_at_pace(period->period, pace);
     return true;
 }

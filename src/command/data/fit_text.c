@@ -74,8 +74,9 @@ static struct measured quotient(double numerator, struct measured x)
 
 void put_pace(const struct series *series, struct buffer *text)
 {
-    if (series->pace > 0)
-        buffer_format(text, "\n  (with the rate of the arrivals, which is known to %.2g %%)",
+    static const double pace_negligible = 1e-5; /* relative */
+    if (series->pace > pace_negligible)
+        buffer_format(text, "\n  (with the sampling rate, which the times give to %.2g %%)",
                       100 * series->pace);
 }
 

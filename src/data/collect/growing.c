@@ -94,8 +94,7 @@ static void tell_times(struct lengthening *growth, struct recording *recording,
     const struct text statement = growth->known->statement;
     *growth->known = *more->collected;
     growth->known->statement = statement;
-    recording->dt =
-        (recording->t[recording->rows - 1] - recording->t[0]) / (double)(recording->rows - 1);
+    recording_set_step(recording);
     recording->rate = 1 / recording->dt;
     if (recording->window[1] == end) /* nobody has chosen another */
         recording->window[1] = recording->t[recording->rows - 1];

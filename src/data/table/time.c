@@ -6,6 +6,7 @@
 #include "data/table/table.h"
 
 #include <hooke/base/numeric.h>
+#include <hooke/data/even_times.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -135,13 +136,12 @@ static void keep(struct recording *recording, size_t to, size_t from)
 
 /* ---- rounded stamps ---- */
 
-/* of the rows repeat the stamp before them, and all stamps lie on a line … */
-#define REPEATS_MIN 0.02
-/* … or so many do: the clock was rounded. Less is a logger that stumbled. */
-#define REPEATS_MANY 0.2
+/* Where this part of the rows repeats the stamp before, the clock was rounded, be it uneven. Less
+ * is a logger that stumbled. */
+static const double repeats_of_rounded_clock = 0.2;
 
-/* The smallest step [s] between stamps that differ. */
-static double stamp_resolution(const struct recording *recording)
+/* Returns the smallest step [s] between stamps that differ. */
+static double stamp_step_min(const struct recording *recording)
 {
     double smallest = HUGE_VAL;
     for (size_t i = 1; i < recording->rows; i++) {
@@ -150,26 +150,6 @@ static double stamp_resolution(const struct recording *recording)
             smallest = step;
     }
     return smallest;
-}
-
-/* Do all stamps lie within their resolution of the straight line through the rows? Then *from +
- * *step i are the times.
- */
-static bool stamps_even(const struct recording *recording, double resolution, double *from,
-                        double *step)
-{
-    const double n = (double)recording->rows;
-    double mean = 0, slope = 0;
-    for (size_t i = 0; i < recording->rows; i++)
-        mean += recording->t[i] / n;
-    for (size_t i = 0; i < recording->rows; i++)
-        slope += ((double)i - (n - 1) / 2) * (recording->t[i] - mean);
-    *step = slope / (n * (n * n - 1) / 12);
-    *from = mean - *step * (n - 1) / 2;
-    for (size_t i = 0; i < recording->rows; i++)
-        if (!(fabs(recording->t[i] - (*from + *step * (double)i)) <= resolution))
-            return false;
-    return *step > 0;
 }
 
 /* Rows that share a stamp lie evenly between it and the next. */
@@ -188,36 +168,41 @@ static void spread_groups(struct recording *recording)
 }
 
 /*
- * Times printed with too few digits repeat: 24 pictures a second in hundredths of a second do.
- * Dropping the repeats would shorten some steps and not others; the rows are kept and the times
- * spread. Only where no stamp goes back.
+ * Times printed with too few digits lie beside the times of the samples, and repeat: 24 pictures a
+ * second in hundredths of a second do. Where all stamps lie within their rounding of a line through
+ * the rows, the times are taken from the line; else rows that share a stamp are spread. Dropping
+ * the repeats would shorten some steps and not others. Only where no stamp goes back.
  */
 static void spread_stamps(struct recording *recording)
 {
     size_t repeated = 0;
-    if (recording->source != TIME_COLUMN || recording->rows < 8)
+    struct even_times even;
+    if (recording->source != TIME_COLUMN || recording->rows < 8 || recording->collected)
         return;
     for (size_t i = 1; i < recording->rows; i++) {
         if (!(recording->t[i] >= recording->t[i - 1]))
             return;
         repeated += recording->t[i] == recording->t[i - 1];
     }
-    if ((double)repeated < REPEATS_MIN * (double)recording->rows || repeated + 2 > recording->rows)
-        return;
-    double from, step;
-    const double resolution = stamp_resolution(recording);
-    const bool even = stamps_even(recording, resolution, &from, &step);
-    if (!even && (double)repeated < REPEATS_MANY * (double)recording->rows)
-        return;
-    for (size_t i = 0; even && i < recording->rows; i++)
-        recording->t[i] = from + step * (double)i;
-    if (!even)
+    even_times_find(recording->t, recording->rows, recording->cancel, &even);
+    if (even.even && even.resolution > 0) {
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->t[i] = even.first + even.step * (double)i;
+        recording->pace = even.pace;
+    } else if ((double)repeated >= repeats_of_rounded_clock * (double)recording->rows &&
+               repeated + 2 <= recording->rows) {
+        even.even = false;
+        even.resolution = stamp_step_min(recording);
         spread_groups(recording);
-    recording_warn(
-        recording,
-        "%zu rows repeat the time before, which was rounded to %.3g s: all rows are kept, %s",
-        repeated, resolution,
-        even ? "at even times (a straight line through the stamps)" : "spread between the stamps");
+    } else {
+        return;
+    }
+    if (repeated > 0)
+        recording_warn(recording,
+                       "%zu %s the time before, which was rounded to %.3g s: all rows are kept, %s",
+                       repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution,
+                       even.even ? "at even times (a straight line through the stamps)"
+                                 : "spread between the stamps");
 }
 
 /*
@@ -337,6 +322,13 @@ static bool fill_values(struct recording *recording)
     return true;
 }
 
+void recording_set_step(struct recording *recording)
+{
+    struct even_times even;
+    even_times_find(recording->t, recording->rows, recording->cancel, &even);
+    recording->dt = even.step;
+}
+
 bool enough_rows(const struct recording *recording, struct error *error)
 {
     return recording->rows >= 2 ||
@@ -375,8 +367,7 @@ bool recording_time(struct recording *recording, const struct load_options *opti
     drop_rows(recording);
     if (!goes_on(recording, error) || !enough_rows(recording, error))
         return false;
-    recording->dt =
-        (recording->t[recording->rows - 1] - recording->t[0]) / (double)(recording->rows - 1);
+    recording_set_step(recording);
     recording->rate = recording->source != TIME_COLUMN ? rate : 1 / recording->dt;
     warn_steps(recording);
     if (!fill_values(recording))

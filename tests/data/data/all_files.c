@@ -177,7 +177,9 @@ static void recordings_are_read(void **state)
             (r->rows != e->rows || r->dropped != e->dropped || missing != e->missing))
             fail_msg("%s: %zu rows, %zu dropped, %zu missing", e->file, r->rows, r->dropped,
                      missing);
-        if (e->rows > 0 && (!near(r->t[0], e->t0, 1e-9) || !near(r->t[r->rows - 1], e->t1, 1e-9)))
+        /* rounded stamps give way to the line through them, which is within half a digit */
+        const double half = r->pace > 0 ? 0.5e-3 : 1e-9;
+        if (e->rows > 0 && (!near(r->t[0], e->t0, half) || !near(r->t[r->rows - 1], e->t1, half)))
             fail_msg("%s: %.17g to %.17g s", e->file, r->t[0], r->t[r->rows - 1]);
         if (!near(r->rate, e->rate, 1e-3 * e->rate))
             fail_msg("%s: %.17g Hz", e->file, r->rate);

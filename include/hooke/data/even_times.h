@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Even sampling behind time stamps that were rounded when they were printed. */
+#ifndef HOOKE_DATA_EVEN_TIMES_H
+#define HOOKE_DATA_EVEN_TIMES_H
+
+#include <hooke/base.h>
+
+struct even_times {
+    double first, step; /* [s] sample i was taken at first + i step */
+    double pace;        /* relative standard uncertainty of step: what the rounding leaves open */
+    double resolution;  /* [s] the coarsest to which a stamp was rounded; 0: none was */
+    bool even;          /* every stamp lies within its rounding of that line */
+};
+
+/*
+ * Finds the line through all n stamps, which may repeat but do not fall. A stamp may be rounded to
+ * a number of decimals or to a number of significant digits. Where the stamps are not even, first
+ * and step are the first stamp and the mean step. A cancelled search finds that they are not even.
+ */
+void even_times_find(const double *t, size_t n, const struct cancel *cancel,
+                     struct even_times *out);
+
+#endif

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Instruments print i/60 s as 0.017 0.033 0.050. The first and the last stamp alone are wrong by up
+ * to half a digit, which is 8 standard deviations of the period in a video of 10 s. The slopes of
+ * all lines that pass within half a digit of every stamp form an interval: its middle is the step,
+ * and its width says how well the stamps determine it (O'Rourke, Commun. ACM 24 (1981) 574).
+ */
+#include <hooke/data/even_times.h>
+
+#include <hooke/base/numeric.h>
+
+#include <float.h>
+#include <math.h>
+
+/* Stamps so close to an even grid, relative to its step, carry no rounding that matters. */
+static const double exact_deviation = 1e-9;
+/* A stamp may miss its own rounding by this much: decimal fractions are not exact in binary. */
+static const double rounding_tolerance = 0.01;
+/* A dropped or a repeated row moves the stamps beside it at least half a step off any line. A
+ * rounding finer than this part of the step cannot be taken for it. */
+static const double dropped_row_deviation = 0.45;
+/* The stamps of an even grid of which fewer than this many differ do not determine its step. */
+enum { STAMPS_DIFFERENT_MIN = 4, DIGITS_MIN = 2, DIGITS_MAX = 8, NEWTON_MAX = 60 };
+
+/* How stamps were printed: with so many significant digits, or to a number of decimals. */
+struct stamp_rounding {
+    double decimal;  /* [s] the last decimal place; 0 where `digits` holds */
+    int digits;      /* significant ones */
+    double smallest; /* [s] magnitude below which no more places are counted */
+};
+
+struct stamps {
+    const double *t;
+    size_t n;
+    const struct cancel *cancel;
+};
+
+static double stamp_resolution(const struct stamp_rounding *rounding, double t)
+{
+    if (rounding->decimal > 0)
+        return rounding->decimal;
+    const double magnitude = fmax(fabs(t), rounding->smallest);
+    return pow(10, floor(log10(magnitude) + 1e-12) + 1 - rounding->digits);
+}
+
+/* Returns true if every stamp is a multiple of its resolution. */
+static bool stamps_are_multiples(const struct stamps *s, const struct stamp_rounding *rounding)
+{
+    for (size_t i = 0; i < s->n; i++) {
+        if (cancelled_at(s->cancel, i))
+            return false;
+        const double multiple = s->t[i] / stamp_resolution(rounding, s->t[i]);
+        if (!(fabs(multiple - nearbyint(multiple)) < 1e-6 + 1e-12 * fabs(multiple)))
+            return false;
+    }
+    return true;
+}
+
+/* The line by least squares, each stamp weighted by its resolution (NULL: all alike). Returns the
+ * variance of the slope that the scatter about the line implies. */
+static double line_through(const struct stamps *s, const struct stamp_rounding *rounding,
+                           double *first, double *step)
+{
+    double w = 0, wx = 0, wt = 0, xx = 0, xt = 0, square = 0;
+    const double middle = 0.5 * (double)(s->n - 1), t0 = s->t[0];
+    for (int pass = 0; pass < 3; pass++)
+        for (size_t i = 0; i < s->n; i++) {
+            const double r = rounding ? stamp_resolution(rounding, s->t[i]) : 1,
+                         weight = 1 / (r * r), x = (double)i - middle, t = s->t[i] - t0;
+            if (pass == 0) {
+                w += weight;
+                wx += weight * x;
+                wt += weight * t;
+            } else if (pass == 1) {
+                xx += weight * (x - wx / w) * (x - wx / w);
+                xt += weight * (x - wx / w) * (t - wt / w);
+            } else {
+                const double off = t - wt / w - xt / xx * (x - wx / w);
+                square += weight * off * off;
+            }
+        }
+    *step = xt / xx;
+    *first = t0 + wt / w - *step * (wx / w + middle);
+    return square / (double)(s->n - 2) / xx;
+}
+
+static double largest_deviation(const struct stamps *s, double first, double step)
+{
+    double deviation = 0;
+    for (size_t i = 0; i < s->n; i++)
+        deviation = fmax(deviation, fabs(s->t[i] - (first + (double)i * step)));
+    return deviation;
+}
+
+/* Finds how the stamps were rounded: to the coarsest decimal place that holds them all, not finer
+ * than the deviation; or to the fewest significant digits. */
+static bool find_rounding(const struct stamps *s, double step, double deviation,
+                          struct stamp_rounding *rounding)
+{
+    const double span = s->t[s->n - 1] - s->t[0];
+    *rounding = (struct stamp_rounding){.smallest = DBL_MIN};
+    for (int place = (int)floor(log10(span / STAMPS_DIFFERENT_MIN));; place--) {
+        rounding->decimal = pow(10, place);
+        if (!(rounding->decimal * (1 + rounding_tolerance) >= deviation))
+            break;
+        if (stamps_are_multiples(s, rounding))
+            return true;
+    }
+    rounding->decimal = 0;
+    rounding->digits = DIGITS_MIN;
+    while (rounding->digits <= DIGITS_MAX && !stamps_are_multiples(s, rounding))
+        rounding->digits++;
+    rounding->smallest =
+        step; /* one stamp that happens to lie near 0 does not outweigh the others */
+    return rounding->digits <= DIGITS_MAX;
+}
+
+/*
+ * By how much the lines of this slope miss being within half a digit of every stamp: the largest
+ * lower end above the line less the smallest upper end, a convex function of the slope; negative
+ * where there are such lines. *derivative is its slope. *level is the intercept: the first stamp
+ * where a line passes through it, else the middle.
+ */
+static double slope_miss(const struct stamps *s, const struct stamp_rounding *rounding, double step,
+                         double *derivative, double *level)
+{
+    double low = -HUGE_VAL, high = HUGE_VAL;
+    size_t low_at = 0, high_at = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const double half = (0.5 + 1e-6) * stamp_resolution(rounding, s->t[i]),
+                     above = s->t[i] - s->t[0] - step * (double)i;
+        if (above - half > low) {
+            low = above - half;
+            low_at = i;
+        }
+        if (above + half < high) {
+            high = above + half;
+            high_at = i;
+        }
+    }
+    *derivative = (double)high_at - (double)low_at;
+    *level = s->t[0] + (low <= 0 && high >= 0 ? 0 : 0.5 * (low + high));
+    return low - high;
+}
+
+/* Newton's method from outside towards the end of the interval of possible slopes, on one side (-1,
+ * 1). NAN where there is no such interval. */
+static double slope_limit(const struct stamps *s, const struct stamp_rounding *rounding,
+                          double step, int side)
+{
+    const double coarse =
+        fmax(stamp_resolution(rounding, s->t[0]), stamp_resolution(rounding, s->t[s->n - 1]));
+    double slope = step + side * 4 * coarse / (double)(s->n - 1), derivative, level;
+    for (int k = 0; k < NEWTON_MAX && !cancelled(s->cancel); k++) {
+        const double miss = slope_miss(s, rounding, slope, &derivative, &level);
+        if (!(miss > 1e-6 * coarse))
+            return slope;
+        if (!(side * derivative > 0))
+            return NAN;
+        slope -= miss / derivative;
+    }
+    return NAN;
+}
+
+/* Counters skip a number where a row is lost, and repeat it where a row comes twice. Returns true
+ * if less than a few steps differ from the others: that is more likely than a rounding, which makes
+ * steps differ regularly. */
+static bool few_steps_differ(const struct stamps *s, double step, double resolution)
+{
+    size_t longer = 0;
+    for (size_t i = 1; i < s->n; i++)
+        longer += s->t[i] - s->t[i - 1] > (floor(step / resolution) + 0.5) * resolution;
+    const size_t shorter = s->n - 1 - longer;
+    return (longer < shorter ? longer : shorter) < STAMPS_DIFFERENT_MIN;
+}
+
+static void fit_rounded(const struct stamps *s, struct even_times *out)
+{
+    struct stamp_rounding rounding;
+    double first, step, derivative;
+    line_through(s, NULL, &first, &step);
+    if (!(step > 0) || !find_rounding(s, step, largest_deviation(s, first, step), &rounding))
+        return;
+    const double variance = line_through(s, &rounding, &first, &step);
+    for (size_t i = 0; i < s->n; i++) {
+        const double r = stamp_resolution(&rounding, s->t[i]);
+        if (!(fabs(s->t[i] - (first + (double)i * step)) <= (1 + rounding_tolerance) * r))
+            return;
+        out->resolution = fmax(out->resolution, r);
+    }
+    const double low = slope_limit(s, &rounding, step, -1),
+                 high = slope_limit(s, &rounding, step, 1);
+    const bool possible = isfinite(low) && isfinite(high); /* else there is jitter, too */
+    if (out->resolution > dropped_row_deviation * step * (possible ? 2 : 1) &&
+        (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, out->resolution))))
+        return;
+    out->even = true;
+    out->first = first;
+    out->step = step;
+    out->pace = sqrt(variance) / step;
+    if (possible) {
+        out->step = 0.5 * (low + high);
+        slope_miss(s, &rounding, out->step, &derivative, &out->first);
+        /* that of a triangle over the interval: towards its ends fewer lines are left */
+        out->pace = 0.5 * (high - low) / sqrt(6) / out->step;
+    }
+}
+
+void even_times_find(const double *t, size_t n, const struct cancel *cancel, struct even_times *out)
+{
+    *out = (struct even_times){.first = n > 0 ? t[0] : NAN, .step = NAN};
+    if (n < 2)
+        return;
+    const struct stamps stamps = {t, n, cancel};
+    out->step = (t[n - 1] - t[0]) / (double)(n - 1);
+    if (!(out->step > 0) || !isfinite(out->step))
+        return;
+    for (size_t i = 0; i < n; i++)
+        if (cancelled_at(cancel, i) || !isfinite(t[i]))
+            return;
+    const double deviation = largest_deviation(&stamps, t[0], out->step);
+    out->even = deviation <= exact_deviation * out->step + 4e-16 * fabs(t[n - 1]);
+    if (!out->even && n > STAMPS_DIFFERENT_MIN)
+        fit_rounded(&stamps, out);
+    if (cancelled(cancel))
+        out->even = false;
+}
