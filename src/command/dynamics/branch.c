@@ -228,6 +228,16 @@ static bool find_start(struct session *session, const struct branch_words *words
 
 /* ---- what is said ---- */
 
+/* The longest step in the direction of the parameter: what lies closer may be missed. */
+static double longest_step(const struct branch *branch)
+{
+    double longest = 0;
+    for (int i = 1; i < branch->count; i++)
+        longest = fmax(longest, fabs(branch->point[i].solution.param[0] -
+                                     branch->point[i - 1].solution.param[0]));
+    return longest;
+}
+
 static void put_branch(const struct session *session, const struct kept_branch *b,
                        struct arena *arena, struct buffer *out)
 {
@@ -252,6 +262,10 @@ static void put_branch(const struct session *session, const struct kept_branch *
     put_points(session, &b, 1, arena, out);
     buffer_format(out, "%lld evaluations", (long long)branch->evals);
     put_seconds(out, session, branch->seconds);
+    if (branch->count > 1) {
+        buffer_format(out, ", steps of %s up to ", row->row.name);
+        buffer_quantity(out, longest_step(branch), row->quantity, 2);
+    }
     buffer_put(out, TEXT("; all points: 'export FILE table'"));
 }
 
@@ -434,7 +448,10 @@ COMMAND(
         "each do what it says. 'from HB1' (BP, PD) follows "
         "the branch that leaves it\n"
         "there; with a second NAME=FROM:TO the curve of such points. step is a part of the "
-        "range, max a number of points.",
+        "range (at most 0.05 if it\n"
+        "is not given), max a number of points. Pairs of special points within a step are found "
+        "where their tests come\n"
+        "near 0 at its ends, too; shorter steps see more.",
     .examples = "var x = 1; param r = -1; x' = r*x-x^3; equilibria; branch r=-1:1; branch "
                 "r=-1:1 from BP1\n"
                 "scene duffing-driven; branch omega=0.5:3 of response",

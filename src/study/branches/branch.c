@@ -10,14 +10,16 @@
 
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
-#define SHORTEST 1e-7 /* of the longest */
-#define AHEAD 0.01    /* of the longest: what stops the shortest is nearer than this */
-#define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
-#define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
-#define SLOWEST 100   /* the same of a drive that stops within the range */
-#define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
-#define LEVEL 12      /* so many of these in a row */
-#define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
+#define SHORTEST 1e-7   /* of the longest */
+#define UNRESOLVED 1e-4 /* of the longest: what is shorter is not cut for pairs of special points  \
+                         */
+#define AHEAD 0.01      /* of the longest: what stops the shortest is nearer than this */
+#define TURN 0.94       /* cosine of the angle by which a step may turn: 20 degrees */
+#define SLOW 25         /* times the first period: the orbit nears one that takes for ever */
+#define SLOWEST 100     /* the same of a drive that stops within the range */
+#define VERTICAL 1e-7   /* part of the parameter in a tangent that does not change it */
+#define LEVEL 12        /* so many of these in a row */
+#define STILL 1e-4      /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
 #define STANDING 1e-9 /* relative, of the parameter of orbits: rounding */
 #define RESTING 1e-13 /* of equilibria */
@@ -80,7 +82,7 @@ static bool next_place(struct branch_walk *w, const struct curve_place *from, do
         if (cancelled(w->request->cancel))
             return false;
         if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
-            good_step(w, from, to))
+            good_step(w, from, to) && (*by < UNRESOLVED * longest || step_is_resolved(w, from, to)))
             return true;
         *by /= 2;
     }
@@ -330,7 +332,9 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return fails_there(w, "what is there cannot be told");
         if (i == 0)
             w->behind_grows = walk_grows(w, &solution);
-        if (!leaves && !walk_record_specials(w, &next, &solution))
+        const int index = w->out->count - 1;
+        if (!leaves && (!walk_record_specials(w, &next, &solution) ||
+                        (w->bends && !walk_record_pairs(w, &w->before, &at, index, &next))))
             return false;
         if (cancelled(w->request->cancel)) /* one of these may not have been found */
             return fails_there(w, "");

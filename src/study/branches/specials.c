@@ -91,9 +91,15 @@ int special_passes(enum special special)
     return special == SPECIAL_HOPF || special == SPECIAL_TORUS ? 2 : special != SPECIAL_NONE;
 }
 
-/* What that test's zero between two places is. */
-static bool locate_special(struct branch_walk *w, const struct curve_place *before,
-                           const struct curve_place *to, int test, struct found_special *f)
+int walk_sign(const struct branch_walk *w, const struct curve_place *at, int test)
+{
+    if (!isfinite(at->test[test]) || zero(w, at, test))
+        return 0;
+    return signbit(at->test[test]) ? -1 : 1;
+}
+
+bool special_locate(struct branch_walk *w, const struct curve_place *before,
+                    const struct curve_place *to, int test, struct found_special *f)
 {
     if (!locate(w, before, to, test, f) || !solutions_at(w->path, &f->at, true, &f->solution))
         return false;
@@ -108,7 +114,7 @@ int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
     int passes = 0;
     for (int k = 0; k < w->path->problem->tests && *count < SPECIALS_MOST; k++)
         if (!zero(w, a, k) && !zero(w, b, k) && signbit(a->test[k]) != signbit(b->test[k]) &&
-            locate_special(w, a, b, k, &found[*count]))
+            special_locate(w, a, b, k, &found[*count]))
             passes += special_passes(found[(*count)++].special);
     return passes;
 }
@@ -126,7 +132,7 @@ static void locate_all(struct branch_walk *w, const struct curve_place *to,
         const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
         w->known[k] = *to;
         w->any[k] = true;
-        *count += changed && locate_special(w, &before, to, k, &found[*count]);
+        *count += changed && special_locate(w, &before, to, k, &found[*count]);
     }
 }
 
@@ -199,6 +205,20 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     return true;
 }
 
+bool special_record(struct branch_walk *w, const struct found_special *f)
+{
+    double accuracy = f->near / fmax(fabs(f->at.u[w->path->problem->n]), 1e-3);
+    if (f->special == SPECIAL_FOLD && !is_fold(w, f, &accuracy))
+        return true;
+    if (!walk_record(w, &f->at, f->special, &f->solution))
+        return false;
+    struct branch_point *point = &w->out->point[w->out->count - 1];
+    point->accuracy = accuracy;
+    if (point->special == SPECIAL_HOPF)
+        point->criticality = criticality(w, &point->solution);
+    return true;
+}
+
 bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
                           const struct solution *seen)
 {
@@ -210,18 +230,9 @@ bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
     if (seen)
         specials_unseen(w, to, seen, found, &count);
     qsort(found, (size_t)count, sizeof *found, by_distance);
-    for (int i = 0; i < count; i++) {
-        double accuracy = found[i].near / fmax(fabs(found[i].at.u[n]), 1e-3);
-        if (found[i].special == SPECIAL_FOLD && !is_fold(w, &found[i], &accuracy))
-            continue;
-        if (!walk_record(w, &found[i].at, found[i].special, &found[i].solution))
+    for (int i = 0; i < count; i++)
+        if (!special_record(w, &found[i]))
             return false;
-        struct branch_point *point = &w->out->point[w->out->count - 1];
-        struct solution *s = &point->solution;
-        point->accuracy = accuracy;
-        if (point->special == SPECIAL_HOPF)
-            point->criticality = criticality(w, s);
-    }
     return true;
 }
 

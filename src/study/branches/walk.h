@@ -70,6 +70,28 @@ bool is_in_range(const struct branch_request *request, double *param);
 int specials_by_signs(struct branch_walk *walk, const struct curve_place *a,
                       const struct curve_place *b, struct found_special *found, int *count);
 
+/* Returns the sign of a test at a place: 0 where it is 0 but for rounding. */
+int walk_sign(const struct branch_walk *walk, const struct curve_place *at, int test);
+/* Finds what the zero of a test between two places is; false if it is none in the range. */
+bool special_locate(struct branch_walk *walk, const struct curve_place *before,
+                    const struct curve_place *to, int test, struct found_special *found);
+/* Appends a special point; false if out of memory. */
+bool special_record(struct branch_walk *walk, const struct found_special *found);
+
+/* ---- pairs.c ---- */
+
+/* Returns false if a test changes its sign more than once between two places of equilibria, so that
+ * a shorter step is wanted. */
+bool step_is_resolved(struct branch_walk *walk, const struct curve_place *from,
+                      const struct curve_place *to);
+/*
+ * Records pairs of special points that hide around the last place: of three places in a row a test
+ * may be nearest to 0 at the middle one, `at`, which is point number `index`, and have passed 0
+ * twice beside it. False if out of memory.
+ */
+bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *before,
+                       const struct curve_place *at, int index, const struct curve_place *next);
+
 /* ---- together.c ---- */
 
 /* How many values grow for certain, -1: of one it is not certain. */

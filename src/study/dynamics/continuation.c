@@ -227,6 +227,26 @@ static double test_at(void *context, double share)
     return fabs(value) <= fmax(ZERO * size, fold ? FLOOR : 0) ? 0 : value;
 }
 
+static void chord_init(struct chord *c, const struct curve_problem *problem,
+                       const struct curve_place *a, const struct curve_place *b, int test)
+{
+    const int n = problem->n;
+    *c = (struct chord){.problem = problem, .a = a, .b = b, .test = test, .share = NAN};
+    c->length = curve_distance(n + 1, a->u, b->u);
+    for (int i = 0; i <= n; i++)
+        c->direction[i] = (b->u[i] - a->u[i]) / c->length;
+}
+
+bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
+                   const struct curve_place *b, double share, struct curve_place *at)
+{
+    struct chord c;
+    double guess[CURVE_MAX];
+    chord_init(&c, problem, a, b, 0);
+    guess_at(&c, share, guess);
+    return c.length > 0 && curve_correct(problem, guess, c.direction, true, at);
+}
+
 #define NODES CURVE_NODES
 #define LEVELS 6
 #define TOO_NEAR 1e-4 /* part of the largest value of the test */
@@ -360,11 +380,8 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
                             const struct curve_place *b, int test, struct curve_place *at,
                             double *near)
 {
-    const int n = problem->n;
-    struct chord c = {.problem = problem, .a = a, .b = b, .test = test, .share = NAN};
-    c.length = curve_distance(n + 1, a->u, b->u);
-    for (int i = 0; i <= n; i++)
-        c.direction[i] = (b->u[i] - a->u[i]) / c.length;
+    struct chord c;
+    chord_init(&c, problem, a, b, test);
     if (problem->singular >> test & 1)
         return find_crossing(&c, at, near);
     const double root =

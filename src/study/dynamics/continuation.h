@@ -65,6 +65,10 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *b
  * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
                   const struct curve_place *b, int test, struct curve_place *at, double *near);
+/* Finds the place in the plane across the chord from a to b, at that share of it; false: none was
+ * found. */
+bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
+                   const struct curve_place *b, double share, struct curve_place *at);
 /* The polynomial through the values at so many nodes, at most CURVE_NODES, there. */
 double curve_interpolated(int count, const double *node, const double *value, double at);
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
