@@ -316,8 +316,15 @@ tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS) $$(TRIED_STATIC)
 RUN_TESTS = STATIC='$(TRIED_STATIC)' HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
   CONFIG=$(CONFIG) LONG=$(LONG) scripts/run-tests
 
-check: tests-build ## the quick tests
-	$(Q)$(RUN_TESTS) $(TEST_PROGRAMS) $(TEST_SCRIPTS)
+# FILTER: files whose path contains one of its words.
+filtered = $(if $(FILTER),$(sort $(foreach word,$(FILTER),$(foreach test,$(1),$(if $(findstring $(word),$(test)),$(test))))),$(1))
+
+check: $(call filtered,$(TEST_PROGRAMS)) $(TOP)/hooke $(TOP)/libhooke.a $$(TRIED_STATIC) ## the quick tests (FILTER="events fit": files with these words in their paths)
+	$(Q)$(RUN_TESTS) $(call filtered,$(TEST_PROGRAMS) $(TEST_SCRIPTS))
+
+# The tests of one layer: check-run, check-data, check-terminal ...
+$(addprefix check-,$(LAYERS)): check-%:
+	$(Q)$(MAKE) --no-print-directory check FILTER='/$*/'
 
 check-optional: tests-build ## the tests that depend on optional libraries (OPTIONAL=no: a build without them)
 	$(Q)$(RUN_TESTS) $(foreach t,$(OPTIONAL_TESTS),$(if $(filter %.c,$(t)),$(t:tests/%.c=$(D)/tests/%),$(t)))
@@ -348,8 +355,12 @@ fuzz: ## run each fuzz target for FUZZ_SECONDS (default 60)
 house: all ## the sizes of the house: folders, files, functions, tags, words
 	$(Q)scripts/house
 
-lint: ## clang-tidy and cppcheck
+lint: ## clang-tidy and cppcheck, of what changed
 	$(Q)scripts/lint
+
+# Flags that a compiler needs for all files at once.
+lint-flags:
+	@echo $(OPTIONAL_CPPFLAGS) $(LINE_CFLAGS) $(GSL_CFLAGS)
 
 format: ## clang-format in place
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h')
@@ -404,7 +415,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all static dist optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
+.PHONY: all static dist optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint lint-flags format reference screens-update install uninstall clean help
 .SECONDARY:
 
 -include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES) $(ALONE)))

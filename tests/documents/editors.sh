@@ -88,14 +88,14 @@ endfor
 call writefile(said, $WORK . '/groups')
 qall!
 VIM
-    said=$(WORK=$work HOME=$work timeout 60 vim -e -s -N -u NONE -i NONE -S "$work/ask.vim" 2>&1 </dev/null)
+    said=$(WORK=$work HOME=$work timeout 240 vim -e -s -N -u NONE -i NONE -S "$work/ask.vim" 2>&1 </dev/null)
     ok "vim takes the syntax" $? "$said"
     said=$(diff "$work/wanted" "$work/groups" 2>&1)
     ok "and has each of $(wc -l <"$work/wanted") places in its group" $? "$said"
     # Every row is known: a file of each kind's names, one a line.
     "$hooke" --format json -c 'list commands' | sed -E 's/.*"name":"([^"]*)".*/\1 x/' >"$work/example.hk"
     awk '{print NR, 1, "Command"}' "$work/example.hk" >"$work/wanted"
-    WORK=$work HOME=$work timeout 60 vim -e -s -N -u NONE -i NONE -S "$work/ask.vim" >/dev/null 2>&1 </dev/null
+    WORK=$work HOME=$work timeout 240 vim -e -s -N -u NONE -i NONE -S "$work/ask.vim" >/dev/null 2>&1 </dev/null
     said=$(diff "$work/wanted" "$work/groups" 2>&1)
     [ -z "$said" ] && [ "$(wc -l <"$work/groups")" -gt 80 ]
     ok "all commands are commands there" $? "$said"
@@ -111,7 +111,7 @@ ok "bash completes by it" $? "$said"
 
 if command -v nano >/dev/null && command -v script >/dev/null; then
     nano_says() { # what it writes to its terminal, with that file of rules
-        (sleep 0.3; printf '\030') | HOME=$work TERM=vt100 timeout 20 \
+        (sleep 0.3; printf '\030') | HOME=$work TERM=vt100 timeout 120 \
             script -qec "nano -f $1 $work/example.hk" /dev/null 2>&1
     }
     said=$(nano_says "$work/hooke.nanorc")

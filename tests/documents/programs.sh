@@ -181,7 +181,7 @@ else
     skip "Octave has the same end" "octave-cli is not installed"
 fi
 if have xppaut; then
-    timeout 20 xppaut p.ode -silent -outfile p.dat >/dev/null 2>&1 </dev/null
+    timeout 120 xppaut p.ode -silent -outfile p.dat >/dev/null 2>&1 </dev/null
     close "$(state own.csv)" "$(state p.dat)" 1e-6
     ok "XPPAUT has the same end" $?
 else
@@ -190,7 +190,7 @@ fi
 if have pdflatex && kpsewhich siunitx.sty >/dev/null; then
     "$hooke" -n -q -c "${typed[driven-typed]}; export scene q.tex" >/dev/null
     for name in p q; do
-        timeout 60 pdflatex -interaction=batchmode $name.tex >/dev/null 2>&1 </dev/null
+        timeout 240 pdflatex -interaction=batchmode $name.tex >/dev/null 2>&1 </dev/null
         ok "the equations compile ($name.tex)" $?
     done
 else

@@ -88,7 +88,7 @@ opened=$(grep -oE '\\begin[{][a-z]+' new/report.tex | wc -l) closed=$(grep -oE '
 [ "$opened" -eq "$closed" ] && [ "$(grep -cE '\\SI[{][-0-9.e+ ]+[}][{]' new/report.tex)" -gt 50 ]
 ok "the LaTeX closes what it opens and has its values by siunitx" $? "$opened $closed"
 if command -v pdflatex >/dev/null && kpsewhich siunitx.sty longtable.sty booktabs.sty >/dev/null 2>&1; then
-    (cd new && timeout 100 pdflatex -interaction=nonstopmode -halt-on-error report.tex >../tex.log 2>&1)
+    (cd new && timeout 400 pdflatex -interaction=nonstopmode -halt-on-error report.tex >../tex.log 2>&1)
     ok "it compiles" $? "$(grep -A3 '^!' tex.log)"
 else
     skip "it compiles" "no pdflatex with siunitx"

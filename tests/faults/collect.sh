@@ -181,7 +181,7 @@ hours() { # options: a clock that is at 7200 s
     rm -f hours.txt
     { sensor spring rate=200 quirks=off time=s for=3s 2>/dev/null | sed -u 's/^\([0-9]\.\)/720\1/' >pipe; } 2>/dev/null &
     source=$!
-    eval "timeout 20 '$hooke' -n --format json -c 'collect pipe for=1s to=hours.txt $1'" >hours.json 2>hours.err
+    eval "timeout 120 '$hooke' -n --format json -c 'collect pipe for=1s to=hours.txt $1'" >hours.json 2>hours.err
     wait $source
     awk -v a="$(value t_start hours.json)" -v b="$(value t_end hours.json)" -v want="$2" 'BEGIN {
         exit !(a >= 7200 && b - a > want - 0.01 && b - a < want + 0.001) }'

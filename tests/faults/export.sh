@@ -44,7 +44,7 @@ ln -s victim.csv link.csv
 mkfifo pipe.csv
 mkdir folder.csv
 for target in link.csv pipe.csv folder.csv /dev/null; do
-    status_is "$target is refused even with --force" 4 timeout 10 "$hooke" -c "run 1 s; export $target --force"
+    status_is "$target is refused even with --force" 4 timeout 120 "$hooke" -c "run 1 s; export $target --force"
 done
 cmp -s victim.csv expected.old
 ok "the file behind the link is unchanged" $?
@@ -104,7 +104,7 @@ for writer in "${writers[@]}"; do
                     esac
                     # Libraries open and close before main; their failures are the loader's to report.
                     [ "$existed" = yes ] && cp expected.old "$file" || rm -f "$file"
-                    timeout 20 strace -f -qq -o trace.txt -e trace="$call" -e inject="$call:$fault:when=$at" \
+                    timeout 120 strace -f -qq -o trace.txt -e trace="$call" -e inject="$call:$fault:when=$at" \
                         "$hooke" -c "$script" >out.txt 2>err.txt
                     examine "$file:$call#$at:$fault" $? "$existed"
                 done

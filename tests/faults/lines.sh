@@ -37,7 +37,7 @@ else
     for fault in write:error=ENOSPC:when=1+ write:error=ENOSPC:when=3+ write:error=EIO:when=2 write:error=EINTR:when=3 fsync:error=EIO:when=1; do
         rm -f disk.txt
         tries=$((tries + 1))
-        sensor /dev/stdout | timeout 60 strace -f -qq -o /dev/null -P "$work/disk.txt" -e inject="$fault" "$hooke" -n -c 'collect - to=disk.txt' \
+        sensor /dev/stdout | timeout 240 strace -f -qq -o /dev/null -P "$work/disk.txt" -e inject="$fault" "$hooke" -n -c 'collect - to=disk.txt' \
             >disk.out 2>&1
         status=$?
         came=$([ -e disk.txt ] && raw disk.txt | wc -l || echo 0)
@@ -50,7 +50,7 @@ else
     ok "what is in the file is whole lines" $? "$torn"
     mkfifo broken
     sensor broken 2>/dev/null &
-    timeout 20 strace -f -qq -o /dev/null -P "$work/broken" -P broken -e inject=read:error=EIO:when=2+ "$hooke" -n -c 'collect broken to=read.txt' \
+    timeout 120 strace -f -qq -o /dev/null -P "$work/broken" -P broken -e inject=read:error=EIO:when=2+ "$hooke" -n -c 'collect broken to=read.txt' \
         >read.out 2>&1
     grep -q '(unplugged)' read.out && grep -q 'broken is gone: Input/output error' read.out
     ok "a device that fails is told from one that ends" $? "$(cat read.out)"
@@ -80,7 +80,7 @@ mkfifo nobody slow
 endless() { # seconds word command
     local begin status took
     begin=$(date +%s%N)
-    timeout 30 "$hooke" -n -c "$3" >endless.out 2>&1 </dev/null
+    timeout 120 "$hooke" -n -c "$3" >endless.out 2>&1 </dev/null
     status=$?
     took=$((($(date +%s%N) - begin) / 1000000))
     [ "$status" -eq 4 ] && grep -q "$2" endless.out && [ "$took" -lt $((10 * 1000 * $1)) ]
@@ -119,14 +119,14 @@ end
     socat -u 'EXEC:bash device.sh' "PTY,link=$work/line,raw,echo=0,wait-slave" 2>socat.out &
     others+=($!)
     await line
-    timeout 30 "$hooke" -n -c 'collect line tunit=ms unit=cm to=line.txt; measure period' >line.out 2>&1
+    timeout 120 "$hooke" -n -c 'collect line tunit=ms unit=cm to=line.txt; measure period' >line.out 2>&1
     grep -q '300 lines, 300 samples (unplugged)' line.out && grep -q '^T = 0.722' line.out # 2 pi 20 ms / 0.174 = 722.2 ms
     ok "300 of 300 lines by a pair of socat, then it hangs up" $? "$(cat line.out socat.out)"
     swing 300 >swing.csv
     socat -u OPEN:swing.csv UNIX-LISTEN:port 2>/dev/null &
     others+=($!)
     await port
-    timeout 30 socat -u UNIX-CONNECT:port - | "$hooke" -n -c 'collect - tunit=ms to=unix.txt' >unix.out 2>&1
+    timeout 120 socat -u UNIX-CONNECT:port - | "$hooke" -n -c 'collect - tunit=ms to=unix.txt' >unix.out 2>&1
     raw unix.txt | cmp -s - swing.csv
     ok "a UNIX socket before standard input" $? "$(cat unix.out)"
     mkfifo tcp
@@ -141,9 +141,9 @@ end
     if [ -z "$port" ]; then
         skip "a TCP port before a pipe" "no port of this machine can be listened at"
     else
-        timeout 30 socat -u TCP:127.0.0.1:"$port" OPEN:tcp 2>/dev/null &
+        timeout 120 socat -u TCP:127.0.0.1:"$port" OPEN:tcp 2>/dev/null &
         others+=($!)
-        timeout 30 "$hooke" -n -c 'collect tcp tunit=ms to=tcp.txt' >tcp.out 2>&1
+        timeout 120 "$hooke" -n -c 'collect tcp tunit=ms to=tcp.txt' >tcp.out 2>&1
         raw tcp.txt | cmp -s - swing.csv
         ok "a TCP port before a pipe" $? "$(cat tcp.out)"
     fi
@@ -155,7 +155,7 @@ if ! command -v sigrok-cli >/dev/null; then
 elif ! sigrok-cli -d demo --config samplerate=100 --samples 3 -C A1 -O analog 2>/dev/null | grep -q '^A1: '; then
     skip "sigrok-cli's demo device" "it has no channel A1"
 else
-    demo() { timeout 30 sigrok-cli -d demo --config samplerate=100 --time 1500 -C A1 -O analog 2>/dev/null; }
+    demo() { timeout 120 sigrok-cli -d demo --config samplerate=100 --time 1500 -C A1 -O analog 2>/dev/null; }
     demo | "$hooke" -n -c 'collect - rate=100 for=10s to=demo.txt; measure period' >demo.out 2>&1
     grep -q '^T = 0.2000000\|^T = 200.0000' demo.out && grep -q 'A1 \[mV\]' demo.out
     ok "the demo device of sigrok-cli into standard input" $? "$(cat demo.out)"
@@ -192,8 +192,8 @@ end
         python3 phone.py $order &
         others+=($!)
         await $order.port
-        timeout 30 sh "$recipes/phyphox.sh" "127.0.0.1:$(cat $order.port)" 2>/dev/null |
-            timeout 30 "$hooke" -n -c "collect - unit=m/s^2 for=1.7s to=phone-$order.txt; measure period" >phone.out 2>&1
+        timeout 120 sh "$recipes/phyphox.sh" "127.0.0.1:$(cat $order.port)" 2>/dev/null |
+            timeout 120 "$hooke" -n -c "collect - unit=m/s^2 for=1.7s to=phone-$order.txt; measure period" >phone.out 2>&1
         grep -q '^T = 0.523[56]' phone.out # 2 pi / 12 = 0.5236 s
         ok "phyphox.sh with a phone that says its $order first" $? "$(cat phone.out)"
     done

@@ -91,7 +91,7 @@ for call in mkdirat write fsync renameat2 close; do
     every=$([ -n "${LONG:-}" ] && echo 1 || echo $((most / 4 + 1)))
     for at in $(seq 1 "$every" "$most"); do
         for fault in signal=KILL error=ENOSPC error=EIO; do
-            { timeout 20 strace -f -qq -o trace.txt -e trace="$call" -e inject="$call:$fault:when=$at" "$hooke" -c "$script"; } >out.txt 2>err.txt
+            { timeout 120 strace -f -qq -o trace.txt -e trace="$call" -e inject="$call:$fault:when=$at" "$hooke" -c "$script"; } >out.txt 2>err.txt
             status=$?
             tries=$((tries + 1))
             if [ -e new ] && ! diff -r expected new >/dev/null; then torn+="$call#$at:$fault "; fi

@@ -64,7 +64,7 @@ build() { # goals...
     (cd "$folder/tree" && make -j2 CC="$folder/bin/cc" "${building[@]}" "$@" 2>&1) >"$folder/log"
 }
 say() { # program say|json commands: what it says, and its status
-    (cd "$folder/work" && timeout 60 "$1" $([ "$2" = json ] && echo --format json) -c "$3" 2>&1)
+    (cd "$folder/work" && timeout 240 "$1" $([ "$2" = json ] && echo --format json) -c "$3" 2>&1)
 }
 
 asked() { # patch: is what it promises there, and was it not before?
@@ -126,7 +126,7 @@ if [ "$bad" -eq 0 ]; then
         build "$program" $tests
         ok "$patch is built alone" $? "$(tail -5 "$folder/log")"
         for test in $tests; do
-            said=$(cd "$folder/tree" && LONG='' HOOKE=$program CMOCKA_MESSAGE_OUTPUT=TAP timeout 600 "$test" 2>&1)
+            said=$(cd "$folder/tree" && LONG='' HOOKE=$program CMOCKA_MESSAGE_OUTPUT=TAP timeout 1800 "$test" 2>&1)
             ok "$patch: $test" $? "$(grep -v '^ok' <<<"$said")"
         done
     done

@@ -96,6 +96,8 @@ static void test_adaptive_methods_keep_the_tolerance(void **state)
     for
         EACH_METHOD(method)
     for (double tol = 1e-5; method->flags & METHOD_ADAPTIVE && tol > 1e-8; tol /= 100) {
+        if (method->flags & METHOD_EXTERNAL) /* steps over turning points by its own control */
+            break;
         struct run *run = rub(method, 0.001, tol);
         const double error = largest_error(run, FRICTION);
         if (!(error < 30 * tol))
