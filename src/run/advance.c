@@ -178,6 +178,7 @@ static bool meet(struct run *run, struct segment *segment, double t, double h, b
     const bool met = events_until(run, &theta) || (now && segment->armed && !events_stop(run));
     if (met) {
         *inside |= locate(run, segment, t, h, theta);
+        run->private_state->gap_known = false; /* it may end elsewhere */
         events_until_at(run, theta);
     }
     segment->armed |= !now;
@@ -229,6 +230,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         return STOP_END;
     double t, h, end, was = run->t;
     const struct controller controller = run->controller;
+    p->gap_known = false;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
         copy_state(p->low_before, p->step.low, run->system.n);

@@ -21,33 +21,56 @@ struct step inside_step(const struct inside *inside, struct sliding *sliding, st
     return last;
 }
 
-/* Steps of an adaptive method may be so long that a cubic through their ends says little: a shorter
- * step does. */
-void inside_state(const struct inside *inside, double theta, double *y)
+/* A step of the method from the beginning of the last one over its share theta; returns false if it
+ * fails. */
+static bool side_step(const struct inside *inside, const struct step *last, double theta, double *y)
 {
     struct run *run = inside->run;
     struct run_private *p = run->private_state;
+    struct step step = *last;
+    step.kernel = last->system == &run->system ? last->kernel : NULL;
+    step.t = inside->t;
+    step.h = theta * inside->h;
+    step.y = y;
+    step.work = p->side;
+    step.error = step.low = NULL;
+    step.switches = NULL;
+    step.warm = step.again = false;
+    copy_state(y, p->before, run->system.n);
+    const enum step_status status = method_turning_step(run->method, &step);
+    p->step.cost = step.cost;
+    return status == STEP_OK;
+}
+
+/*
+ * A step of a method that remembers others ends beside a step that does not: finds by how much,
+ * once for each step. The states between them are moved by their share of it.
+ */
+static void close_gap(const struct inside *inside, const struct step *last, double theta, double *y)
+{
+    const struct run *run = inside->run;
+    struct run_private *p = run->private_state;
+    if (!p->gap_known) {
+        const bool fine = side_step(inside, last, 1, p->gap);
+        for (int i = 0; i < run->system.n; i++)
+            p->gap[i] = fine ? run->y[i] - p->gap[i] : 0;
+        p->gap_known = true;
+    }
+    for (int i = 0; i < run->system.n; i++)
+        y[i] += theta * p->gap[i];
+}
+
+/* A cubic through the ends of a long step says little: a shorter step of the same method does. */
+void inside_state(const struct inside *inside, double theta, double *y)
+{
+    const struct run *run = inside->run;
+    const struct run_private *p = run->private_state;
     struct sliding sliding = {0};
     struct system frozen;
     const struct step last = inside_step(inside, &sliding, &frozen);
-    if (p->side) {
-        struct step step = last;
-        step.kernel = last.system == &run->system ? last.kernel : NULL;
-        step.t = inside->t;
-        step.h = theta * inside->h;
-        step.y = y;
-        step.work = p->side;
-        step.error = step.low = NULL;
-        step.switches = NULL;
-        step.warm = step.again = false;
-        copy_state(y, p->before, run->system.n);
-        const enum step_status status = method_turning_step(run->method, &step);
-        p->step.cost = step.cost;
-        if (status == STEP_OK) {
-            sliding_free(&sliding);
-            return;
-        }
-    }
-    method_dense(&inside->method, &last, p->before, theta, y);
+    if (!p->side || !side_step(inside, &last, theta, y))
+        method_dense(&inside->method, &last, p->before, theta, y);
+    else if (run->method->flags & METHOD_MULTISTEP)
+        close_gap(inside, &last, theta, y);
     sliding_free(&sliding);
 }

@@ -252,6 +252,8 @@ struct run_private {
     struct step step;
     double *work;   /* of the method */
     double *side;   /* another one, where states inside of a step need steps of their own; NULL */
+    double *gap;    /* [n] see inside.c: from a step without memory to the one taken, */
+    bool gap_known; /* of this step */
     double *before; /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
@@ -345,6 +347,8 @@ void inside_state(const struct inside *inside, double theta, double *y);
 /* Compiles the target's events for the run as it is now, signs at its present state. False: no
  * memory. */
 bool events_begin(struct run *run, const struct segment *segment);
+/* The run has states that were not watched, or went back: sizes of its variables are found anew. */
+void events_forget_sizes(struct run *run);
 /* What happened in the step just taken from p->before at t over h. False: no memory. */
 bool events_find(struct run *run, const struct segment *segment, double t, double h);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there.

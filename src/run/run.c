@@ -108,6 +108,19 @@ const struct epoch *run_epoch(const struct run *run, int64_t step)
     return &p->epoch[low];
 }
 
+/*
+ * States inside of a step are taken by shorter steps where a cubic through its ends is of a lower
+ * order than the method, and where no cubic holds because dry friction turns in it.
+ */
+static bool needs_side_steps(const struct run *run)
+{
+    static const int cubic_order = 4;
+    const int order = run->method->order; /* 0: exact */
+    if (run->plan.adaptive)
+        return !run->method->dense;
+    return run->system.pieces || (!run->method->dense && (order == 0 || order > cubic_order));
+}
+
 static bool allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
@@ -116,17 +129,16 @@ static bool allocate(struct run *run)
         trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
         return false;
-    /* What takes parts of steps again: cubics say too little, and none holds where dry friction
-     * turns. */
-    const bool side = run->plan.adaptive ? !run->method->dense : run->system.pieces;
-    p->work = calloc((side ? 2 : 1) * work + 4 * n, sizeof *p->work);
+    const bool side = needs_side_steps(run);
+    p->work = calloc((side ? 2 : 1) * work + 5 * n, sizeof *p->work);
     if (!p->work || !push_epoch(run, &run->scene, &run->system, run->y) ||
         !trace_reserve_grids(run->trace, 1))
         return false;
     p->before = p->work + work;
     p->bound = p->before + n;
     p->low_before = p->bound + n;
-    p->side = side ? p->low_before + 2 * n : NULL;
+    p->gap = p->low_before + 2 * n;
+    p->side = side ? p->gap + n : NULL;
     p->batch = 16;
     p->look = LOOK_FIRST;
     p->factor = energy_factor(&run->system);
@@ -259,6 +271,7 @@ bool run_back(struct run *run, int64_t rows)
      * memory is not recorded. */
     double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
     trace_truncate(trace, row);
+    events_forget_sizes(run);
     p->searched = row < p->searched ? row : p->searched;
     run->steps = trace->now_step;
     run->t = trace->now_t;

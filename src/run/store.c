@@ -61,11 +61,11 @@ static const struct field epoch_fields[] = {
 
 /* ---- writing ---- */
 
-/* All of the method's memory, and what run.c has put behind it. */
+/* The method's memory, and the states that run.c has put behind it. */
 static size_t work_size(const struct run *run)
 {
-    const size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
-    return (run->private_state->side ? 2 : 1) * work + 4 * n;
+    const size_t n = (size_t)run->system.n;
+    return method_work_size(run->method, run->system.n) + 4 * n;
 }
 
 static void put_array(struct buffer *to, const char *name, const void *array, size_t count,
@@ -257,12 +257,12 @@ static bool get_work(struct run *run, struct text in)
     struct propagator_place place;
     struct text by, work;
     if (!field_find(in, "work", &work) || !field_find(in, "opinion_by", &by) ||
-        work.len != work_size(run) * sizeof *p->work)
+        work.len < work_size(run) * sizeof *p->work)
         return false;
     run_use_epoch(run);
     run->plan = plan;
     fields_get(in, private_fields, COUNT_OF(private_fields), p);
-    memcpy(p->work, work.at, work.len);
+    memcpy(p->work, work.at, work_size(run) * sizeof *p->work);
     p->step.warm &= !(run->method->flags & METHOD_EXTERNAL);
     const struct row *method = by.len > 0 ? catalog_find(&method_catalog, by) : NULL;
     run->opinion.by = (const struct method *)(const void *)method;

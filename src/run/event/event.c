@@ -33,6 +33,29 @@ static double doubt_fraction(const struct run *run)
     return run->plan.adaptive ? NEAR * error_fraction(run) : NEAR_FIXED;
 }
 
+/* Takes note of a state for the sizes of the run so far. */
+static void note_sizes(struct event_watch *watch, const double *y)
+{
+    for (int i = 0; i < watch->run->system.n; i++)
+        watch->size[i] = fmax(watch->size[i], fabs(y[i]));
+}
+
+/* Finds the sizes of a run that has steps which were not watched. */
+static void find_sizes(struct event_watch *watch)
+{
+    const struct trace *trace = watch->run->trace;
+    memset(watch->size, 0, sizeof watch->size);
+    for (size_t row = 0; row < trace_count(trace); row++)
+        note_sizes(watch, trace_state(trace, row));
+    watch->sized = true;
+}
+
+void events_forget_sizes(struct run *run)
+{
+    if (run->private_state->watch)
+        run->private_state->watch->sized = false;
+}
+
 /* ---- where a segment begins ---- */
 
 /* The run stands where the condition became true, perhaps but for errors: not there again. */
@@ -46,13 +69,18 @@ static void depart_from_condition(struct event_watch *watch, struct watched *wat
 bool events_begin(struct run *run, const struct segment *segment)
 {
     struct run_private *p = run->private_state;
-    if (segment->target->events == 0 && !segment->target->condition)
+    if (segment->target->events == 0 && !segment->target->condition) {
+        events_forget_sizes(run);
         return true;
+    }
     if (!p->watch)
         p->watch = calloc(1, sizeof *p->watch);
     struct event_watch *watch = p->watch;
     if (!watch || !events_watch_begin(watch, run, segment->target))
         return false;
+    if (!watch->sized)
+        find_sizes(watch);
+    note_sizes(watch, run->y);
     for (int i = 0; i < watch->events; i++) {
         struct watched *watched = &watch->event[i];
         watched->value = events_watch_value(watch, watched, run->t, run->y);
@@ -174,8 +202,12 @@ static bool look_found(void *context, double theta, int sign)
         return true;
     if (event->touching && is_same_touch(look, theta, error_fraction(path->inside.run)))
         return true;
+    if (sign == 0 && fabs(path_time(path, theta) - look->watched->passed) <=
+                         TOUCH * fabs(path->inside.h))
+        return true;
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
+    look->watched->passed = path_time(path, theta);
     const struct event_crossing crossing = {theta, path_time(path, theta), look->event, direction};
     look->failed = look->failed || !add(look->watch, &crossing);
     if (event->stop)
@@ -212,16 +244,24 @@ static double depart(struct event_search *look, double *value)
     return 0;
 }
 
-/* At a step's end, where the value is 0: the sign beyond, which is that before where it only
- * touches. */
+/*
+ * Returns the sign just beyond a step's end, where the value is 0: that of the slope, or of the
+ * second derivative where it only touches, or of the value a little later on the same polynomials.
+ */
 static int sign_beyond(const struct event_search *look, int before)
 {
+    static const double probe = 0x1p-10; /* of the step */
+    const struct step_path *path = &look->watch->path;
     const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
-    const int slope = jet.slope.lo > 0   ? 1
-                      : jet.slope.hi < 0 ? -1
-                                         : 0,
-              bend = sign_of(jet.bend.lo + jet.bend.hi);
-    return slope != 0 ? slope : bend != 0 ? bend : -before;
+    double y[LIMIT_VARIABLES];
+    if (jet.slope.lo > 0 || jet.slope.hi < 0)
+        return jet.slope.lo > 0 ? 1 : -1;
+    if (jet.bend.lo > 0 || jet.bend.hi < 0)
+        return jet.bend.lo > 0 ? 1 : -1;
+    path_estimate(path, 1 + probe, y);
+    const int sign = sign_of(events_watch_value(look->watch, look->watched,
+                                                path->end_t + probe * path->inside.h, y));
+    return sign != 0 ? sign : before;
 }
 
 /* Where the run ends, an event is there that is due within the rounding of the sums that led there.
@@ -364,6 +404,7 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
     struct event_search look = {.watch = watch, .until = 1};
     path_begin(&watch->path, &inside);
     watch->count = 0;
+    note_sizes(watch, run->y);
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < watch->events; i++) {
             if (watch->event[i].event->stop != (pass == 0))
@@ -375,123 +416,4 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
     if (watch->count > 0 && !look.failed)
         put_in_order(watch);
     return !look.failed;
-}
-
-/* ---- what has happened ---- */
-
-static bool keep(struct run *run, const struct event_crossing *crossing, const double *state)
-{
-    struct event_records *all = &run->private_state->event_records;
-    const size_t n = (size_t)run->system.n;
-    if (all->count == LIMIT_EVENT_RECORDS)
-        return false;
-    if (all->count == all->capacity) {
-        const size_t capacity = all->capacity ? 2 * all->capacity : 16;
-        struct event_record *at = realloc(all->at, capacity * sizeof *at);
-        all->at = at ? at : all->at;
-        double *more = at ? realloc(all->state, capacity * n * sizeof *all->state) : NULL;
-        all->state = more ? more : all->state;
-        if (!more)
-            return false;
-        all->capacity = capacity;
-    }
-    all->at[all->count] =
-        (struct event_record){crossing->event, crossing->direction, run->steps, crossing->t};
-    memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
-    return true;
-}
-
-bool events_until(const struct run *run, double *theta)
-{
-    const struct event_watch *watch = run->private_state->watch;
-    bool stopped = false; /* by another event before */
-    for (size_t i = 0; i < watch->count; i++) {
-        const struct event_crossing *crossing = &watch->found[i];
-        if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {
-            *theta = crossing->theta;
-            return true;
-        }
-        if (watch->event[crossing->event].event->stop && !stopped) {
-            stopped = true;
-            *theta = crossing->theta;
-        }
-    }
-    return false;
-}
-
-bool events_stop(const struct run *run)
-{
-    const struct event_watch *watch = run->private_state->watch;
-    for (size_t i = 0; i < watch->count; i++)
-        if (watch->event[watch->found[i].event].event->stop)
-            return true;
-    return false;
-}
-
-void events_until_at(struct run *run, double theta)
-{
-    const struct event_watch *watch = run->private_state->watch;
-    for (size_t i = 0; i < watch->count; i++) {
-        struct event_crossing *crossing = &watch->found[i];
-        const bool before = (run->t - crossing->t) * watch->path.inside.h > 0;
-        if (crossing->theta > theta || (crossing->theta < theta && before))
-            continue;
-        crossing->t = run->t;
-        copy_state(watch->state + i * (size_t)run->system.n, run->y, run->system.n);
-    }
-}
-
-bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops)
-{
-    const struct event_watch *watch = run->private_state->watch;
-    const int n = run->system.n;
-    for (size_t i = 0; i < watch->count; i++) {
-        const struct event_crossing *crossing = &watch->found[i];
-        const double *state = watch->state + i * (size_t)n;
-        if ((crossing->t - run->t) * h > 0)
-            break;
-        if (crossing->event == watch->until)
-            continue;
-        if (!keep(run, crossing, state))
-            return false;
-        if (!segment->target->event[crossing->event].stop || *stops)
-            continue;
-        copy_state(run->y, state, n);
-        run->t = crossing->t;
-        forget_rounding(run->private_state, n);
-        run->private_state->step.warm = false;
-        *stops = true;
-    }
-    return true;
-}
-
-struct event_doubt run_event_doubt(const struct run *run, int event)
-{
-    return run->private_state->doubt[event];
-}
-
-void event_records_truncate(struct run *run, double ahead)
-{
-    struct event_records *all = &run->private_state->event_records;
-    for (; all->count > 0; all->count--) {
-        const struct event_record *last = &all->at[all->count - 1];
-        if (last->step < run->steps ||
-            (last->step == run->steps && (last->t - run->t) * ahead <= 0))
-            break;
-    }
-}
-
-size_t run_event_records(const struct run *run)
-{
-    return run->private_state->event_records.count;
-}
-
-const struct event_record *run_event_record(const struct run *run, size_t i)
-{
-    return &run->private_state->event_records.at[i];
-}
-
-const double *run_event_record_state(const struct run *run, size_t i)
-{
-    return run->private_state->event_records.state + i * (size_t)run->system.n;
 }

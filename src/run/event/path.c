@@ -48,13 +48,13 @@ static void differentiate(double *c, int degree)
         c[k - 1] = k * c[k];
 }
 
-/* Bounds of the polynomial c, which is lost, for |s| <= r; `width` of a whole stretch over which
- * `error` is spread. */
-static struct jet bounds(double *c, int degree, double r, double error)
+/* Returns bounds of the polynomial c, which is lost, for |s| <= r. Its error is `error` over one of
+ * `pieces` parts of the step. */
+static struct jet bounds(double *c, int degree, double r, double error, int pieces)
 {
     struct jet jet;
-    const double bend = 4. / 3 * degree * degree * (double)degree * degree,
-                 slope = 2. * degree * degree;
+    const double square = (double)degree * degree * pieces * pieces;
+    const double bend = 4. / 3 * square * degree * degree, slope = 2. * degree * degree * pieces;
     jet.value = range(c, degree, r);
     differentiate(c, degree);
     jet.slope = range(c, degree - 1, r);
@@ -79,7 +79,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
         sum += fabs(c[k]) * power;
         tail += k > degree - 6 ? fabs(c[k]) * power : 0;
     }
-    struct jet jet = bounds(c, degree, 0.5, TAIL * tail + ROUNDING * sum);
+    struct jet jet = bounds(c, degree, 0.5, TAIL * tail + ROUNDING * sum, 1);
     const double scale = 1 / (b - a);
     jet.slope = (struct interval){jet.slope.lo * scale, jet.slope.hi * scale};
     jet.bend = (struct interval){jet.bend.lo * scale * scale, jet.bend.hi * scale * scale};
@@ -110,40 +110,32 @@ static void through_ends(struct step_path *path)
     system_derivative(last.system, last.t, path->end, f1);
     sliding_free(&sliding);
     path->degree = 3;
+    path->pieces = 1;
     for (int i = 0; i < inside->run->system.n; i++) {
         const double rise = path->end[i] - before[i], bent = h * (f1[i] - f0[i]),
                      sum = h * (f0[i] + f1[i]);
-        path->c[0][i] = (before[i] + path->end[i]) / 2 - bent / 8;
-        path->c[1][i] = 1.5 * rise - sum / 4;
-        path->c[2][i] = bent / 2;
-        path->c[3][i] = sum - 2 * rise;
+        path->piece->c[0][i] = (before[i] + path->end[i]) / 2 - bent / 8;
+        path->piece->c[1][i] = 1.5 * rise - sum / 4;
+        path->piece->c[2][i] = bent / 2;
+        path->piece->c[3][i] = sum - 2 * rise;
     }
 }
 
-/* Bent to go through the middle: as much is not known. */
-static void through_middle(struct step_path *path)
+/* Returns the sum of the sizes of the terms from the `first` on where |theta - middle| = r. */
+static double terms_size(const struct path_piece *piece, int variable, int first, int degree,
+                         double r)
 {
-    double middle[LIMIT_VARIABLES];
-    inside_state(&path->inside, 0.5, middle);
-    path->degree = 4;
-    for (int i = 0; i < path->inside.run->system.n; i++) {
-        const double off = middle[i] - path->c[0][i]; /* times (1 - 4 s^2)^2 */
-        path->c[0][i] += off;
-        path->c[2][i] -= 8 * off;
-        path->c[4][i] = 16 * off;
-        path->error[i] = fabs(off);
-    }
+    double sum = 0, power = 1;
+    for (int k = 0; k <= degree; k++, power *= r)
+        sum += k >= first ? fabs(piece->c[k][variable]) * power : 0;
+    return sum;
 }
 
-/* The error of each variable: rounding. */
-static void judge(struct step_path *path)
+/* Sets the errors of polynomials that describe the path but for rounding. */
+static void set_rounding(struct step_path *path)
 {
-    for (int i = 0; i < path->inside.run->system.n; i++) {
-        double sum = 0, power = 1;
-        for (int k = 0; k <= path->degree; k++, power /= 2)
-            sum += fabs(path->c[k][i]) * power;
-        path->error[i] = ROUNDING * sum;
-    }
+    for (int i = 0; i < path->inside.run->system.n; i++)
+        path->piece->error[i] = ROUNDING * terms_size(path->piece, i, 0, path->degree, 0.5);
 }
 
 static void through_samples(struct step_path *path, int degree)
@@ -152,9 +144,80 @@ static void through_samples(struct step_path *path, int degree)
     for (int k = 0; k <= degree; k++)
         path_state(path, (double)k / degree, sample[k]);
     path->degree = degree;
+    path->pieces = 1;
     for (int i = 0; i < path->inside.run->system.n; i++)
-        fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->c[0][i], LIMIT_VARIABLES);
-    judge(path);
+        fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->piece->c[0][i], LIMIT_VARIABLES);
+    set_rounding(path);
+}
+
+/* ---- of a step without a polynomial of its own: states inside of it are steps from its beginning
+ */
+
+/*
+ * Bends the cubic to go through the middle. The error is as large as that changed; returns false if
+ * this is too large a share of the motion to bound it.
+ */
+static bool through_middle(struct step_path *path)
+{
+    static const double resolved = 1e-4; /* what is left out is of a higher order: far smaller */
+    double middle[LIMIT_VARIABLES];
+    bool fine = true;
+    path_state(path, 0.5, middle);
+    path->degree = 4;
+    for (int i = 0; i < path->inside.run->system.n; i++) {
+        struct path_piece *piece = path->piece;
+        const double off = middle[i] - piece->c[0][i]; /* times (1 - 4 s^2)^2 */
+        fine = fine && !(fabs(off) > resolved * terms_size(piece, i, 1, 3, 0.5) +
+                                         ROUNDING * fabs(piece->c[0][i]));
+        piece->c[0][i] += off;
+        piece->c[2][i] -= 8 * off;
+        piece->c[4][i] = 16 * off;
+        piece->error[i] =
+            fabs(off) + ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
+    }
+    return fine;
+}
+
+/*
+ * Fits the polynomial of part k of `pieces`. Its error is bounded by its last terms: (theta - a) …
+ * (theta - b) of the next one is below 1e-2 of the largest power. Returns false if these are too
+ * large a share of the motion.
+ */
+static bool fit_piece(struct step_path *path, int k, int pieces)
+{
+    static const double left_out = 0.1, resolved = 1e-2;
+    double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
+    struct path_piece *piece = &path->piece[k];
+    const double length = 1. / pieces;
+    bool fine = true;
+    for (int j = 0; j <= DENSE_DEGREE; j++)
+        path_state(path, length * (k + (double)j / DENSE_DEGREE), sample[j]);
+    for (int i = 0; i < path->inside.run->system.n; i++) {
+        fit(&sample[0][i], LIMIT_VARIABLES, DENSE_DEGREE, &piece->c[0][i], LIMIT_VARIABLES);
+        double power = 1;
+        for (int j = 0; j <= DENSE_DEGREE; j++, power *= pieces)
+            piece->c[j][i] *= power;
+        const double last = terms_size(piece, i, DENSE_DEGREE - 1, DENSE_DEGREE, length / 2),
+                     motion = terms_size(piece, i, 1, DENSE_DEGREE, length / 2);
+        const bool smooth = last <= resolved * motion;
+        fine = fine && smooth;
+        piece->error[i] = (smooth ? left_out * last : TAIL * motion) +
+                          ROUNDING * (fabs(piece->c[0][i]) + motion);
+    }
+    return fine;
+}
+
+static void through_pieces(struct step_path *path)
+{
+    bool fine = false;
+    path->degree = DENSE_DEGREE;
+    for (path->pieces = 1; !fine; path->pieces *= 2) {
+        fine = true;
+        for (int k = 0; k < path->pieces && (fine || path->pieces == PATH_PIECES_MAX); k++)
+            fine &= fit_piece(path, k, path->pieces);
+        if (fine || path->pieces == PATH_PIECES_MAX)
+            return;
+    }
 }
 
 void path_make(struct step_path *path)
@@ -163,15 +226,15 @@ void path_make(struct step_path *path)
     if (path->known)
         return;
     path->known = true;
-    if (path->inside.method.dense) {
+    if (!side && path->inside.method.dense) {
         through_samples(path, method_dense_degree(&path->inside.method));
         return;
     }
     through_ends(path);
-    if (side)
-        through_middle(path);
-    else
-        judge(path);
+    if (!side)
+        set_rounding(path);
+    else if (!through_middle(path))
+        through_pieces(path);
 }
 
 double path_time(const struct step_path *path, double theta)
@@ -188,25 +251,59 @@ void path_state(const struct step_path *path, double theta, double *y)
         inside_state(&path->inside, theta, y);
 }
 
+/* Returns the part of the step in which theta lies, and sets *s to how far it is from its middle.
+ */
+static int piece_at(const struct step_path *path, double theta, double *s)
+{
+    const int last = path->pieces - 1, k = (int)(theta * path->pieces), piece = k < last ? k : last;
+    *s = theta - (piece + 0.5) / path->pieces;
+    return piece;
+}
+
 void path_estimate(const struct step_path *path, double theta, double *y)
 {
+    double s;
+    const struct path_piece *piece = &path->piece[piece_at(path, theta, &s)];
     for (int i = 0; i < path->inside.run->system.n; i++) {
-        y[i] = path->c[path->degree][i];
+        y[i] = piece->c[path->degree][i];
         for (int k = path->degree; k-- > 0;)
-            y[i] = y[i] * (theta - 0.5) + path->c[k][i];
+            y[i] = y[i] * s + piece->c[k][i];
     }
+}
+
+/* Returns the bounds from a to b in part k. */
+static struct jet piece_jet(const struct step_path *path, int k, int variable, double a, double b)
+{
+    const int degree = path->degree;
+    const double shift = (a + b) / 2 - (k + 0.5) / path->pieces;
+    double c[DENSE_DEGREE + 1];
+    for (int j = 0; j <= degree; j++)
+        c[j] = path->piece[k].c[j][variable];
+    if (shift != 0) /* about the middle of a and b: Horner's scheme again and again */
+        for (int i = 0; i < degree; i++)
+            for (int j = degree - 1; j >= i; j--)
+                c[j] += shift * c[j + 1];
+    return bounds(c, degree, (b - a) / 2, path->piece[k].error[variable], path->pieces);
+}
+
+static struct interval hull(struct interval a, struct interval b)
+{
+    return (struct interval){fmin(a.lo, b.lo), fmax(a.hi, b.hi)};
 }
 
 struct jet path_jet(const struct step_path *path, int variable, double a, double b)
 {
-    const int degree = path->degree;
-    const double shift = (a + b) / 2 - 0.5;
-    double c[DENSE_DEGREE + 1];
-    for (int k = 0; k <= degree; k++)
-        c[k] = path->c[k][variable];
-    if (shift != 0) /* about the middle of a and b: Horner's scheme again and again */
-        for (int i = 0; i < degree; i++)
-            for (int k = degree - 1; k >= i; k--)
-                c[k] += shift * c[k + 1];
-    return bounds(c, degree, (b - a) / 2, path->error[variable]);
+    const int pieces = path->pieces;
+    double s;
+    const int first = piece_at(path, a, &s), last = piece_at(path, b, &s);
+    if (first == last)
+        return piece_jet(path, first, variable, a, b);
+    struct jet all = piece_jet(path, first, variable, a, (first + 1.) / pieces);
+    for (int k = first + 1; k <= last; k++) {
+        const double from = (double)k / pieces, to = fmin((k + 1.) / pieces, b);
+        const struct jet jet = piece_jet(path, k, variable, from, fmax(from, to));
+        all = (struct jet){hull(all.value, jet.value), hull(all.slope, jet.slope),
+                           hull(all.bend, jet.bend)};
+    }
+    return all;
 }

@@ -71,7 +71,7 @@ bool events_watch_begin(struct event_watch *watch, struct run *run, const struct
     for (int i = 0; i < watch->events && !watch->failed; i++) {
         const struct event *event = i == watch->until ? &watch->condition : &target->event[i];
         watch->scope = event->scope;
-        struct watched made = {.event = event, .budget = BUDGET, .touched = NAN};
+        struct watched made = {.event = event, .budget = BUDGET, .touched = NAN, .passed = NAN};
         made.left = expr_settle(event->left, event->scope, column_of, watch, &watch->arena);
         if (event->right)
             made.right = expr_settle(event->right, event->scope, column_of, watch, &watch->arena);
@@ -214,7 +214,7 @@ static struct interval value_within(struct event_watch *watch, const struct watc
                                  ? y[column->index]
                                  : load_other(watch, watched, column->index, t, y);
         const double size = column->kind == MOVING_STATE
-                                ? fmax(fabs(value), watch->run->system.scale[column->index])
+                                ? fmax(fabs(value), watch->size[column->index])
                                 : fabs(value);
         const double off = size * (column->kind == MOVING_TIME ? 2 * DBL_EPSILON : error);
         watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};

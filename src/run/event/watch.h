@@ -9,18 +9,22 @@
 
 /* ---- path.c ---- */
 
+enum { PATH_PIECES_MAX = 8 };
+
 /*
- * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but
- * for `error`. Of a method whose steps have no polynomial through the ends and the middle.
+ * Describes the step just taken by polynomials of theta, the share of the step, on `pieces` parts
+ * of equal length: y = sum c_k (theta - middle of the part)^k, up to `error`. One part is exact for
+ * methods with a dense output of their own; long steps of others take more.
  */
 struct step_path {
     struct inside inside;
     double end_t;
-    bool known; /* made for this step */
-    int degree;
+    bool known; /* the polynomials were made for this step */
+    int degree, pieces;
     double end[LIMIT_VARIABLES];
-    double c[DENSE_DEGREE + 1][LIMIT_VARIABLES];
-    double error[LIMIT_VARIABLES];
+    struct path_piece {
+        double c[DENSE_DEGREE + 1][LIMIT_VARIABLES], error[LIMIT_VARIABLES];
+    } piece[PATH_PIECES_MAX];
 };
 
 void path_begin(struct step_path *path, const struct inside *inside);
@@ -47,6 +51,7 @@ struct watched {
     int sign;     /* where it was last not 0 */
     int budget;
     double touched; /* [s] when it last touched 0, NAN: never */
+    double passed;  /* [s] when it last was an event of either kind; NAN means never */
 };
 
 struct event_crossing {
@@ -70,6 +75,8 @@ struct event_watch {
     struct event condition;
     bool or_equal;
     struct step_path path;
+    double size[LIMIT_VARIABLES]; /* largest value of each variable in the run, */
+    bool sized;                   /* if known */
     struct event_crossing *found; /* in the step just taken, in order */
     double *state;                /* [count][n] */
     size_t count, found_capacity;

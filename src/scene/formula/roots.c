@@ -177,12 +177,35 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
     return false;
 }
 
+/*
+ * Handles a stretch that begins at a zero, where the value bends towards `bend` and first goes the
+ * other way: its crossing back is inside, not at the beginning. Returns false if there is none.
+ */
+static bool leaves_zero(struct root_search *roots, const struct root_interval *s, int bend)
+{
+    const int before = roots->sign;
+    double x;
+    if (s->fa != 0 || sign_of(s->fb) != bend || !(bend * slope_at(roots, s->a) < 0))
+        return false;
+    roots->sign = bend;
+    const bool dips = reaches(roots, s, &x);
+    roots->sign = before;
+    if (!dips)
+        return false;
+    const double fx = value_at(roots, x);
+    pass(roots, &(struct root_interval){s->a, x, 0, fx});
+    pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
+    return true;
+}
+
 /* With a second derivative of one sign. */
 static void bent(struct root_search *roots, const struct root_interval *s,
                  const struct interval *second)
 {
     const int after = sign_of(s->fb);
     const bool up = second->lo > 0;
+    if (leaves_zero(roots, s, up ? 1 : -1))
+        return;
     if (roots->sign == 0 || after == -roots->sign || (roots->sign > 0) != up) {
         pass(roots, s);
         return;

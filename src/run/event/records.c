@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Events that have happened: which of them stop a run, and what is kept of them. */
+#include "run/event/watch.h"
+
+#include <stdlib.h>
+
+static bool keep(struct run *run, const struct event_crossing *crossing, const double *state)
+{
+    struct event_records *all = &run->private_state->event_records;
+    const size_t n = (size_t)run->system.n;
+    if (all->count == LIMIT_EVENT_RECORDS)
+        return false;
+    if (all->count == all->capacity) {
+        const size_t capacity = all->capacity ? 2 * all->capacity : 16;
+        struct event_record *at = realloc(all->at, capacity * sizeof *at);
+        all->at = at ? at : all->at;
+        double *more = at ? realloc(all->state, capacity * n * sizeof *all->state) : NULL;
+        all->state = more ? more : all->state;
+        if (!more)
+            return false;
+        all->capacity = capacity;
+    }
+    all->at[all->count] =
+        (struct event_record){crossing->event, crossing->direction, run->steps, crossing->t};
+    memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
+    return true;
+}
+
+bool events_until(const struct run *run, double *theta)
+{
+    const struct event_watch *watch = run->private_state->watch;
+    bool stopped = false; /* by another event before */
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct event_crossing *crossing = &watch->found[i];
+        if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {
+            *theta = crossing->theta;
+            return true;
+        }
+        if (watch->event[crossing->event].event->stop && !stopped) {
+            stopped = true;
+            *theta = crossing->theta;
+        }
+    }
+    return false;
+}
+
+bool events_stop(const struct run *run)
+{
+    const struct event_watch *watch = run->private_state->watch;
+    for (size_t i = 0; i < watch->count; i++)
+        if (watch->event[watch->found[i].event].event->stop)
+            return true;
+    return false;
+}
+
+void events_until_at(struct run *run, double theta)
+{
+    const struct event_watch *watch = run->private_state->watch;
+    for (size_t i = 0; i < watch->count; i++) {
+        struct event_crossing *crossing = &watch->found[i];
+        const bool before = (run->t - crossing->t) * watch->path.inside.h > 0;
+        if (crossing->theta > theta || (crossing->theta < theta && before))
+            continue;
+        crossing->t = run->t;
+        copy_state(watch->state + i * (size_t)run->system.n, run->y, run->system.n);
+    }
+}
+
+bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops)
+{
+    const struct event_watch *watch = run->private_state->watch;
+    const int n = run->system.n;
+    for (size_t i = 0; i < watch->count; i++) {
+        const struct event_crossing *crossing = &watch->found[i];
+        const double *state = watch->state + i * (size_t)n;
+        if ((crossing->t - run->t) * h > 0)
+            break;
+        if (crossing->event == watch->until)
+            continue;
+        if (!keep(run, crossing, state))
+            return false;
+        if (!segment->target->event[crossing->event].stop || *stops)
+            continue;
+        copy_state(run->y, state, n);
+        run->t = crossing->t;
+        forget_rounding(run->private_state, n);
+        run->private_state->step.warm = false;
+        *stops = true;
+    }
+    return true;
+}
+
+struct event_doubt run_event_doubt(const struct run *run, int event)
+{
+    return run->private_state->doubt[event];
+}
+
+void event_records_truncate(struct run *run, double ahead)
+{
+    struct event_records *all = &run->private_state->event_records;
+    for (; all->count > 0; all->count--) {
+        const struct event_record *last = &all->at[all->count - 1];
+        if (last->step < run->steps ||
+            (last->step == run->steps && (last->t - run->t) * ahead <= 0))
+            break;
+    }
+}
+
+size_t run_event_records(const struct run *run)
+{
+    return run->private_state->event_records.count;
+}
+
+const struct event_record *run_event_record(const struct run *run, size_t i)
+{
+    return &run->private_state->event_records.at[i];
+}
+
+const double *run_event_record_state(const struct run *run, size_t i)
+{
+    return run->private_state->event_records.state + i * (size_t)run->system.n;
+}
