@@ -2,7 +2,7 @@
 /*
  * What every fuzz target has. Under libFuzzer (-DFUZZING) that is a count at the end; without it a
  * main() that replays the corpus and goes on with mutations of it, of a fixed seed, as an ordinary
- * test: a second of processor time, in the long form FUZZ_SECONDS (600).
+ * test: QUICK_SECONDS of processor time (1), in the long form FUZZ_SECONDS (600).
  *
  * CORPUS: its folder below tests/fuzz/corpus. UNIT: what fuzz_units counts. With FUZZ_MUTATOR the
  * target has LLVMFuzzerCustomMutator(); with FUZZ_SEEDS, fuzz_seed(): inputs that are made, not
@@ -26,6 +26,9 @@ size_t fuzz_seed(size_t i, uint8_t *data, size_t max);
 
 #ifndef QUICK_INPUTS /* of the quick form, at most */
 #define QUICK_INPUTS ULONG_MAX
+#endif
+#ifndef QUICK_SECONDS /* of processor time, of the quick form */
+#define QUICK_SECONDS 1
 #endif
 #ifndef UNIT
 #define UNIT "inputs"
@@ -227,7 +230,7 @@ static double replay_seconds(void)
 int main(int argc, char **argv)
 {
     const char *wish = getenv("FUZZ_SECONDS"), *seed = getenv("FUZZ_SEED");
-    const double most = !is_long() ? 1 : wish ? strtod(wish, NULL) : REPLAY_SECONDS;
+    const double most = !is_long() ? QUICK_SECONDS : wish ? strtod(wish, NULL) : REPLAY_SECONDS;
     unsigned long inputs = 0;
     replay.random = seed ? strtoull(seed, NULL, 10) : 20261121;
     replay.output = dup(STDOUT_FILENO);

@@ -15,8 +15,14 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#ifndef SCRIPTED_NS
+#define SCRIPTED_NS 2000000 /* for a line; for those of one input in 64 ten times that */
+#endif
+#ifndef SCRIPTED_CLOCK
+#define SCRIPTED_CLOCK CLOCK_MONOTONIC
+#endif
+
 enum {
-    SCRIPTED_NS = 2000000,   /* for a line; for those of one input in 64 ten times that */
     SCRIPTED_FILE = 1 << 20, /* [byte] of a file */
     SCRIPTED_SWEEP = 500,    /* inputs until what they wrote goes */
     SCRIPTED_SEED_LINES = 12,
@@ -78,7 +84,7 @@ static void scripted_settle(void)
         struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
         tokens_begin();
         if (!make_folder(folder) || chdir(folder) != 0 || sigaction(SIGRTMIN, &action, NULL) != 0 ||
-            timer_create(CLOCK_MONOTONIC, &event, &scripted_timer) != 0)
+            timer_create(SCRIPTED_CLOCK, &event, &scripted_timer) != 0)
             abort();
         setrlimit(RLIMIT_FSIZE, &small);
         signal(SIGXFSZ, SIG_IGN);

@@ -10,7 +10,7 @@
 
 struct box_names {
     const struct typed *typed;
-    struct jet name[2 + LIMIT_VARIABLES + TERM_VALUES + LIMIT_OBSERVED];
+    struct jet name[TYPED_NAMES_MAX];
 };
 
 static struct jet of_unit(struct interval value, bool moves)
@@ -26,7 +26,7 @@ static void name_all(struct box_names *names, const double *c, const struct inte
                      int by)
 {
     const struct typed *typed = names->typed;
-    const int n = typed->model.n, first = 2 + n + typed->reads;
+    const int n = typed->model.n, first = typed_first_observed(typed);
     names->name[0] = jet_number(t);
     for (int i = 0; i < n; i++)
         names->name[1 + i] = of_unit(box[i], i == by);

@@ -31,7 +31,7 @@ struct way {
     const double *from, *to;
     double bend[2][LIMIT_VARIABLES]; /* from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
     double rate[LIMIT_VARIABLES];
-    struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES], centre[1 + LIMIT_VARIABLES + TERM_VALUES];
+    struct jet name[TYPED_NAMES_MAX], centre[TYPED_NAMES_MAX];
 };
 
 /* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about
@@ -95,7 +95,7 @@ static struct jet bounds_of(const struct way *way, const struct expr *expr, doub
 static struct jet row_bounds(struct way *way, int row, double a, double b)
 {
     const struct typed *typed = way->typed;
-    const int first = 2 + typed->model.n + typed->reads;
+    const int first = typed_first_observed(typed);
     const double middle = a + (b - a) / 2;
     struct jet sum = jet_number(0);
     name_all(way, a, b, way->name);

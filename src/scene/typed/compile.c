@@ -131,7 +131,6 @@ static bool lay_out(struct compile *c)
 static bool number_names(struct compile *c)
 {
     struct typed *typed = c->typed;
-    const int n = typed->model.n;
     typed->mass = -1;
     for (int i = 0; i < c->symbols; i++) {
         struct symbol *symbol = &c->symbol[i];
@@ -147,11 +146,11 @@ static bool number_names(struct compile *c)
             return error_set(c->error, ERROR_COMMAND, "the equations use more than %d parameters",
                              TYPED_READS);
         typed->read[typed->reads] = symbol->index;
-        symbol->slot = n + 2 + typed->reads++;
+        symbol->slot = typed_first_read(typed) + typed->reads++;
     }
     for (int i = 0; i < c->symbols; i++)
         if (c->symbol[i].kind == SYMBOL_OBSERVED)
-            c->symbol[i].slot = n + 2 + typed->reads + c->symbol[i].index;
+            c->symbol[i].slot = typed_first_observed(typed) + c->symbol[i].index;
     return true;
 }
 
@@ -184,7 +183,7 @@ static void find_dependence(const struct compile *c, unsigned *depends)
         depends[1 + i] =
             typed->model.order == 2 && i >= n / 2 ? DEPENDS_VELOCITY : DEPENDS_POSITION;
     for (int i = 0; i < typed->observes; i++)
-        depends[n + 2 + typed->reads + i] = typed_depends(typed->observe[i], depends);
+        depends[typed_first_observed(typed) + i] = typed_depends(typed->observe[i], depends);
 }
 
 static const struct typed_line *first_line(const struct typed *typed, enum typed_kind kind)
@@ -328,8 +327,7 @@ static bool make_model(struct compile *c)
     if (!number_names(c))
         return false;
     renumber_all(c);
-    const size_t names = (size_t)(model->n + 2 + typed->reads + typed->observes);
-    unsigned *depends = calloc(names, sizeof *depends);
+    unsigned *depends = calloc((size_t)typed_names(typed), sizeof *depends);
     if (!depends)
         return error_memory(c->error);
     find_dependence(c, depends);

@@ -139,8 +139,8 @@ static struct drive_part part_of(const struct expr *expr, const struct drive_par
 
 static double typed_drive(const struct typed *typed, const double *c)
 {
-    struct drive_part name[2 + LIMIT_VARIABLES + TERM_VALUES + LIMIT_OBSERVED];
-    const int n = typed->model.n, first = 2 + n + typed->reads;
+    struct drive_part name[TYPED_NAMES_MAX];
+    const int n = typed->model.n, first = typed_first_observed(typed);
     double period = 0;
     name[0] = (struct drive_part){.known = true, .rate = 1};
     for (int i = 0; i < n; i++)

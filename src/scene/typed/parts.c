@@ -284,7 +284,7 @@ void typed_part_destroy(struct typed_part *part)
 
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error)
 {
-    const int first = typed->model.n + 2, names = first + typed->reads + typed->observes;
+    const int names = typed_names(typed);
     struct typed_part *part = calloc(1, sizeof *part);
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
@@ -297,9 +297,10 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
     else
         fine = (m.equations = equations_create(names, error)) != NULL;
     for (int i = 0; fine && i < typed->reads; i++)
-        bound[first + i] = zeros >> i & 1;
+        bound[typed_first_read(typed) + i] = zeros >> i & 1;
     for (int i = 0; fine && i < typed->observes; i++)
-        fine = equations_let(m.equations, first + typed->reads + i, typed->observe[i], error);
+        fine =
+            equations_let(m.equations, typed_first_observed(typed) + i, typed->observe[i], error);
     fine = fine && make_groups(&m, part) && make_looks(&m, part) &&
            typed_freeze(typed, zeros, part, error);
     equations_destroy(m.equations);

@@ -12,7 +12,7 @@
 
 static int first_branch(const struct typed *typed)
 {
-    return 1 + typed->reads + typed->observes;
+    return typed_names(typed) - typed_mass_name(typed);
 }
 
 /* ---- making them ---- */
@@ -66,10 +66,11 @@ static bool make_programs(struct switch_making *m, struct typed_part *part)
     int state[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
         state[i] = 1 + i;
-    found->name = 1 + n + first_branch(typed);
+    found->name = typed_names(typed);
     found->moving = 1 + n;
     for (int i = 0; i < typed->observes; i++)
-        if (!equations_let(m->equations, n + 2 + typed->reads + i, typed->observe[i], m->error))
+        if (!equations_let(m->equations, typed_first_observed(typed) + i, typed->observe[i],
+                           m->error))
             return false;
     if (!add_rows(m) || !equations_freeze(m->equations, 0, rows, found, m->error))
         return false;
@@ -137,8 +138,7 @@ static bool turns_only(const struct typed_part *part)
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part,
                   struct error *error)
 {
-    const int first = typed->model.n + 2,
-              names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
+    const int names = typed_names(typed) + LIMIT_TYPED_SWITCHES;
     if (!any_switches(typed))
         return true;
     bool *bound = calloc((size_t)names, sizeof *bound);
@@ -151,7 +151,7 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
     else if (m.values < TERM_VALUES) /* else there is no room for branches */
         fine = (m.equations = equations_create(names, error)) != NULL;
     for (int i = 0; fine && i < typed->reads; i++)
-        bound[first + i] = zeros >> i & 1;
+        bound[typed_first_read(typed) + i] = zeros >> i & 1;
     part->frozen.typed = typed;
     part->frozen.part = part;
     part->frozen.row = (struct term_row){.row = {"equations", "", "on frozen branches", "", NULL},

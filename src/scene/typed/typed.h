@@ -7,6 +7,9 @@
 
 #define TYPED_NAME_MAX (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
 #define TYPED_READS (TERM_VALUES - 2)     /* parameters that expressions may read */
+/* Number of names that expressions can have: t, the mass, the state, the parameters that are read
+ * and the observed quantities; typed_names() counts those of one scene. */
+#define TYPED_NAMES_MAX (2 + LIMIT_VARIABLES + TYPED_READS + LIMIT_OBSERVED)
 
 /*
  * Forces by what they depend on: FORCE on positions only, WORK on time, too, DRAG on velocities. A
@@ -57,6 +60,24 @@ static inline int typed_rows(const struct typed *typed)
 static inline int typed_mass_name(const struct typed *typed)
 {
     return 1 + typed->model.n;
+}
+
+/* Returns the name of the first parameter that is read; the others follow it. */
+static inline int typed_first_read(const struct typed *typed)
+{
+    return typed_mass_name(typed) + 1;
+}
+
+/* Returns the name of the first observed quantity; the others follow it. */
+static inline int typed_first_observed(const struct typed *typed)
+{
+    return typed_first_read(typed) + typed->reads;
+}
+
+/* Returns the number of names, at most TYPED_NAMES_MAX. */
+static inline int typed_names(const struct typed *typed)
+{
+    return typed_first_observed(typed) + typed->observes;
 }
 
 /* Makes it from its base and its lines; error->where may lie in a line's texts. */

@@ -76,7 +76,6 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
 static const struct expr *renamed(struct written *w, const struct typed *typed,
                                   const struct expr *expr, struct error *error)
 {
-    const int n = typed->model.n;
     struct expr *out = arena_alloc(&w->arena, sizeof *out);
     struct op *op = out ? arena_array(&w->arena, expr->count, sizeof *op) : NULL;
     if (!op)
@@ -88,10 +87,10 @@ static const struct expr *renamed(struct written *w, const struct typed *typed,
             const int m = scene_param(w->scene, "m");
             op[i] = m >= 0 ? (struct op){.kind = OP_NAME, .slot = w->params + m}
                            : (struct op){.kind = OP_NUMBER, .number = w->system.mass};
-        } else if (slot > n + 1 + typed->reads) {
-            op[i].slot = w->observed + slot - (n + 2 + typed->reads);
-        } else if (slot > n + 1) {
-            op[i].slot = w->params + typed->read[slot - (n + 2)];
+        } else if (slot >= typed_first_observed(typed)) {
+            op[i].slot = w->observed + slot - typed_first_observed(typed);
+        } else if (slot >= typed_first_read(typed)) {
+            op[i].slot = w->params + typed->read[slot - typed_first_read(typed)];
         }
     }
     *out = (struct expr){.op = op, .count = expr->count, .capacity = expr->count};
