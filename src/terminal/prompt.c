@@ -52,6 +52,14 @@ static void leave_inside(void)
     rl_abort(1, 0);
 }
 
+static void drop_line(void)
+{
+    line_drop_undo();
+    rl_free_line_state();
+    rl_replace_line("", 0);
+    rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
+}
+
 /* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for
  * the autosave. */
 static void heed_signals(void)
@@ -70,10 +78,7 @@ static void heed_signals(void)
     if (cancelled(&interrupt) && !signals_ending()) {
         const bool inside = RL_ISSTATE(RL_STATE_MOREINPUT);
         atomic_store(&interrupt.requested, 0);
-        line_drop_undo();
-        rl_free_line_state();
-        rl_replace_line("", 0);
-        rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
+        drop_line();
         fputs("^C", rl_outstream);
         rl_crlf();
         rl_on_new_line();
@@ -86,7 +91,7 @@ static void heed_signals(void)
 
 /* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the
  * signal that precedes it. */
-static int get_key(FILE *stream)
+static int wait_for_key(FILE *stream)
 {
     struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN},
                               {.fd = signals_pipe(), .events = POLLIN}};
@@ -103,6 +108,18 @@ static int get_key(FILE *stream)
         }
     }
     return EOF;
+}
+
+/* Readline reads the text of a paste without a NUL behind it where the input ends first, and copies
+ * it up to one: it never gets to see that end, and nothing of the line is executed. */
+static int get_key(FILE *stream)
+{
+    const int key = wait_for_key(stream);
+    if (key == EOF && RL_ISSTATE(RL_STATE_MOREINPUT)) {
+        drop_line();
+        leave_inside();
+    }
+    return key;
 }
 
 static bool confirm(void *context, const char *question)

@@ -355,6 +355,25 @@ static void test_paste_stops_at_the_error(void **state)
     quit(&p);
 }
 
+/* Readline's paste has no end then: a sanitizer sees what is read beyond it. */
+static void test_input_ends_in_a_paste(void **state)
+{
+    (void)state;
+    struct person p;
+    int status = 0;
+    begin(&p, "C.UTF-8");
+    expect(&p, PROMPT);
+    type(&p, "print 1001");
+    type(&p, "\x1b[200~ + 1\nprint 1002");
+    while (pump(&p, 300)) {
+    }
+    close(p.fd);
+    assert_int_equal(waitpid(p.program, &status, 0), p.program);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 128 + SIGHUP);
+    buffer_free(&p.seen);
+}
+
 static void test_multibyte_text(void **state)
 {
     (void)state;
@@ -463,6 +482,7 @@ int main(void)
         cmocka_unit_test(test_interrupt_stops_long_commands),
         cmocka_unit_test(test_history_is_kept),
         cmocka_unit_test(test_paste_stops_at_the_error),
+        cmocka_unit_test(test_input_ends_in_a_paste),
         cmocka_unit_test(test_multibyte_text),
         cmocka_unit_test(test_hangup_and_terminate),
         cmocka_unit_test(test_end_of_input_leaves),
