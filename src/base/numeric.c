@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/base/numeric.h>
 
+#include <gsl/gsl_errno.h>
 #include <gsl/gsl_sort_double.h>
 #include <gsl/gsl_statistics_double.h>
 #include <string.h>
+
+/* Keeps GSL from ending the program, which its default error handler does even where memory is out:
+ * its functions return a status, NULL or NaN, which their callers check. */
+__attribute__((constructor)) static void gsl_errors_return(void)
+{
+    gsl_set_error_handler_off();
+}
 
 double quantile(double *values, size_t n, double share)
 {

@@ -308,7 +308,7 @@ struct fit_model {
  * least squares, widened for what the residuals share with each parameter (sway, wandering); of
  * period, omega and gamma also half the difference of the window's halves where these differ by
  * more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not
- * converge. A fit switches GSL's error handler off (process-wide: GSL has no other way).
+ * converge. GSL's error handler is off (base/numeric.c).
  */
 extern const struct catalog fit_catalog;
 

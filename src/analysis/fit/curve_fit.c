@@ -452,7 +452,6 @@ static bool fit_within(const struct fit_curve *curve, const struct series *serie
     int count = curve->parameters, max = o->iterations > 0 ? o->iterations : ITERATIONS,
         iterations = 0;
     *fit = (struct curve_fit){.parameters = count};
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!enough_samples(series, count, error))
         return false;
     memcpy(x, start, (size_t)count * sizeof *x);

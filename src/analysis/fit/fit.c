@@ -2,7 +2,6 @@
 /* Fits that need no guess: damped and plain sine, with what they are worth. */
 #include "analysis/internal.h"
 
-#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -151,7 +150,6 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     *fit = (struct fit){.model = model};
     fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] =
         (struct measured){NAN, NAN};
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!motion_require(&m, series, arena, cancel, error)) {
         return false;
     }

@@ -6,7 +6,6 @@
 #include "analysis/fit/formula.h"
 #include "analysis/fit/projection.h"
 
-#include <gsl/gsl_errno.h>
 #include <string.h>
 
 enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
@@ -229,7 +228,6 @@ static bool fit_ready(const struct formula *formula, const struct series *series
     double answer[CURVE_PARAMETERS];
     bool all = true;
     o.bootstrap = 0;
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     for (int j = 0; j < formula->parameters; j++) {
         all = all && formula->started[j];
         if (!formula->linear[j] && !formula->started[j])

@@ -2,7 +2,6 @@
 /* Two or more damped sines at once: normal modes, beats. */
 #include "analysis/modes/modes.h"
 
-#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -388,7 +387,6 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
     struct modes_fitting f = {.series = series, .arena = arena, .cancel = cancel};
     struct mode_start start[MODES_MAX + 2];
     size_t rejected = 0;
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     f.residual = arena_array(arena, series->n + 1, sizeof *f.residual);
     f.scratch = arena_array(arena, series->n + 1, sizeof *f.scratch);
     if (!f.residual || !f.scratch || !samples_init(&f.samples, series, arena))

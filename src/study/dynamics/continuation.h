@@ -10,7 +10,7 @@
 
 #include "study/dynamics/field.h"
 
-#define CURVE_MAX MATRIX_MAX /* unknowns with the parameter */
+#define CURVE_MAX 64 /* unknowns with the parameter */
 #define CURVE_TESTS 4
 #define CURVE_NODES 10
 #define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */

@@ -80,8 +80,6 @@ bool field_jumps(struct vector_field *field, double t, const double *start, doub
 
 /* ---- small matrices, row-major ---- */
 
-#define MATRIX_MAX 64
-
 /* a [n][n] x = b, both are spoilt, b becomes x. False: singular or not finite. */
 bool matrix_solve(int n, double *a, double *b);
 /* Of a [n][n], spoilt; 0: singular. */

@@ -2,25 +2,56 @@
 /* Small dense matrices: determinants that do not overflow, sums and products of eigenvalues. */
 #include "study/dynamics/field.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_linalg.h>
 #include <math.h>
 
-/* Gaussian elimination with partial pivoting, GSL's; false: not finite, no memory. */
-static bool factor(int n, double *a, gsl_permutation *order, int *sign)
+static void swap_rows(int n, double *a, int i, int j)
 {
-    gsl_matrix_view view = gsl_matrix_view_array(a, (size_t)n, (size_t)n);
+    for (int k = 0; k < n; k++) {
+        const double kept = a[i * n + k];
+        a[i * n + k] = a[j * n + k];
+        a[j * n + k] = kept;
+    }
+}
+
+/*
+ * Gaussian elimination with partial pivoting (Golub, Van Loan 1996, Matrix Computations, 3.4): a
+ * [n][n] becomes upper triangular, and the same is done to the column b [n] unless it is NULL.
+ * Stops at a pivot that is 0. Returns the sign of the row exchanges, or 0 if `a` is not finite.
+ */
+static int eliminate(int n, double *a, double *b)
+{
+    int sign = 1;
     for (int i = 0; i < n * n; i++)
         if (!isfinite(a[i]))
-            return false;
-    return gsl_linalg_LU_decomp(&view.matrix, order, sign) == GSL_SUCCESS;
+            return 0;
+    for (int p = 0; p < n; p++) {
+        int best = p;
+        for (int i = p + 1; i < n; i++)
+            if (fabs(a[i * n + p]) > fabs(a[best * n + p]))
+                best = i;
+        if (best != p) {
+            sign = -sign;
+            swap_rows(n, a, p, best);
+            if (b)
+                swap_rows(1, b, p, best);
+        }
+        if (a[p * n + p] == 0)
+            break;
+        for (int i = p + 1; i < n; i++) {
+            const double factor = a[i * n + p] / a[p * n + p];
+            for (int j = p + 1; j < n; j++)
+                a[i * n + j] -= factor * a[p * n + j];
+            if (b)
+                b[i] -= factor * b[p];
+        }
+    }
+    return sign;
 }
 
 static double diagonal_product(int n, const double *a, int sign, int *exponent)
 {
     double product = sign;
     *exponent = 0;
-    /* what lies behind a pivot that is 0 has been divided by it */
     for (int i = 0; i < n && product != 0; i++) {
         int more;
         product = frexp(product * a[i * n + i], &more);
@@ -31,34 +62,24 @@ static double diagonal_product(int n, const double *a, int sign, int *exponent)
 
 bool matrix_solve(int n, double *a, double *b)
 {
-    size_t place[MATRIX_MAX];
-    gsl_permutation order = {(size_t)n, place};
-    int sign, exponent;
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
-    if (n > MATRIX_MAX || !factor(n, a, &order, &sign))
+    int exponent;
+    if (diagonal_product(n, a, eliminate(n, a, b), &exponent) == 0)
         return false;
-    gsl_matrix_view view = gsl_matrix_view_array(a, (size_t)n, (size_t)n);
-    gsl_vector_view right = gsl_vector_view_array(b, (size_t)n);
-    if (diagonal_product(n, a, sign, &exponent) == 0 ||
-        gsl_linalg_LU_svx(&view.matrix, &order, &right.vector) != GSL_SUCCESS)
-        return false;
-    for (int i = 0; i < n; i++)
+    for (int i = n; i-- > 0;) {
+        for (int j = i + 1; j < n; j++)
+            b[i] -= a[i * n + j] * b[j];
+        b[i] /= a[i * n + i];
         if (!isfinite(b[i]))
             return false;
+    }
     return true;
 }
 
 double matrix_determinant(int n, double *a, int *exponent)
 {
-    size_t place[MATRIX_MAX];
-    gsl_permutation order = {(size_t)n, place};
-    int sign;
-    *exponent = 0;
-    if (n == 0)
-        return 1;
-    gsl_set_error_handler_off();
-    return n <= MATRIX_MAX && factor(n, a, &order, &sign) ? diagonal_product(n, a, sign, exponent)
-                                                          : NAN;
+    const int sign = eliminate(n, a, NULL);
+    const double product = diagonal_product(n, a, sign, exponent);
+    return sign != 0 ? product : NAN;
 }
 
 static double entry(int n, const double *a, int i, int j)

@@ -8,7 +8,6 @@
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value)
 {
     const size_t size = (size_t)n;
-    gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     gsl_matrix *copy = gsl_matrix_alloc(size, size);
     gsl_vector_complex *found = gsl_vector_complex_alloc(size);
     gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(size);

@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running out of memory ends a command, not the session: allocations of a long script fail one by
- * one, once and for ever. */
+/* Running out of memory ends a command, not the session: allocations of a long script, in which
+ * every command occurs, fail one by one, once and for ever. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <gsl/gsl_errno.h>
+
 #include "long_form.h"
 #include "faults/failing_malloc.h"
+#include "terminal/folder.h"
 #include "unit/command/testing.h"
 
+/* NULL: what follows is done in a session of its own. */
 static const char *const lines[] = {
     "m = 199.9 +- 0.1 g; k = 15.1; y0 = 5 cm",
     "set gama 3",
@@ -58,16 +62,46 @@ static const char *const lines[] = {
     "param a = 2; x'' = -a*x; duration = 1 s; sweep a=1:3; stress scene rk4; undo 4; redo",
     "event e when x + do stop",
     "scene spring; force -5*y^3; run 1 s; force off; undo; scene decay; list scenes",
+    NULL,
+    "run 3 s; layout quad; focus phase; range y -1:1; zoom 2; pan 1 s; window 1 s; overlay off",
+    "trail 3; scroll 3; cursor; cursor A 1 s; cursor off; describe phase; clear",
+    "screenshot s.txt --force; pause; speed 2; reset; step 5",
+    "redraw",
+    "plain",
+    "panes",
+    NULL,
+    "lab resonance; hint; check 8.7 rad/s; skip; again; recipe start",
+    NULL,
+    "load swing.txt; m = 200 g; fit damped; report first --force",
+    NULL,
+    "var x = 1; param r = -1; equation x' = r*x-x^3; atol x=1e-9; method dopri5; run 1 s",
+    "equilibria; branch r=-1:1; list branches; export b.csv table of branch --force",
+    NULL,
+    "scene new well; var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; equilibria x=-2:2 v=-2:2",
+    "lyapunov 1 over 5 s; start x=1,v=0; plot portrait > q.txt --force; start clear",
+    NULL,
+    "scene vanderpol; orbit; list orbits; equilibria; run 1 s; plot phase > o.txt --force",
+    NULL,
+    "scene new well; var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-1:1:1 v=-1:1:1",
+    NULL,
+    "timing off; precision rk4 verlet dt=50ms:100ms",
+    NULL,
+    "collect counts.txt for=1s; calibrate y 20 cm 40 cm; zero; stop",
+    "quit",
+    NULL,
 };
 
-/* The whole script; false if some command failed that does not always fail. */
-static int run_all(struct bench *b)
+/* For the long form. */
+static const char *const slow_lines[] = {"selftest", NULL};
+
+/* Returns how many lines fail up to the next NULL. */
+static int run_chapter(struct bench *b, const char *const *line)
 {
     int failures = 0;
-    for (size_t i = 0; i < COUNT_OF(lines); i++) {
+    for (; *line; line++) {
         buffer_clear(&b->out);
         buffer_clear(&b->err);
-        failures += !command_exec(b->session, text_of(lines[i]), NULL, &b->reply);
+        failures += !command_exec(b->session, text_of(*line), NULL, &b->reply);
     }
     return failures;
 }
@@ -84,7 +118,7 @@ static struct session *open_session(struct bench *b)
 static void assert_alive(struct bench *b)
 {
     malloc_fail_at = -1;
-    b->reply.failed = b->out.failed = b->err.failed = false;
+    b->session->quit = b->reply.failed = b->out.failed = b->err.failed = false;
     buffer_free(&b->out);
     buffer_free(&b->err);
     type_ok(b, "set format text");
@@ -101,6 +135,53 @@ static void assert_alive(struct bench *b)
     buffer_free(&saved);
 }
 
+/* Files that the script reads. */
+static void write_files(void)
+{
+    FILE *swing = fopen("swing.txt", "w"), *counts = fopen("counts.txt", "w");
+    assert_non_null(swing);
+    assert_non_null(counts);
+    fputs("time\tdistance\ns\tcm\n", swing);
+    for (int i = 0; i < 200; i++) {
+        const double t = 0.02 * i, y = 20 + 5 * exp(-0.1 * t) * cos(8.66 * t);
+        fprintf(swing, "%.2f\t%.4f\n", t, y);
+        fprintf(counts, "%.2f,%.3f\n", t, y);
+    }
+    fclose(swing);
+    fclose(counts);
+}
+
+struct tally {
+    int mistakes;
+    long calls, noticed;
+};
+
+/* Fails allocations of the lines up to the next NULL, each time in a session of its own. */
+static void fail_chapter(const char *const *line, struct tally *tally)
+{
+    enum { POINTS = 7 };
+    struct bench b;
+    assert_non_null(open_session(&b));
+    malloc_calls = 0;
+    const int mistakes = run_chapter(&b, line);
+    const long calls = malloc_calls, step = is_long() || calls < POINTS ? 1 : calls / POINTS;
+    bench_close(&b);
+    for (int for_ever = 0; for_ever < 2; for_ever++)
+        for (long at = for_ever; at < calls; at += step) {
+            malloc_fail_at = at;
+            malloc_fail_for_ever = for_ever != 0;
+            malloc_calls = 0;
+            if (open_session(&b)) {
+                tally->noticed += run_chapter(&b, line) > mistakes;
+                assert_alive(&b);
+                bench_close(&b);
+            }
+            malloc_fail_at = -1;
+        }
+    tally->mistakes += mistakes;
+    tally->calls += calls;
+}
+
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -108,34 +189,69 @@ static void every_allocation_may_fail(void **state)
         print_message("the sanitizer has an allocator of its own\n");
         skip();
     }
-    struct bench b;
-    assert_non_null(open_session(&b));
-    malloc_calls = 0;
-    const int usual = run_all(&b);
-    const long calls = malloc_calls;
-    bench_close(&b);
-    assert_int_equal(usual, 4); /* the mistakes */
-    assert_true(calls > 500);
-    const long step = is_long() ? 1 : calls / 10;
-    long noticed = 0;
-    for (int for_ever = 0; for_ever < 2; for_ever++)
-        for (long at = for_ever; at < calls; at += step) {
-            malloc_fail_at = at;
-            malloc_fail_for_ever = for_ever != 0;
-            malloc_calls = 0;
-            if (open_session(&b)) {
-                noticed += run_all(&b) > usual;
-                assert_alive(&b);
-                bench_close(&b);
-            }
-            malloc_fail_at = -1;
-        }
-    print_message("%ld allocations, %ld failures seen as failed commands\n", calls, noticed);
-    assert_true(noticed > 0);
+    struct tally tally = {.calls = 0};
+    write_files();
+    for (size_t i = 0; i < COUNT_OF(lines); i++)
+        if (i == 0 || !lines[i - 1])
+            fail_chapter(&lines[i], &tally);
+    if (is_long())
+        fail_chapter(slow_lines, &tally);
+    print_message("%ld allocations, %ld failures seen as failed commands\n", tally.calls,
+                  tally.noticed);
+    assert_int_equal(tally.mistakes, 4 + 3 + 1); /* three want a terminal, one is quit */
+    assert_true(tally.calls > 500);
+    assert_true(tally.noticed > 0);
+}
+
+/* Returns true if a statement of the line begins with the word. */
+static bool has_statement(const char *line, struct text name)
+{
+    struct text rest = text_of(line), statement;
+    while (text_split(&rest, ';', &statement)) {
+        statement = text_trim(statement);
+        if (text_starts(statement, name) &&
+            (statement.len == name.len || statement.at[name.len] == ' '))
+            return true;
+    }
+    return false;
+}
+
+static void every_command_is_in_the_script(void **state)
+{
+    (void)state;
+    struct buffer missing = {0};
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const char *name = catalog_row(&command_catalog, i)->name;
+        bool found = has_statement(slow_lines[0], text_of(name));
+        for (size_t k = 0; k < COUNT_OF(lines) && !found; k++)
+            found = lines[k] && has_statement(lines[k], text_of(name));
+        if (!found)
+            buffer_format(&missing, " %s", name);
+    }
+    if (missing.len > 0)
+        fail_msg("no allocation of these fails here:%s", said(&missing));
+}
+
+/* GSL's own handler ends the program, and it is called where memory is out. */
+static void gsl_returns_its_errors(void **state)
+{
+    (void)state;
+    gsl_error_handler_t *const first = gsl_set_error_handler_off(), *const off =
+                                                                        gsl_set_error_handler_off();
+    assert_true(first == off);
+}
+
+/* With the folder of the report. */
+static int leave_folders(void **state)
+{
+    nftw("first", remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return leave_folder(state);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_allocation_may_fail)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(gsl_returns_its_errors),
+                                       cmocka_unit_test(every_command_is_in_the_script),
+                                       cmocka_unit_test(every_allocation_may_fail)};
+    return cmocka_run_group_tests(tests, enter_folder, leave_folders);
 }
