@@ -118,11 +118,10 @@ static bool find_rounding(const struct stamps *s, double step, double deviation,
 /*
  * By how much the lines of this slope miss being within half a digit of every stamp: the largest
  * lower end above the line less the smallest upper end, a convex function of the slope; negative
- * where there are such lines. *derivative is its slope. *level is the intercept: the first stamp
- * where a line passes through it, else the middle.
+ * where there are such lines. *derivative is its slope.
  */
 static double slope_miss(const struct stamps *s, const struct stamp_rounding *rounding, double step,
-                         double *derivative, double *level)
+                         double *derivative)
 {
     double low = -HUGE_VAL, high = HUGE_VAL;
     size_t low_at = 0, high_at = 0;
@@ -139,7 +138,6 @@ static double slope_miss(const struct stamps *s, const struct stamp_rounding *ro
         }
     }
     *derivative = (double)high_at - (double)low_at;
-    *level = s->t[0] + (low <= 0 && high >= 0 ? 0 : 0.5 * (low + high));
     return low - high;
 }
 
@@ -150,9 +148,9 @@ static double slope_limit(const struct stamps *s, const struct stamp_rounding *r
 {
     const double coarse =
         fmax(stamp_resolution(rounding, s->t[0]), stamp_resolution(rounding, s->t[s->n - 1]));
-    double slope = step + side * 4 * coarse / (double)(s->n - 1), derivative, level;
+    double slope = step + side * 4 * coarse / (double)(s->n - 1), derivative;
     for (int k = 0; k < NEWTON_MAX && !cancelled(s->cancel); k++) {
-        const double miss = slope_miss(s, rounding, slope, &derivative, &level);
+        const double miss = slope_miss(s, rounding, slope, &derivative);
         if (!(miss > 1e-6 * coarse))
             return slope;
         if (!(side * derivative > 0))
@@ -177,7 +175,7 @@ static bool few_steps_differ(const struct stamps *s, double step, double resolut
 static void fit_rounded(const struct stamps *s, struct even_times *out)
 {
     struct stamp_rounding rounding;
-    double first, step, derivative;
+    double first, step;
     line_through(s, NULL, &first, &step);
     if (!(step > 0) || !find_rounding(s, step, largest_deviation(s, first, step), &rounding))
         return;
@@ -195,12 +193,12 @@ static void fit_rounded(const struct stamps *s, struct even_times *out)
         (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, out->resolution))))
         return;
     out->even = true;
-    out->first = first;
+    /* Half a digit more or less for all of them means nothing: the first stamp stays. */
+    out->first = s->t[0];
     out->step = step;
     out->pace = sqrt(variance) / step;
     if (possible) {
         out->step = 0.5 * (low + high);
-        slope_miss(s, &rounding, out->step, &derivative, &out->first);
         /* that of a triangle over the interval: towards its ends fewer lines are left */
         out->pace = 0.5 * (high - low) / sqrt(6) / out->step;
     }

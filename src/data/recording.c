@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "data/clean/clean.h"
 #include "data/container/container.h"
 #include "data/table/table.h"
 
@@ -104,7 +105,8 @@ static bool read_text(struct table_text *text, const struct load_options *option
         snprintf(recording->format, sizeof recording->format, "%s", format->row.name);
         done = format->read(text, options, recording, error) &&
                (format->whole || (recording_choose(recording, options, error) &&
-                                  recording_time(recording, options, error)));
+                                  recording_time(recording, options, error))) &&
+               (recording_leave_out_sentinels(recording) || error_memory(error));
     }
     arena_reset(&scratch);
     return done;

@@ -40,6 +40,10 @@ struct cleaning {
  */
 bool clean_fit(struct cleaning *cleaning);
 
+/* Takes values that a sensor sends when it sees nothing for missing, and warns. Returns false if
+ * out of memory. */
+bool recording_leave_out_sentinels(struct recording *recording);
+
 /* Notes a stretch of samples that begins at t. */
 static inline void clean_note(struct finding *finding, double t, size_t samples)
 {

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Sensors that see nothing send one number instead: 0, -1, 400, 8190, 65535. Its fingerprint is a
+ * value that is repeated exactly, far from all others, in places that have nothing to do with the
+ * motion. Flat tops lie close to the values before and after them, a rest is one long run, and of a
+ * sensor with coarse steps the next value is one step away.
+ */
+#include "data/clean/clean.h"
+#include "data/table/table.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+enum {
+    ROWS_MIN = 50,     /* fewer tell too little */
+    REPEATED_MIN = 3,  /* times that the value occurs */
+    RUNS_MIN = 2,      /* of it */
+    DIFFERENT_MIN = 5, /* values that the others have: two levels are a signal of their own */
+    RUN_MEAN_MAX = 20, /* rows: longer ones are a rest */
+    KINDS_MAX = 3      /* different ones of one sensor */
+};
+
+static const double share_max = 0.45;    /* of the rows */
+static const double stray_share = 0.005; /* of the others, which may be anywhere */
+static const double outer_share = 0.15;  /* on either side: what may be another sentinel */
+/* Distance from the others relative to their range: where the motion may have led up to the value,
+ * and where it cannot have. */
+static const double distance_min = 0.25, distance_sure = 1.0;
+/* Mean rank of the neighbours among the others, where 1 is nearest to the value. */
+static const double neighbour_rank_max = 0.75;
+/* Correlation of neighbours from which on the others are a motion, not the noise of a signal that
+ * the repeated value is a level of. */
+static const double motion_correlation = 0.25;
+
+struct sentinel_search {
+    const double *y; /* NAN where a value is missing */
+    double *sorted;  /* [n] the others */
+    double *scratch; /* [n] */
+    size_t n, others;
+    double value; /* the candidate */
+    const struct cancel *cancel;
+};
+
+static bool is_other(const struct sentinel_search *s, size_t i)
+{
+    return !isnan(s->y[i]) && s->y[i] != s->value;
+}
+
+/* Sorts the values that are present, the candidate excluded. Returns the number of different ones.
+ */
+static size_t sort_others(struct sentinel_search *s)
+{
+    size_t different = 0;
+    s->others = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (is_other(s, i))
+            s->sorted[s->others++] = s->y[i];
+    if (!sort_values(s->sorted, s->others, s->scratch, s->cancel))
+        return 0;
+    for (size_t i = 0; i < s->others; i++)
+        different += i == 0 || s->sorted[i] > s->sorted[i - 1];
+    return different;
+}
+
+/* Counts the candidate and its runs, missing values left out. */
+static bool is_scattered(const struct sentinel_search *s)
+{
+    size_t count = 0, runs = 0;
+    bool inside = false;
+    for (size_t i = 0; i < s->n; i++) {
+        if (isnan(s->y[i]))
+            continue;
+        const bool here = s->y[i] == s->value;
+        count += here;
+        runs += here && !inside;
+        inside = here;
+    }
+    return count >= REPEATED_MIN && runs >= RUNS_MIN && count <= RUN_MEAN_MAX * runs &&
+           (double)count <= share_max * (double)(count + s->others);
+}
+
+/* Mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest to it. */
+static double neighbour_rank(const struct sentinel_search *s, bool above)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const bool beside = is_other(s, i) && ((i > 0 && s->y[i - 1] == s->value) ||
+                                               (i + 1 < s->n && s->y[i + 1] == s->value));
+        if (!beside)
+            continue;
+        const double below = (double)first_from(s->sorted, s->others, s->y[i]);
+        sum += below / (double)s->others;
+        count++;
+    }
+    const double mean = count > 0 ? sum / count : 1;
+    return above ? mean : 1 - mean;
+}
+
+/* Returns true if the others are correlated with their neighbours, one or two rows away. Values
+ * beyond the middle part are taken for its border, so that a second sentinel does not hide it. */
+static bool others_move(const struct sentinel_search *s)
+{
+    const size_t outer = (size_t)(outer_share * (double)s->others);
+    const double low = s->sorted[outer], high = s->sorted[s->others - 1 - outer];
+    double mean = 0, square = 0, product[2] = {0, 0}, pairs[2] = {0, 0};
+    for (size_t i = 0; i < s->others; i++)
+        mean += fmin(fmax(s->sorted[i], low), high) / (double)s->others;
+    for (size_t i = 0; i < s->n; i++) {
+        if (!is_other(s, i))
+            continue;
+        const double y = fmin(fmax(s->y[i], low), high) - mean;
+        square += y * y / (double)s->others;
+        for (size_t k = 0; k < 2; k++)
+            if (i > k && is_other(s, i - k - 1)) {
+                product[k] += y * (fmin(fmax(s->y[i - k - 1], low), high) - mean);
+                pairs[k]++;
+            }
+    }
+    for (size_t k = 0; k < 2; k++)
+        if (pairs[k] > 0 && fabs(product[k] / pairs[k]) > motion_correlation * square)
+            return true;
+    return false;
+}
+
+static bool is_sentinel(struct sentinel_search *s)
+{
+    if (sort_others(s) < DIFFERENT_MIN || !is_scattered(s))
+        return false;
+    const size_t strays = (size_t)(stray_share * (double)s->others);
+    const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];
+    const bool above = s->value > high;
+    const double distance = above ? s->value - high : low - s->value, range = high - low;
+    return distance > distance_min * range && others_move(s) &&
+           (distance > distance_sure * range || neighbour_rank(s, above) < neighbour_rank_max);
+}
+
+/* Candidates are the extremes, and the most frequent value where a stray one lies beyond it.
+ * Returns false if none is a sentinel; else its value is in *s. */
+static bool find_sentinel(struct sentinel_search *s)
+{
+    size_t longest = 0;
+    s->value = NAN;
+    if (sort_others(s) < DIFFERENT_MIN || s->others < ROWS_MIN)
+        return false;
+    double candidate[3] = {s->sorted[0], s->sorted[s->others - 1], NAN};
+    for (size_t from = 0, to; from < s->others; from = to) {
+        for (to = from + 1; to < s->others && s->sorted[to] == s->sorted[from];)
+            to++;
+        if (to - from > longest) {
+            longest = to - from;
+            candidate[2] = s->sorted[from];
+        }
+    }
+    for (size_t k = 0; k < COUNT_OF(candidate); k++) {
+        s->value = candidate[k];
+        if (is_sentinel(s))
+            return true;
+    }
+    return false;
+}
+
+bool recording_leave_out_sentinels(struct recording *recording)
+{
+    const struct column *column = &recording->column[recording->value];
+    const size_t n = recording->rows;
+    struct arena scratch = {0};
+    struct sentinel_search s = {.y = recording->y,
+                                .sorted = arena_array(&scratch, n + 1, sizeof(double)),
+                                .scratch = arena_array(&scratch, n + 1, sizeof(double)),
+                                .n = n,
+                                .cancel = recording->cancel};
+    const bool memory = s.sorted && s.scratch;
+    for (int kind = 0; kind < KINDS_MAX && memory && find_sentinel(&s); kind++) {
+        size_t count = 0;
+        double shown = NAN;
+        for (size_t i = 0; i < n; i++)
+            if (recording->y[i] == s.value) {
+                shown = column->value[i];
+                recording->y[i] = NAN;
+                count++;
+            }
+        recording_warn(recording,
+                       "%s: %zu of %zu values are %.6g%s%s, far from all others, as sensors send "
+                       "that see nothing: left out",
+                       column->name, count, n, shown, column->unit[0] ? " " : "", column->unit);
+    }
+    arena_reset(&scratch);
+    return memory;
+}
