@@ -164,7 +164,7 @@ struct branch_point {
     enum special special;
     double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
     double accuracy;    /* relative, of the parameter */
-    int verified;       /* 1: runs on both sides do what it says, -1: they do not, 0: not told */
+    int verified;       /* enum branch_verdict: what runs on both sides say of it */
     double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
 };
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is kept of the equations: what list shows of it, and back into the scene. */
 #include <hooke/report.h>
+#include <hooke/study/verdict.h>
 #include "command/dynamics/dynamics.h"
 
 #include <math.h>
@@ -131,6 +132,17 @@ static void put_point(struct text_table *table, const struct scene *scene,
     }
 }
 
+/* Says what speaks against a label that runs do not confirm. */
+static void put_contradiction(const struct kept_branch *branch, const struct kept_point *point,
+                              struct buffer *out)
+{
+    const char *against = branch_contradiction(kept_point_at(branch, point)->verified);
+    char label[KEPT_LABEL];
+    kept_point_label(point, label);
+    if (against)
+        buffer_format(out, "%s: NO, as %s\n", label, against);
+}
+
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
                 struct arena *arena, struct buffer *out)
 {
@@ -162,6 +174,9 @@ void put_points(const struct session *session, const struct kept_branch *const *
         for (int k = 0; k < branch[b]->specials; k++)
             put_point(&table, scene, &system, branch[b], &branch[b]->special[k], periods);
     text_table_put(&table, out);
+    for (int b = 0; b < count; b++)
+        for (int k = 0; k < branch[b]->specials; k++)
+            put_contradiction(branch[b], &branch[b]->special[k], out);
 }
 
 static void reply_point(const struct scene *scene, const struct system *system,
@@ -190,6 +205,8 @@ static void reply_point(const struct scene *scene, const struct system *system,
         reply_null(reply, "verified");
     else
         reply_bool(reply, "verified", at->verified > 0);
+    if (at->verified < 0)
+        reply_string(reply, "contradicted", branch_contradiction(at->verified));
     reply_real(reply, "accuracy", at->accuracy);
     reply_end(reply);
 }

@@ -10,21 +10,21 @@
 
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
-#define SHORTEST 1e-7   /* of the longest */
-#define UNRESOLVED 1e-4 /* of the longest: what is shorter is not cut for pairs of special points  \
-                         */
-#define AHEAD 0.01      /* of the longest: what stops the shortest is nearer than this */
-#define TURN 0.94       /* cosine of the angle by which a step may turn: 20 degrees */
-#define SLOW 25         /* times the first period: the orbit nears one that takes for ever */
-#define SLOWEST 100     /* the same of a drive that stops within the range */
-#define VERTICAL 1e-7   /* part of the parameter in a tangent that does not change it */
-#define LEVEL 12        /* so many of these in a row */
-#define STILL 1e-4      /* of a tangent: the parameter hardly changes any more */
+#define SHORTEST 1e-7 /* of the longest */
+#define UNRESOLVED                                                                                 \
+    1e-4              /* of the longest: what is shorter is not cut for pairs of special points    \
+                       */
+#define AHEAD 0.01    /* of the longest: what stops the shortest is nearer than this */
+#define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
+#define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
+#define SLOWEST 100   /* the same of a drive that stops within the range */
+#define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
+#define LEVEL 12      /* so many of these in a row */
+#define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
+#define SHRUNK 2e-3   /* of its largest extent: an orbit that is nearly an equilibrium */
 #define STANDING 1e-9 /* relative, of the parameter of orbits: rounding */
 #define RESTING 1e-13 /* of equilibria */
-#define TOGETHER 1e-6 /* the start, and what is found of it */
-#define FAR 0.3       /* from the start: another solution */
 
 /* ---- the walk ---- */
 
@@ -168,6 +168,21 @@ static bool comes_back(struct branch_walk *w, const struct curve_place *at,
     return w->away && far < step / 2;
 }
 
+/* The extent of the last orbit in units of natural sizes, relative to the largest so far. */
+static double extent(const struct branch_walk *w)
+{
+    const struct branch *b = w->out;
+    double last = 0, largest = 0;
+    for (int k = 0; k < b->count; k++) {
+        const struct solution *s = &b->point[k].solution;
+        last = 0;
+        for (int i = 0; i < s->n; i++)
+            last = fmax(last, (s->top[i] - s->bottom[i]) / w->path->field.size[i]);
+        largest = fmax(largest, last);
+    }
+    return last / largest;
+}
+
 static bool end_there(struct branch_walk *w, const char *why)
 {
     w->out->point[w->out->count - 1].special = SPECIAL_END;
@@ -251,8 +266,6 @@ static void tell(struct branch_walk *w, const struct curve_place *at,
         r->progress(r->context, w->told);
 }
 
-static const char jump[] = "the equations jump along the orbit, and multipliers with them";
-
 static bool jumps(struct branch_walk *w, const struct solution *s)
 {
     struct vector_field *field = &w->path->field;
@@ -301,12 +314,19 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next))
             return !cancelled(w->request->cancel) && jumps_ahead(w, &at, far)
-                       ? end_there(w, jump)
+                       ? end_there(w, BRANCH_JUMP)
                        : fails_there(w, "no step leads on");
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
-        if (upright < 0)
-            return end_there(w, "it shrinks to an equilibrium");
+        if (upright < 0) { /* beyond the equilibrium to which it shrinks, or of another phase */
+            by /= 2;
+            if (by > SHORTEST * far && extent(w) > SHRUNK) {
+                i--;
+                continue;
+            }
+            return end_there(w, extent(w) > SHRUNK ? "no step leads on"
+                                                   : "it shrinks to an equilibrium");
+        }
         const bool leaves = !inside(w, &next);
         if (leaves) { /* what lies between it and the edge is not looked for */
             struct solution beyond;
@@ -343,7 +363,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         if (is_over(w, &at, &next, &start, leaves))
             return true;
         if (jumps(w, &solution))
-            return end_there(w, jump);
+            return end_there(w, BRANCH_JUMP);
         w->before = at;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
         if (!w->bends)
@@ -367,90 +387,6 @@ void branch_reverse(struct branch *b)
     }
 }
 
-/* At a fold another unknown is held; where branches cross the walk begins beside it, and passes it
- * on one side. */
-static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
-                             const double *u, int side, struct curve_place *first)
-{
-    const int n = path->problem->n;
-    const double psize = r->to - r->from;
-    for (int i = 0; i < path->field.n; i++) {
-        double direction[CURVE_MAX] = {0};
-        direction[i] = side;
-        if (curve_correct(path->problem, u, direction, true, first) &&
-            curve_distance(n + 1, u, first->u) < TOGETHER)
-            return true;
-    }
-    for (int way = -1; way <= 1; way += 2) {
-        double beside[CURVE_MAX];
-        memcpy(beside, u, sizeof beside);
-        beside[n] += way * FIRST / 2;
-        if (beside[n] * psize >= r->from && beside[n] * psize <= r->to &&
-            solutions_correct_at(path, beside, side, first) &&
-            curve_distance(n + 1, u, first->u) < FAR)
-            return true;
-    }
-    return false;
-}
-
-static bool cannot_begin(const struct branch_request *r, struct solution_curve *path,
-                         struct error *error)
-{
-    struct vector_field *field = &path->field;
-    const double period = r->start->kind == SOLUTION_RESPONSE
-                              ? r->start->multiple * field_drive(field)
-                              : r->start->period;
-    if (path->kind != SOLUTION_EQUILIBRIUM) {
-        if (!field_jumps(field, field->system.t0, r->start->state, period))
-            return false;
-        error_set(error, ERROR_COMMAND, "%s: no branch goes through that", jump);
-    } else if (!field->system.autonomous) {
-        error_set(error, ERROR_COMMAND, "with a drive nothing rests");
-        error_hint(error, "'of response' follows the motion that goes with the drive");
-    } else {
-        return false;
-    }
-    return true;
-}
-
-static bool of_family(const struct branch_request *r)
-{
-    return r->start->kind == SOLUTION_ORBIT && solution_ones(r->start) > 0;
-}
-
-static bool refuse_family(struct error *error)
-{
-    error_set(error, ERROR_COMMAND,
-              "this orbit is one of a family (a multiplier is 1): at other values there are many "
-              "like it, of any energy in a range, and no branch says which");
-    return error_hint(error, "orbit period=T finds the one with that period there; with damping "
-                             "and a drive one is left, which a branch follows");
-}
-
-/* Side -1 goes against growing values of the parameter, so that the branch is in order. */
-static bool begin(const struct branch_request *r, int side, double psize,
-                  struct solution_curve *path, struct curve_place *first, struct error *error)
-{
-    if (r->leave)
-        return solutions_leave(path, r->scene, r->param, psize, r->leave, side, r->cancel, first,
-                               error);
-    double u[CURVE_MAX];
-    if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
-        return false;
-    if (cannot_begin(r, path, error)) {
-        solutions_end(path);
-        return false;
-    }
-    if (solutions_correct_at(path, u, r->forward ? 1 : side, first) ||
-        begin_at_special(r, path, u, r->forward ? 1 : side, first))
-        return true;
-    solutions_end(path);
-    if (of_family(r))
-        return refuse_family(error);
-    return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
-                     r->start->kind == SOLUTION_EQUILIBRIUM ? "equilibrium" : "orbit");
-}
-
 bool branch_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
     if (r->second)
@@ -470,7 +406,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         struct curve_place first;
         if (side == 1 && (r->forward || (r->leave && !crossing)))
             break;
-        if (!begin(r, side == 0 ? -1 : 1, psize, path, &first, error)) {
+        if (!branch_begin(r, side == 0 ? -1 : 1, psize, path, &first, error)) {
             fine = side == 1 && branch->count > 0;
             break;
         }
@@ -493,13 +429,13 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     for (int by = -1; by <= 1 && !branch->closed; by += 2)
         forget_last_turns(branch, by);
     /* at the edge of the range what leads away from there is the family, at the same value */
-    const bool stays = branch->count == 1 && !branch->cancelled && of_family(r);
+    const bool stays = branch->count == 1 && !branch->cancelled && branch_starts_in_family(r);
     if ((fine || branch->count > 0) && !stays)
         return true;
     if (cancelled(r->cancel))
         error_set(error, ERROR_CANCELLED, "cancelled");
     else if (stays)
-        refuse_family(error);
+        branch_refuse_family(error);
     else if (!error->text[0])
         error_memory(error);
     branch_free(branch);

@@ -12,6 +12,7 @@
 #define DOUBLE 1e-6   /* of a frequency: an eigenvalue that is 0 */
 #define TINY 1e-8     /* of the largest value so far: a test that is 0 */
 #define EDGE 1e-9     /* of the range: what is so near is on it */
+#define STILL 1e-13   /* of the range, or of the parameter: rounding */
 #define FLAT 1e-9     /* relative: folds of orbits that are nearer are seen by rounding */
 
 static struct branch_point *append(struct branch_walk *w)
@@ -98,12 +99,27 @@ int walk_sign(const struct branch_walk *w, const struct curve_place *at, int tes
     return signbit(at->test[test]) ? -1 : 1;
 }
 
+/* A branch of equilibria turns back at a fold: unless rounding made it, the parameter changes to
+ * the same side on both arms. */
+static bool turns_back(const struct branch_walk *w, const struct curve_place *before,
+                       const struct curve_place *to, const struct curve_place *fold)
+{
+    const int n = w->path->problem->n;
+    const double a = before->u[n] - fold->u[n], b = to->u[n] - fold->u[n],
+                 rounding = STILL * fmax(fabs(fold->u[n]), 1);
+    return fmax(fabs(a), fabs(b)) > rounding &&
+           ((a > 0) == (b > 0) || fmin(fabs(a), fabs(b)) <= rounding);
+}
+
 bool special_locate(struct branch_walk *w, const struct curve_place *before,
                     const struct curve_place *to, int test, struct found_special *f)
 {
     if (!locate(w, before, to, test, f) || !solutions_at(w->path, &f->at, true, &f->solution))
         return false;
     f->special = solutions_special(w->path, test, &f->solution);
+    if (f->special == SPECIAL_FOLD && w->path->kind == SOLUTION_EQUILIBRIUM &&
+        !turns_back(w, before, to, &f->at))
+        return false;
     f->distance = curve_distance(w->path->problem->n + 1, f->at.u, before->u);
     return f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]);
 }

@@ -10,18 +10,23 @@
 #include <string.h>
 
 #include <hooke/base/numeric.h>
+#include <hooke/study/verdict.h>
 
 #include "study/branches/eigen.h"
 #include "study/branches/walk.h"
 #include "study/dynamics/solutions.h"
 
-#define BESIDE 1e-3   /* of the range, */
-#define FARTHEST 0.07 /* where nothing can be told so near */
-#define SAME 1e-9     /* two labels at one value */
-#define ARM 0.01      /* arclength from a fold along both its arms */
+#define BESIDE 1e-3     /* of the range, */
+#define NEARER 9        /* distances, each a quarter of the one before; */
+#define NEARER_ORBITS 3 /* of orbits fewer, as each takes runs */
+#define FARTHEST 0.07   /* where nothing can be told so near */
+#define SAME 1e-9       /* two labels at one value */
+#define ARM 0.01        /* arclength from a fold along both its arms */
 #define FAR 0.5
-#define BEYOND 1e-9 /* relative, of the parameter */
-#define MOVED 1e-6  /* units of size */
+#define BEYOND 1e-9          /* relative, of the parameter */
+#define RANGE_ROUNDING 1e-13 /* of the range: the parameter stands still */
+#define MOVED 1e-6           /* units of size, but no more than */
+#define MOVED_PART 1e-3      /* of the distance from the special point */
 #define NEARLY 0.7
 #define AGREES 0.05 /* relative, of rates */
 #define STILL 1e-6  /* growth of a run that is none */
@@ -88,7 +93,7 @@ static double time_of(const struct solution *s, struct eigenvalue v)
 
 /* The rate at which a run leaves or nears the solution along that eigenvector; NAN: not found. */
 static double rate_of_run(struct solution_curve *path, const struct solution *s,
-                          struct eigenvalue v)
+                          struct eigenvalue v, double distance)
 {
     struct vector_field *field = &path->field;
     const int n = field->n;
@@ -99,13 +104,14 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             turned[i * n + j] = a[j * n + i];
-    const double span = time_of(s, v), t0 = field->system.t0;
+    const double span = time_of(s, v), t0 = field->system.t0,
+                 moved = fmin(MOVED, fmax(MOVED_PART * distance, MOVED * MOVED_PART));
     if (!matrix_eigenvector(n, a, v, right[0], right[1]) ||
         !matrix_eigenvector(n, turned, v, left[0], left[1]))
         return NAN;
     for (int i = 0; i < n; i++) {
         begin[0][i] = s->state[i];
-        begin[1][i] = s->state[i] + MOVED * right[0][i] * field->size[i];
+        begin[1][i] = s->state[i] + moved * right[0][i] * field->size[i];
     }
     field->tol = 1e-13;
     for (int k = 0; k < 2; k++)
@@ -127,14 +133,15 @@ struct side {
 };
 
 static struct side side_at(struct solution_curve *path, const struct branch_point *at,
-                           const struct curve_place *point)
+                           const struct curve_place *point, double distance)
 {
     struct side side = {.found = false};
     struct solution s;
     const int i = solutions_at(path, point, false, &s) ? critical(at, &s) : -1;
     if (i < 0)
         return side;
-    const double run = rate_of_run(path, &s, s.value[i]), still = STILL / time_of(&s, s.value[i]);
+    const double run = rate_of_run(path, &s, s.value[i], distance),
+                 still = STILL / time_of(&s, s.value[i]);
     side.found = true;
     side.param = point->u[path->problem->n];
     side.rate = rate_of(&s, s.value[i]);
@@ -162,13 +169,14 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
     for (int i = 0; i <= n && fine; i++)
         guess[i] = u[i] + by * direction[i];
     if (fine && curve_correct(path.problem, guess, direction, true, &point))
-        side = side_at(&path, at, &point);
+        side = side_at(&path, at, &point, fabs(by));
     solutions_end(&path);
     return side;
 }
 
-/* Beyond a fold there is nothing near. */
-static bool is_empty(const struct branch_request *r, const struct branch_point *at, double param)
+/* Beyond a fold there is nothing as near as its arms are. */
+static bool is_empty(const struct branch_request *r, const struct branch_point *at, double param,
+                     double arm)
 {
     struct solution_curve path;
     struct curve_place point;
@@ -180,26 +188,27 @@ static bool is_empty(const struct branch_request *r, const struct branch_point *
                          &ignored))
         return true;
     const bool near = solutions_correct_at(&path, u, 1, &point) &&
-                      curve_distance(path.problem->n, point.u, u) < 2 * ARM;
+                      curve_distance(path.problem->n, point.u, u) < 2 * arm;
     solutions_end(&path);
     return !near;
 }
 
-/* The orbit that is born at a Hopf point is on the side that the criticality says: 1, -1, or 0. */
-static int is_born_there(const struct branch_request *r, const struct branch_point *at,
-                         double unstable)
+/* Is the orbit that is born at a Hopf point on the side that the criticality says? */
+static enum branch_verdict confirm_birth(const struct branch_request *r,
+                                         const struct branch_point *at, double unstable)
 {
     struct solution_curve path;
     struct curve_place first;
     struct error ignored;
     const double psize = r->to - r->from, here = at->solution.param[0] / psize;
     if (at->criticality == 0 || !isfinite(at->criticality))
-        return 1;
+        return VERDICT_CONFIRMED;
     if (!solutions_leave(&path, r->scene, r->param, psize, at, 1, r->cancel, &first, &ignored))
-        return 0;
+        return VERDICT_OPEN;
     const double by = first.u[path.problem->n] - here;
     solutions_end(&path);
-    return (by > 0) == ((at->criticality < 0) == (unstable > 0)) ? 1 : -1;
+    return (by > 0) == ((at->criticality < 0) == (unstable > 0)) ? VERDICT_CONFIRMED
+                                                                 : VERDICT_OTHER_SIDE;
 }
 
 /* On the branch that crosses there, to one side. */
@@ -213,36 +222,44 @@ static struct side look_across(const struct branch_request *r, const struct bran
     if (!solutions_leave(&path, r->scene, r->param, r->to - r->from, at, sign, r->cancel, &first,
                          &ignored))
         return side;
-    side = side_at(&path, at, &first);
+    side = side_at(&path, at, &first, MOVED / MOVED_PART);
     solutions_end(&path);
     return side;
 }
 
-/* 1, -1, or 0: it cannot be told. */
-static int confirm_fold(const struct branch_request *r, const struct branch_point *at)
+/* What growth on both sides says. */
+static enum branch_verdict growth_verdict(const struct side *before, const struct side *after)
+{
+    if (!before->found || !after->found || (before->rate == 0 && after->rate == 0))
+        return VERDICT_OPEN;
+    if (!before->agrees || !after->agrees)
+        return VERDICT_OTHER_GROWTH;
+    return (before->rate > 0) == (after->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
+}
+
+static enum branch_verdict confirm_fold(const struct branch_request *r,
+                                        const struct branch_point *at, double arm)
 {
     const double here = at->solution.param[0] / (r->to - r->from);
-    for (double arm = ARM; arm < FAR; arm *= 4) {
-        const struct side before = look_at_side(r, at, arm, 0, -1),
-                          after = look_at_side(r, at, arm, 0, 1);
-        const double b = before.param - here, a = after.param - here;
-        if (!before.found || !after.found)
-            return 0;
-        if (fmin(fabs(a), fabs(b)) < BEYOND * fabs(here))
-            continue; /* the parameter has hardly changed */
-        return before.agrees && after.agrees && (before.rate > 0) != (after.rate > 0) &&
-                       (a > 0) == (b > 0) && is_empty(r, at, here - a)
-                   ? 1
-                   : -1;
-    }
-    return 0;
+    const struct side before = look_at_side(r, at, arm, 0, -1),
+                      after = look_at_side(r, at, arm, 0, 1);
+    const double b = before.param - here, a = after.param - here;
+    if (!before.found || !after.found ||
+        fmin(fabs(a), fabs(b)) < fmax(BEYOND * fabs(here), RANGE_ROUNDING))
+        return VERDICT_OPEN; /* the parameter has hardly changed */
+    if ((a > 0) != (b > 0))
+        return VERDICT_NO_TURN;
+    const enum branch_verdict verdict = growth_verdict(&before, &after);
+    return verdict == VERDICT_CONFIRMED && !is_empty(r, at, here - a, arm) ? VERDICT_OTHER_SIDE
+                                                                           : verdict;
 }
 
 /* beside: how far in the parameter, part of its range. */
-static int confirm(const struct branch_request *r, const struct branch_point *at, double beside)
+static enum branch_verdict confirm(const struct branch_request *r, const struct branch_point *at,
+                                   double beside)
 {
     if (at->special == SPECIAL_FOLD)
-        return confirm_fold(r, at);
+        return confirm_fold(r, at, beside * (ARM / BESIDE));
     struct side before = look_at_side(r, at, ARM, beside, -1),
                 after = look_at_side(r, at, ARM, beside, 1);
     const double here = at->solution.param[0] / (r->to - r->from);
@@ -252,12 +269,59 @@ static int confirm(const struct branch_request *r, const struct branch_point *at
         before = look_across(r, at, -1);
         after = look_across(r, at, 1);
     }
-    if (!before.found || !after.found || (before.rate == 0 && after.rate == 0))
-        return 0;
+    const enum branch_verdict verdict = growth_verdict(&before, &after);
     const double unstable = (before.rate > 0 ? before : after).param - here;
-    if (!(before.agrees && after.agrees && (before.rate > 0) != (after.rate > 0)))
-        return -1;
-    return at->special == SPECIAL_HOPF ? is_born_there(r, at, unstable) : 1;
+    return verdict == VERDICT_CONFIRMED && at->special == SPECIAL_HOPF
+               ? confirm_birth(r, at, unstable)
+               : verdict;
+}
+
+/*
+ * Looks at several distances. A label is confirmed at one; what contradicts it has to do so at two,
+ * as one probe may fail: other special points are near, or something else grows faster. Nearer ones
+ * come first: what is farther away is asked only if nothing could be decided.
+ */
+static enum branch_verdict confirm_anywhere(const struct branch_request *r,
+                                            const struct branch_point *at, double farthest)
+{
+    const int nearer = at->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER : NEARER_ORBITS;
+    enum branch_verdict against = VERDICT_OPEN;
+    int contradictions = 0;
+    double beside = fmin(BESIDE, farthest);
+    for (int k = 0; k < nearer && !cancelled(r->cancel); k++, beside /= 4) {
+        const enum branch_verdict verdict = confirm(r, at, beside);
+        if (verdict == VERDICT_CONFIRMED)
+            return verdict;
+        if (verdict == VERDICT_OPEN && k > 0)
+            break;
+        against = verdict == VERDICT_OPEN ? against : verdict;
+        contradictions += verdict != VERDICT_OPEN;
+    }
+    for (beside = 4 * BESIDE; beside <= fmin(farthest, FARTHEST) && !cancelled(r->cancel);
+         beside *= 4) {
+        const enum branch_verdict verdict = confirm(r, at, beside);
+        if (verdict == VERDICT_CONFIRMED && against != VERDICT_SAME_GROWTH)
+            return verdict;
+        against = against == VERDICT_OPEN ? verdict : against;
+        contradictions += verdict != VERDICT_OPEN;
+    }
+    return contradictions > 1 ? against : VERDICT_OPEN;
+}
+
+const char *branch_contradiction(int verdict)
+{
+    switch (verdict) {
+    case VERDICT_SAME_GROWTH:
+        return "small differences grow, or shrink, on both sides of it";
+    case VERDICT_OTHER_GROWTH:
+        return "in runs beside it differences grow otherwise than its eigenvalues say";
+    case VERDICT_NO_TURN:
+        return "the parameter does not turn back there";
+    case VERDICT_OTHER_SIDE:
+        return "solutions are on the side where there should be none";
+    default:
+        return NULL;
+    }
 }
 
 /* Not beyond the next special point. */
@@ -282,11 +346,8 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
             continue;
         if (r->progress)
             r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
-        const double most = beside_of(r, branch, i);
-        int verdict = confirm(r, point, fmin(BESIDE, most));
-        for (double beside = 4 * BESIDE; verdict == 0 && beside <= fmin(most, FARTHEST);
-             beside *= 4)
-            verdict = confirm(r, point, beside); /* differences hardly grow nearer to it */
+        const enum branch_verdict verdict = confirm_anywhere(
+            r, point, point->special == SPECIAL_FOLD ? FARTHEST : beside_of(r, branch, i));
         if (!cancelled(r->cancel))
             point->verified = verdict;
     }

@@ -78,6 +78,18 @@ bool special_locate(struct branch_walk *walk, const struct curve_place *before,
 /* Appends a special point; false if out of memory. */
 bool special_record(struct branch_walk *walk, const struct found_special *found);
 
+/* ---- begin.c ---- */
+
+#define BRANCH_JUMP "the equations jump along the orbit, and multipliers with them"
+
+/* Finds the first place of a branch. Side -1 goes against growing values of the parameter, so that
+ * the branch is in order. False: there is none, and the error says why. */
+bool branch_begin(const struct branch_request *request, int side, double psize,
+                  struct solution_curve *path, struct curve_place *first, struct error *error);
+/* Returns true if the start is an orbit of a family, which has many at one value. */
+bool branch_starts_in_family(const struct branch_request *request);
+bool branch_refuse_family(struct error *error);
+
 /* ---- pairs.c ---- */
 
 /* Returns false if a test changes its sign more than once between two places of equilibria, so that

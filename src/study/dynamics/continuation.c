@@ -165,13 +165,15 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *b
     aim(problem, false);
     if (!correct(problem, guess, from->tangent, false, to))
         return false;
-    if (!to->careful || !problem->aim)
+    if (!to->careful && problem->aim)
         return true;
-    /* only what is left of the way to rounding needs residuals that cost as much */
+    /* only what is left of the way to rounding needs residuals that cost as much; those that always
+     * are to rounding cost nothing more */
     const int before_that = to->corrections;
     aim(problem, true);
-    const bool fine = correct(problem, to->u, from->tangent, false, to);
-    to->corrections = before_that > to->corrections ? before_that : to->corrections;
+    const bool fine = correct(problem, to->u, from->tangent, !problem->aim, to);
+    to->corrections = problem->aim ? (before_that > to->corrections ? before_that : to->corrections)
+                                   : before_that;
     return fine;
 }
 
