@@ -198,6 +198,7 @@ struct balance {
     double t;                  /* [s] of the grid where steps are fixed */
     double y[LIMIT_VARIABLES]; /* [n] the state there */
     double initial;            /* energy at the start, in units of factor^2 J */
+    int solved;                /* steps whose work was found by solving the equations anew */
     struct energy_tally tally;
 };
 
@@ -229,6 +230,9 @@ struct work_done { /* in units of factor^2 J */
     /* in each step; drag is the part of it that drag did */
     double work[WORK_BLOCK], drag[WORK_BLOCK];
     double energy[WORK_BLOCK];                         /* after it */
+    /* The force jumps inside the step or at one of its ends, so that the quintic does not hold; the
+     * acceleration changes so much that it may not. */
+    bool jumps[WORK_BLOCK], coarse[WORK_BLOCK];
     double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
 };
 

@@ -3,7 +3,6 @@
  * and the work since, in sums that keep what rounding takes. */
 #include "run/energy/work.h"
 
-#include <float.h>
 #include <math.h>
 
 double system_energy(const struct system *system, const double *y)
@@ -179,9 +178,9 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
 }
 
 /* What the steps up to the next change of anything do; the balance itself stays. */
-static int block_done(const struct run *run, const struct balance *balance,
-                      const struct epoch *epoch, const double *row, const double *time,
-                      size_t stride, int64_t max, struct work_done *done)
+static int block_done(const struct run *run, struct balance *balance, const struct epoch *epoch,
+                      const double *row, const double *time, size_t stride, int64_t max,
+                      struct work_done *done)
 {
     const struct run_private *p = run->private_state;
     const struct kick *kick = next_kick(p, balance->step);
@@ -213,43 +212,9 @@ static int block_done(const struct run *run, const struct balance *balance,
         on_grid(run, balance, &work, times);
     }
     work_between(&work, done);
+    if (!epoch->system.conservative)
+        work_check(run, balance, &work, done);
     return work.count;
-}
-
-#define ROUNDED 64   /* rounding units of the energy */
-#define SUSPECT 1e-3 /* of the tolerance: such a share of the energy, missing after one step */
-/* times the run's tolerance: that of a solution that says what the work was, */
-#define FINER 1e-3
-#define WORK_TOL 1e-12 /* or this */
-#define WORK_MIN 1e-14
-
-/*
- * A long step of a method that adapts may pass over what the quintic between its ends cannot show:
- * steps of an order above its own, v that settles at once, accelerations that are a small
- * difference of large forces. Where more is missing after one step than an error far below the
- * tolerance, the solution from where it began says what the work was.
- */
-static void check_work(const struct run *run, const struct balance *balance,
-                       const struct system *system, const double *row, const double *time,
-                       size_t stride, int count, struct work_done *done)
-{
-    const double tol = fmax(fmin(WORK_TOL, FINER * run->settings.tol), WORK_MIN);
-    const double suspect = fmax(SUSPECT * run->settings.tol, ROUNDED * DBL_EPSILON);
-    double before = balance_energy(run, system, balance->y), to[LIMIT_VARIABLES];
-    for (int k = 0; k < count; before = done->energy[k++]) {
-        const double missing = fabs(done->energy[k] - before - done->work[k]);
-        const double *from = k ? row + (size_t)(k - 1) * stride : balance->y;
-        const double t = k ? time[(size_t)(k - 1) * stride] : balance->t;
-        if (missing <= suspect * fmax(fabs(balance->initial), fabs(done->energy[k])) ||
-            (!run_solve(system, t, from, time[(size_t)k * stride], RUN_SOLVE_SMOOTH, tol, to) &&
-             !run_solve(system, t, from, time[(size_t)k * stride], RUN_SOLVE_STIFF, tol, to)))
-            continue;
-        const double end = balance_energy(run, system, to),
-                     work = end - balance_energy(run, system, from);
-        if (memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0)
-            done->drag[k] = work;
-        done->work[k] = work;
-    }
 }
 
 /* The first `count` of what was done go into the balance. `still`: no work at all. */
@@ -291,8 +256,6 @@ int balance_block(const struct run *run, struct balance *balance, const double *
     const struct kick *kick = next_kick(run->private_state, balance->step);
     const bool kicked = kick && kick->step == balance->step + 1,
                still = epoch->system.conservative && !kicked;
-    if (time && !still && !kicked)
-        check_work(run, balance, &epoch->system, row, time, stride, count, done);
     if (marking)
         tally_marking(run, balance, still, done, count);
     else
@@ -320,6 +283,8 @@ void balance_extend(const struct run *run, struct balance *balance, double t, co
                         .turns = &run->private_state->turns};
     enter(run, balance, epoch);
     work_between(&work, &done);
+    if (!epoch->system.conservative && t != balance->t)
+        work_check(run, balance, &work, &done);
     tally_up(balance, epoch->system.conservative || t == balance->t, &done, 0, 1);
     balance->step++;
     balance->t = t;

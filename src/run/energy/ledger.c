@@ -219,7 +219,8 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     ledger->work = work / unit;
     if (scale > 0) {
         ledger->error = (energy - balance.initial - work) / scale;
-        ledger->error_max = tally->max / scale;
+        /* The largest so far skips what is unknown, so that it is unknown from there on. */
+        ledger->error_max = isnan(work) && isfinite(energy) ? NAN : tally->max / scale;
     }
 }
 

@@ -164,6 +164,23 @@ static void inner_states(int half, double h, const double *y0, const double *a0,
     }
 }
 
+/* Returns true if a switch of the equations, dry friction apart, is on one side at one of the four
+ * points of a step and on the other side at another. */
+static bool switches_differ(const struct system *system, const double t[4], double *const y[4])
+{
+    double first[LIMIT_SWITCHES], branch[LIMIT_SWITCHES];
+    const int switches = system->switches - system->dry;
+    if (switches <= 0)
+        return false;
+    system_branches(system, t[0], y[0], first);
+    for (int i = 1; i < 4; i++) {
+        system_branches(system, t[i], y[i], branch);
+        if (memcmp(first, branch, (size_t)switches * sizeof *first) != 0)
+            return true;
+    }
+    return false;
+}
+
 static void scaled_state(const struct work *work, int k, double *y)
 {
     const double *state = k == 0 ? work->before : work->row + (size_t)(k - 1) * work->stride;
@@ -202,6 +219,12 @@ static void work_of_any(const struct work *work, struct work_done *done)
             continue;
         }
         inner_states(system->n / 2, h, y[from], a[from], y[to], a[to], first, second);
+        for (int i = 0, half = system->n / 2; i < half; i++)
+            done->coarse[k] |=
+                work_coarse(h, y[from][i + half], y[to][i + half], a[from][i], a[to][i]);
+        const double times[] = {t, t + INNER * h, t + (1 - INNER) * h, work_time(work, k + 1)};
+        done->jumps[k] =
+            switches_differ(system, times, (double *[]){y[from], first, second, y[to]});
         const struct power b = power_at(system, drags, t + INNER * h, first),
                            c = power_at(system, drags, t + (1 - INNER) * h, second);
         done->work[k] = h * ((p[from].all + p[to].all) + 5 * (b.all + c.all)) / 12;
@@ -209,8 +232,51 @@ static void work_of_any(const struct work *work, struct work_done *done)
     }
 }
 
+/* Returns the second derivative of the quintic at the share s of the step. */
+static double quintic_acceleration(const struct quintic *p, double s)
+{
+    const double r = 1 - s, rs = r * s;
+    const double bend =
+        5 * (r - s) * (p->q1 - p->q0) / p->h - (3 - 5 * s) * p->v0 + (3 - 5 * r) * p->v1;
+    return 12 * rs * bend / p->h + r * (1 - 8 * s + 10 * s * s) * p->a0 +
+           s * (1 - 8 * r + 10 * r * r) * p->a1;
+}
+
+bool work_converges(const struct system *system, double t, double h, const double *y0,
+                    const double *y1, double work, double allowed)
+{
+    static const double point[] = {INNER / 2, (1 - INNER) / 2, 0.5, (1 + INNER) / 2, 1 - INNER / 2};
+    const int half = system->n / 2;
+    double a0[LIMIT_VARIABLES], a1[LIMIT_VARIABLES], a[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
+    double speed = 0, defect = 0, largest = 0;
+    system_acceleration(system, t, y0, a0);
+    system_acceleration(system, t + h, y1, a1);
+    double halves = system_power(system, t, y0) + system_power(system, t + h, y1);
+    for (int k = 0; k < 5; k++) {
+        double wanted[LIMIT_VARIABLES];
+        for (int i = 0; i < half; i++) {
+            const struct quintic p = {h, y0[i], y0[i + half], a0[i], y1[i], y1[i + half], a1[i]};
+            quintic_at(&p, point[k], &y[i], &y[i + half]);
+            wanted[i] = quintic_acceleration(&p, point[k]);
+            speed = fmax(speed, fabs(y[i + half]));
+        }
+        const double power = system_power(system, t + point[k] * h, y);
+        halves += (k == 2 ? 2 : 5) * power;
+        largest = fmax(largest, fabs(power));
+        system_acceleration(system, t + point[k] * h, y, a);
+        for (int i = 0; i < half; i++)
+            defect = fmax(defect, fabs(a[i] - wanted[i]));
+    }
+    /* An acceleration that is off by d makes the velocity, which is right at both ends, off by
+     * d h/8 between them, and the power of drag by twice that share of it. */
+    return fabs(halves * h / 24 - work) <= allowed &&
+           0.25 * largest * defect * h * h <= allowed * speed;
+}
+
 void work_between(const struct work *work, struct work_done *done)
 {
+    memset(done->jumps, 0, (size_t)work->count * sizeof *done->jumps);
+    memset(done->coarse, 0, (size_t)work->count * sizeof *done->coarse);
     if (!work_of_terms(work, done))
         work_of_any(work, done);
 }

@@ -5,6 +5,8 @@
 
 #include "run/private.h"
 
+#include <math.h>
+
 #define SQRT5 2.236067977499789696
 #define INNER 0.276393202250021030 /* the first inner point of Lobatto's rule on [0, 1] */
 
@@ -19,6 +21,22 @@ struct quintic {
     double h, q0, v0, a0, q1, v1, a1;
 };
 
+/* Shares of the velocity of a step: by which it may differ from what the accelerations at both ends
+ * tell, and which a change of the acceleration within the step may add. Where the motion turns by
+ * theta in a step, they are at most theta^2/12 and about theta^2. */
+#define WORK_COARSE_CHANGE 1.7e-3
+#define WORK_COARSE_BEND 2e-2
+
+/* Returns true if the acceleration changes so much in a step that the quintic may not hold. */
+static inline bool work_coarse(double h, double v0, double v1, double a0, double a1)
+{
+    const double velocity = fabs(v0) > fabs(v1) ? fabs(v0) : fabs(v1),
+                 change = fabs(h) * (fabs(a0) > fabs(a1) ? fabs(a0) : fabs(a1)),
+                 size = velocity > change ? velocity : change;
+    return (fabs(v1 - v0 - h * (a0 + a1) / 2) > WORK_COARSE_CHANGE * size) |
+           (fabs(h * (a1 - a0)) > WORK_COARSE_BEND * size);
+}
+
 /* Is there a kink in the step? A body with dry friction that is at rest at one end has one there.
  */
 static inline bool work_turns(const struct system *system, double v0, double v1)
@@ -30,8 +48,20 @@ static inline bool work_turns(const struct system *system, double v0, double v1)
 void work_across(const struct system *system, const struct quintic *p, double t, double *work,
                  double *drag);
 
+/* Returns true if the quintic of a step from y0 [n] at t to y1 [n] obeys the equations in the
+ * middle of the step and twice as many points on it give the same work within `allowed`. */
+bool work_converges(const struct system *system, double t, double h, const double *y0,
+                    const double *y1, double work, double allowed);
+
 /* Systems whose terms are those of the oscillator or the pendulum; false: it is something else. */
 bool work_of_terms(const struct work *work, struct work_done *done);
+
+/* ---- work_check.c ---- */
+
+/* Replaces the work of those steps over which the quintic does not hold by that of the solution
+ * from where each began; NAN where there is none. `done` is that of the `work` between states. */
+void work_check(const struct run *run, struct balance *balance, const struct work *work,
+                struct work_done *done);
 
 /* ---- balance.c ---- */
 

@@ -234,6 +234,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
             done->work[k] = done->drag[k];
         }
     }
+    for (int k = 0; k < count; k++)
+        done->coarse[k] = work_coarse(b->h[k], b->v[k], b->v[k + 1], b->a[k], b->a[k + 1]);
 }
 
 /* Wider vectors gain nothing: memory is waited for. */

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Steps whose work the quintic between their ends cannot show: a force that jumps, v that settles
+ * at once, accelerations that are a small difference of large forces, steps of an order above its
+ * own. There the solution from where the step began tells what the work was.
+ */
+#include "run/energy/work.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Share of the energy, in rounding units, below which a difference after one step means nothing. */
+static const double energy_rounding_units = 64;
+/* The same share for adaptive runs, as a part of their tolerance. */
+static const double missing_tolerance_fraction = 1e-3;
+/* Tolerance of the solution, as a part of the run's own, and its largest and smallest value. */
+static const double solution_tolerance_fraction = 1e-3;
+static const double solution_tolerance_max = 1e-12, solution_tolerance_min = 1e-14;
+/* Share of the difference after a step that may come from the quadrature. */
+static const double quadrature_error_fraction = 0.05;
+/* Steps of fixed size that are solved anew in a run: more would take longer than the run itself. */
+enum { SOLVED_STEPS_MAX = 10000 };
+
+/* Returns the state after k steps of the block, in the run's own units. */
+static const double *state_after(const struct work *work, int k)
+{
+    return k == 0 ? work->before : work->row + (size_t)(k - 1) * work->stride;
+}
+
+static double energy_after(const struct run *run, const struct work *work,
+                           const struct work_done *done, int k)
+{
+    return k == 0 ? balance_energy(run, work->system, work->before) : done->energy[k - 1];
+}
+
+/* Returns |E - E before - work| of step k. */
+static double missing_after(const struct run *run, const struct work *work,
+                            const struct work_done *done, int k)
+{
+    return fabs(done->energy[k] - energy_after(run, work, done, k) - done->work[k]);
+}
+
+/* Returns true if the quintic gives the work of step k well enough to explain `missing`. */
+static bool quadrature_converges(const struct work *work, const struct work_done *done, int k,
+                                 double missing)
+{
+    double y[2][LIMIT_VARIABLES];
+    const double t = work_time(work, k), h = work_time(work, k + 1) - t;
+    for (int i = 0; i < work->system->n; i++) {
+        y[0][i] = state_after(work, k)[i] * work->factor;
+        y[1][i] = state_after(work, k + 1)[i] * work->factor;
+    }
+    return work_converges(work->system, t, h, y[0], y[1], done->work[k],
+                          quadrature_error_fraction * missing);
+}
+
+/* Sets the work of step k to that of the solution from its beginning. Where no solution is found,
+ * the work is unknown unless the quadrature converges. */
+static void solve_step(const struct run *run, struct balance *balance, const struct work *work,
+                       struct work_done *done, int k)
+{
+    const struct system *system = work->system;
+    const double t = work_time(work, k), end = work_time(work, k + 1);
+    const double tol =
+        fmax(fmin(solution_tolerance_max, run->plan.adaptive
+                                              ? solution_tolerance_fraction * run->settings.tol
+                                              : solution_tolerance_max),
+             solution_tolerance_min);
+    const bool all_drag = memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0,
+               allowed = run->plan.adaptive || balance->solved++ < SOLVED_STEPS_MAX;
+    const double *from = state_after(work, k);
+    double to[LIMIT_VARIABLES];
+    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to) ||
+                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to)))
+        done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
+    else if (done->jumps[k] ||
+             !quadrature_converges(work, done, k, missing_after(run, work, done, k)))
+        done->work[k] = NAN;
+    if (all_drag)
+        done->drag[k] = done->work[k];
+}
+
+void work_check(const struct run *run, struct balance *balance, const struct work *work,
+                struct work_done *done)
+{
+    const double share =
+        fmax(run->plan.adaptive ? missing_tolerance_fraction * run->settings.tol : 0,
+             energy_rounding_units * DBL_EPSILON);
+    for (int k = 0; k < work->count; k++) {
+        const double missing = missing_after(run, work, done, k),
+                     floor = share * fmax(fabs(balance->initial), fabs(done->energy[k]));
+        if (done->jumps[k] ||
+            (missing > floor &&
+             (run->plan.adaptive ||
+              (done->coarse[k] && !quadrature_converges(work, done, k, missing)))))
+            solve_step(run, balance, work, done, k);
+    }
+}
