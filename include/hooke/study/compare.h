@@ -347,6 +347,7 @@ struct compared_row {
     enum quantity data_quantity;        /* of that */
     char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
     bool mixed;                         /* the rows are not all timed by the same code */
+    bool balanced; /* drag or a drive changes the energy, so that its error is one of the balance */
 };
 
 /* Takes over what is known; period, data and `mixed` are to be filled in. */
@@ -408,6 +409,7 @@ struct order {
     bool reference_stored; /* what they are measured against was there before */
     enum order_verdict verdict;
     bool switches;   /* the forces switch, beside dry friction */
+    bool unsettled;  /* there are points to fit, but their slopes have not reached one value */
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
 

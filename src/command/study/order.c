@@ -16,8 +16,8 @@ static void put_order(const struct session *session, const struct order *order, 
     buffer_format(out, "%s%s%s, ", order->by.method->row.name, drag ? " drag=" : "",
                   drag ? drag : "");
     buffer_quantity(out, session->setup.settings.duration, QUANTITY_TIME, 4);
-    buffer_put(out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole "
-                         "state at the end, good to "));
+    buffer_put(out, TEXT(" of the scene in fixed steps with compensated sums; root mean "
+                         "square error of the whole state at four times, good to "));
     buffer_short(out, order->floor, 2);
     buffer_put(out, order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
     columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);

@@ -145,7 +145,8 @@ static void observe(struct comparison *row, const char *span)
     if (isnan(ledger->error_max))
         snprintf(out, size, "reached %s", span);
     else if (ledger->error_max <= ROUNDING)
-        snprintf(out, size, "energy balance kept to rounding in %s", span);
+        snprintf(out, size, "energy%s kept to rounding in %s",
+                 row->run->plan.ledger ? " balance" : "", span);
     else if (row->energy_factor == 0)
         snprintf(out, size, "vanished: the energy is below the smallest number in %s", span);
     else if (!row->run->system.conservative)

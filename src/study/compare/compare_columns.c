@@ -17,7 +17,8 @@ void compared_init(struct compared_row *row, const struct comparison *from)
                                  .stop = run->stop,
                                  .number = run->number,
                                  .period = {NAN, NAN},
-                                 .data_rms = NAN};
+                                 .data_rms = NAN,
+                                 .balanced = run->plan.ledger};
     row->by.run = NULL;
 }
 
@@ -95,6 +96,12 @@ static void energy_cell(struct text_table *table, const void *row)
         cell_quantity(table, compared(row)->by.ledger.error_max, QUANTITY_NUMBER, 3);
 }
 
+/* Names what the column holds: the energy balance where drag or a drive changes the energy. */
+static const char *energy_head(const void *first)
+{
+    return compared(first)->balanced ? "balance" : "|dE/E0|";
+}
+
 static const char *data_head(const void *first)
 {
     return compared(first)->data_heading;
@@ -142,7 +149,7 @@ static const struct result_column columns[] = {
     {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
     {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
     {.name = "error", AT(by.errors.max), .index = 5, .heading = "max error"},
-    {.name = "energy_error", AT(by.ledger.error_max), .index = 4, .heading = "|dE/E0|",
+    {.name = "energy_error", AT(by.ledger.error_max), .index = 4, .head = energy_head,
      .cell = energy_cell, .flags = COLUMN_IF_ANY, .any = has_energy},
     {.name = "energy_factor", AT(by.energy_factor)},
     {.name = "predicted_factor", AT(by.predicted_factor)},

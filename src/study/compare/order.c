@@ -3,21 +3,27 @@
 #include "study/compare/verify.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#define TOP 0.1            /* errors above are not asymptotic */
-#define ROUNDING 2e-14     /* errors below have rounding in them, compensated sums or not */
-#define ROUNDING_FAR 1e-11 /* a reference that bad is in the way before rounding is */
-#define ACCURACIES 30      /* so far above the accuracy of the reference a slope is to be trusted */
-#define SMALL 1e-6         /* above it a slope near 0 is no rounding */
-#define IDLE 0.3           /* the slope below which a smaller step gains nothing */
-#define NOISE 10           /* times the error there: with less rounding bends the line */
-#define WINDOW 4           /* points in the fit, one more where the steps are closer together */
+#define SMALL 1e-6 /* above it a slope near 0 is no rounding */
+#define IDLE 0.3   /* the slope below which a smaller step gains nothing */
+#define NOISE 10   /* times the error there: with less rounding bends the line */
+#define WINDOW 4   /* points in the fit, one more where the steps are closer together */
 #define LEAST 3
-#define ALIKE 0.05   /* a guard band that narrow is that of one power */
-#define ERRATIC 0.35 /* a guard band wider than that is no order at all */
-#define COST_MAX 6e6 /* of one solve */
-#define HIGH 6       /* from this order on the steps of the sweep are closer together */
+/* Orders are whole numbers, or halves: a slope so close is that order, or within this share of it,
+ * as high orders come to rounding after few steps. */
+#define AGREES 0.25
+#define AGREES_SHARE 0.05
+#define UNCERTAIN 0.3 /* a guard band wider than that tells no order from the next */
+/* Slopes that come so much nearer to the claim within a window are on their way to it. */
+#define APPROACH 0.03
+#define SUSPECT 300           /* times the level of rounding: there its traces may begin */
+#define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
+#define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
+#define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
+#define COST_MAX 6e6          /* of one solve */
+#define HIGH 5                /* from this order on the steps of the sweep are closer together */
 
 static const struct row verdicts[] = {
     [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
@@ -34,19 +40,27 @@ const struct catalog order_verdict_catalog = CATALOG("verdict", verdicts);
 
 /* ---- the sweep ---- */
 
-static double state_distance(const struct sweep_target *target, const double *y)
+/*
+ * Returns the root of the mean square distance from the known states at the quarters of the span,
+ * over all variables in units of their amplitudes. A single time or variable would not do: its
+ * error has zeros as a function of the step, next to which slopes mean nothing. Fewer than four
+ * steps are compared at the end only.
+ */
+static double state_distance(const struct sweep_target *target, int64_t steps, const double *grid)
 {
-    double max = 0;
-    for (int i = 0; i < target->system->n; i++) {
-        const double distance = fabs(y[i] - target->end[i]) / target->size[i];
-        if (!(distance <= max))
-            max = distance;
-    }
-    return max;
+    const int n = target->system->n, stride = steps % 4 ? STUDY_TIMES - 1 : SWEEP_STRIDE;
+    double sum = 0;
+    int count = 0;
+    for (int k = stride; k < STUDY_TIMES; k += stride)
+        for (int i = 0; i < n; i++, count++) {
+            const double distance = (grid[k * n + i] - target->state[k * n + i]) / target->size[i];
+            sum += distance * distance;
+        }
+    return sqrt(sum / count);
 }
 
 static bool solve_point(const struct sweep_target *target, const struct method_choice *by,
-                        struct order_point *point, int64_t *cost)
+                        double *grid, struct order_point *point, int64_t *cost)
 {
     const struct run_settings settings = {.dt = point->dt, .drag = by->drag, .compensated = true};
     struct error ignored;
@@ -60,18 +74,18 @@ static bool solve_point(const struct sweep_target *target, const struct method_c
     if (!solver_init(&solver, target->system, by->method, &settings, target->span))
         return false;
     solver.max = target->max;
-    point->stop = solver_run(&solver, NULL, target->cancel);
+    point->stop = solver_run(&solver, grid, target->cancel);
     point->steps = solver.steps;
     point->turns = solver.step.cost.turns;
     *cost = solver_cost(&solver) + solver.steps;
     if (point->stop == STOP_END)
-        point->error = state_distance(target, solver.y);
+        point->error = state_distance(target, solver.steps, grid);
     solver_free(&solver);
     return true;
 }
 
-/* Whole numbers of steps, by factors of 2, of sqrt 2 where an error falls by 64 and more each time.
- */
+/* Sets the number of steps of point i: multiples of 4 by factors of 2, of sqrt 2 where an error
+ * falls by 32 and more each time. Returns false beyond the range. */
 static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
 {
     const double each = order >= HIGH ? sqrt(2) : 2, span = fabs(target->span);
@@ -79,7 +93,9 @@ static bool steps_at(const struct sweep_target *target, int order, int i, double
     const double first = wanted ? span / fmax(target->dt[0], target->dt[1]) : 4;
     const double last = wanted ? span / fmin(target->dt[0], target->dt[1]) : 4e9;
     *steps = nearbyint(first * pow(each, i));
-    return *steps >= 1 && *steps <= last * (1 + 1e-9);
+    if (*steps > 4)
+        *steps = 4 * nearbyint(*steps / 4);
+    return *steps >= 1 && *steps <= fmax(last, first) * (1 + 1e-9) + 2;
 }
 
 static double log_slope(const struct order_point *coarse, const struct order_point *fine)
@@ -91,7 +107,7 @@ static double log_slope(const struct order_point *coarse, const struct order_poi
  * nothing. */
 static double rounding_level(const struct order *order)
 {
-    double level = fmax(ROUNDING, ACCURACIES * order->floor);
+    double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
     for (int i = 1; i < order->points; i++)
         if (order->point[i - 1].error < SMALL && order->point[i].slope < IDLE)
             level = fmax(level, NOISE * order->point[i - 1].error);
@@ -139,61 +155,149 @@ static struct order_line fit(const struct order_point *point, int n)
     return line;
 }
 
-/* From the fine end the first window that lies on a line; if there is none, the one that does best.
- */
-static bool choose_window(struct order *order, int size)
+/* Relative error of a point's error: what the reference and rounding leave uncertain. */
+static double point_noise(const struct order *order, const struct order_point *point)
 {
-    const double level = rounding_level(order);
-    double best = HUGE_VAL;
-    for (int first = order->points - size; first >= 0 && best > ALIKE; first--) {
-        bool all = true;
-        for (int i = first; i < first + size; i++)
-            all &= order->point[i].error < TOP && order->point[i].error > level;
-        const struct order_line line =
-            all ? fit(order->point + first, size) : (struct order_line){NAN, NAN, NAN};
-        if (!all || !(line.slope > IDLE) || !(line.guard < best))
-            continue;
-        best = line.guard;
-        order->slope = line.slope;
-        order->guard = line.guard;
-        order->r2 = line.r2;
-        order->fitted = size;
-        for (int i = 0; i < order->points; i++)
-            order->point[i].fitted = i >= first && i < first + size;
-    }
-    return best < HUGE_VAL;
+    return fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor) / ORDER_ACCURACIES / point->error;
 }
 
-static enum order_verdict judge(const struct order *order)
+/*
+ * Returns true if the slopes within a window of n points are alike, or approach a limit: each
+ * change is smaller than the one before. *rest is how far the last slope may be from the limit.
+ */
+static bool slopes_settle(const struct order *order, const struct order_point *point, int n,
+                          double *rest)
+{
+    const double ratio = point[n - 2].dt / point[n - 1].dt,
+                 noise = 2 * point_noise(order, &point[n - 1]) / log(ratio),
+                 last = point[n - 1].slope, change = fabs(last - point[n - 2].slope),
+                 change_before = n > LEAST ? fabs(point[n - 2].slope - point[n - 3].slope) : 0;
+    double spread = 0;
+    for (int i = 1; i < n - 1; i++)
+        spread = fmax(spread, fabs(point[i].slope - last));
+    *rest = fmax(noise, change / (ratio - 1));
+    if (spread <= SETTLED_SPREAD + noise)
+        return true;
+    return change <= SETTLED_CHANGE && change <= SETTLED_SHRINKING * change_before + noise;
+}
+
+/* Finds the finest run of points that are asymptotic and above rounding: *last is the index of the
+ * finest one. Returns how many there are. */
+static int usable_points(const struct order *order, int *last)
+{
+    const double level = rounding_level(order);
+    int count = 0;
+    *last = order->points - 1;
+    while (*last >= 0 &&
+           !(order->point[*last].error > level && order->point[*last].error < ORDER_ERROR_MAX))
+        --*last;
+    for (int i = *last;
+         i >= 0 && order->point[i].error > level && order->point[i].error < ORDER_ERROR_MAX; i--)
+        count++;
+    return count;
+}
+
+/* Fits a line through the `size` points that end with point `last`. Returns false if their slopes
+ * have not settled. */
+static bool fit_window(struct order *order, int last, int size)
+{
+    const struct order_point *first = &order->point[last + 1 - size], *finest = &order->point[last];
+    double rest;
+    if (!slopes_settle(order, first, size, &rest))
+        return false;
+    const struct order_line line = fit(first, size);
+    const double ahead = fmax(fabs(line.slope - finest->slope), point_noise(order, finest)),
+                 guard = fmax(line.guard, fmin(rest, ahead));
+    if (!(line.slope > IDLE) || guard > UNCERTAIN)
+        return false;
+    order->slope = line.slope;
+    order->guard = guard;
+    order->r2 = line.r2;
+    order->fitted = size;
+    order->unsettled = false;
+    for (int i = 0; i < order->points; i++)
+        order->point[i].fitted = i > last - size && i <= last;
+    return true;
+}
+
+/* Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
+ * Methods differ in what rounding does to them: points next to its level may be left out. Returns
+ * how many are.
+ */
+static int choose_window(struct order *order, int size)
+{
+    int last;
+    int usable = usable_points(order, &last), omitted = 0;
+    const double level = SUSPECT * rounding_level(order);
+    order->unsettled = usable >= LEAST;
+    for (; usable >= LEAST; usable--, last--, omitted++) {
+        for (int n = size < usable ? size : usable; n >= LEAST; n--)
+            if (fit_window(order, last, n))
+                return omitted;
+        if (order->point[last].error > level)
+            break;
+    }
+    return omitted;
+}
+
+/*
+ * Returns true if the slopes of the window approach the claimed order from one point to the next:
+ * the leading term of the error, whose power is the order, does not yet dominate.
+ */
+static bool slopes_approach_claim(const struct order *order)
+{
+    const struct order_point *first = order->point;
+    while (!first->fitted)
+        first++;
+    const double before = fabs(first[1].slope - order->claimed),
+                 after = fabs(first[order->fitted - 1].slope - order->claimed);
+    return before - after > APPROACH + 2 * point_noise(order, &first[order->fitted - 1]);
+}
+
+static void forget_window(struct order *order)
+{
+    order->unsettled = true;
+    order->slope = order->guard = order->r2 = NAN;
+    order->fitted = 0;
+    for (int i = 0; i < order->points; i++)
+        order->point[i].fitted = false;
+}
+
+/* A window that leaves out finer points, or has few of its own, may confirm the claim, but not
+ * refute it. */
+static enum order_verdict judge(struct order *order, int omitted)
 {
     bool exact = order->points > 0;
     for (int i = 0; i < order->points; i++)
         exact &= order->point[i].error <= fmax(1e-12, 10 * order->floor);
     if (exact)
         return ORDER_EXACT;
+    const double near = fmax(AGREES, AGREES_SHARE * order->claimed);
+    if (order->fitted && fabs(order->slope - order->claimed) <= fmax(near, 2 * order->guard))
+        return ORDER_AGREES;
+    if (order->fitted && (omitted > 0 || order->fitted < WINDOW || slopes_approach_claim(order)))
+        forget_window(order);
     if (order->fitted == 0)
-        return ORDER_NO_RANGE;
-    if (fabs(order->slope - order->claimed) <= ORDER_BAND)
-        return ORDER_AGREES;
-    if (order->guard > ERRATIC)
-        return ORDER_ERRATIC;
-    if (fabs(order->slope - order->claimed) <= 2 * order->guard)
-        return ORDER_AGREES;
+        return order->unsettled ? ORDER_ERRATIC : ORDER_NO_RANGE;
     return order->slope < order->claimed ? ORDER_LOWER : ORDER_HIGHER;
 }
 
-bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error)
+/* Solves with ever smaller steps until rounding, the budget or the range ends it. grid
+ * [STUDY_TIMES][n] is for the states. */
+static bool sweep_steps(const struct sweep_target *target, double *grid, struct order *order,
+                        struct error *error)
 {
     const bool wanted = !isnan(target->dt[0]);
-    double steps;
+    double steps, last = 0;
     int low = 0;
-    order->points = order->fitted = 0;
-    order->slope = order->guard = order->r2 = NAN;
     for (int i = 0; order->points < ORDER_POINTS && steps_at(target, order->claimed, i, &steps);
          i++) {
         struct order_point point = {.dt = fabs(target->span) / steps};
         int64_t cost;
-        if (!solve_point(target, &order->by, &point, &cost))
+        if (steps == last)
+            continue;
+        last = steps;
+        if (!solve_point(target, &order->by, grid, &point, &cost))
             return error_memory(error);
         if (cancelled(target->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped after %d step sizes", order->points);
@@ -204,123 +308,31 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
         const bool instead = before && !wanted && isnan(before->error) && isnan(point.error);
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;
-        low += point.error <= fmax(ROUNDING, ACCURACIES * order->floor);
+        low += point.error <= fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
         if (!wanted && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
             break;
     }
-    for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW;
-         size >= LEAST && !choose_window(order, size); size--) {
-    }
-    order->verdict = judge(order);
+    return true;
+}
+
+bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error)
+{
+    double *grid = malloc((size_t)STUDY_TIMES * (size_t)target->system->n * sizeof *grid);
+    order->points = order->fitted = 0;
+    order->unsettled = false;
+    order->slope = order->guard = order->r2 = NAN;
+    if (!grid)
+        return error_memory(error);
+    const bool ok = sweep_steps(target, grid, order, error);
+    free(grid);
+    if (!ok)
+        return false;
+    const int omitted = choose_window(order, order->claimed >= HIGH ? WINDOW + 1 : WINDOW);
+    order->verdict = judge(order, omitted);
     return true;
 }
 
 /* ---- the study ---- */
-
-/* Fastest rate at the start [1/s]. */
-static double fastest(const struct system *system)
-{
-    struct mode mode[STABILITY_MODES];
-    int count = 0;
-    double max = 0;
-    modes_at(system, system->t0, system->start, mode, &count, STABILITY_MODES);
-    for (int i = 0; i < count; i++)
-        max = fmax(max, mode[i].omega * fmax(1, 2 * mode[i].zeta));
-    return max;
-}
-
-/* What turning points and switches do to the order; NULL: nothing. misses: another one was found,
- * or none. */
-static const char *explain_jumps(const struct system *system, const struct order *order,
-                                 bool misses)
-{
-    const struct method *method = order->by.method;
-    const bool meets = method_meets_switches(method, system), turns = method_turns(method, system);
-    if (misses && system->oscillator.friction != 0 && system->across)
-        return "dry friction jumps where the velocity is 0: each turning point that is crossed "
-               "spoils the order";
-    if (misses && system->switches > 0 && !meets && !turns)
-        return "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
-               "the order";
-    if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces && meets)
-        return "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
-               "switches";
-    if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
-        return "dry friction jumps where the velocity is 0: the order holds because steps end at "
-               "the turning points";
-    if (misses && system->oscillator.quadratic != 0 && order->claimed > 2)
-        return "quadratic drag is smooth only up to its first derivative where the velocity is 0: "
-               "each turning point spoils higher orders";
-    if (order->verdict == ORDER_AGREES && turns)
-        return "drag has a kink where the velocity is 0: the order holds because steps end at the "
-               "turning points";
-    return NULL;
-}
-
-/* What the sizes of steps and errors say where the order is another one, or none was found. */
-static void explain_sizes(const struct system *system, struct order *order)
-{
-    const bool none = order->verdict == ORDER_NO_RANGE,
-               over = none && !(order->by.method->flags & METHOD_IMPLICIT);
-    const double rate = fastest(system),
-                 last = order->points ? order->point[order->points - 1].dt : NAN;
-    double dt = NAN, best = HUGE_VAL;
-    char *out = order->words;
-    const size_t size = sizeof order->words;
-    for (int i = 0; i < order->points; i++) {
-        dt = order->point[i].fitted || isnan(dt) ? order->point[i].dt : dt;
-        best = fmin(best, order->point[i].error);
-    }
-    if (over && !(best < TOP) && rate * last > 0.5)
-        snprintf(out, size,
-                 "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to "
-                 "afford; an implicit method would do",
-                 rate, order->by.method->row.name);
-    else if (rate * dt > 1)
-        snprintf(out, size,
-                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
-                 "lose order (order reduction)",
-                 rate);
-    else if (none && best < TOP && ACCURACIES * order->floor > ROUNDING_FAR)
-        snprintf(out, size,
-                 "the solution that errors are measured against is good to %.1g only: nothing is "
-                 "left above that",
-                 order->floor);
-    else if (none && best < TOP)
-        snprintf(
-            out, size,
-            "double precision leaves no asymptotic part on this scene, even with compensated "
-            "sums: the error falls from above %.1g to rounding within two step sizes; a longer "
-            "duration may help",
-            TOP);
-    else if (none)
-        snprintf(out, size, "no step that could be afforded gave an error below %.1g", TOP);
-    else
-        snprintf(
-            out, size,
-            "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
-}
-
-static void explain(const struct system *system, bool rests, struct order *order)
-{
-    const bool misses = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC ||
-                        order->verdict == ORDER_NO_RANGE;
-    const struct method *method = order->by.method;
-    const char *jumps = explain_jumps(system, order, misses);
-    const size_t size = sizeof order->words;
-    order->switches = system->switches > system->dry;
-    if (order->by.drag == DRAG_EXPLICIT && method->drag != DRAG_EXPLICIT && system->velocity)
-        snprintf(order->words, size, "with drag=explicit %s is of first order, not %d",
-                 method->row.name, method->order);
-    else if (order->verdict != ORDER_AGREES && rests)
-        snprintf(order->words, size,
-                 "the body is at rest at the end: all that is left is the error of where, which "
-                 "may be of another order; a duration that ends before shows that of the motion");
-    else if (jumps)
-        snprintf(order->words, size, "%s", jumps);
-    else if (misses)
-        explain_sizes(system, order);
-}
 
 bool study_order(const struct order_request *request, struct order *order, struct error *error)
 {
@@ -344,7 +356,7 @@ bool study_order(const struct order_request *request, struct order *order, struc
     order->reference_stored = reference.stored;
     struct sweep_target target = {.system = &system,
                                   .span = request->duration,
-                                  .end = reference.y + (STUDY_TIMES - 1) * system.n,
+                                  .state = reference.y,
                                   .dt = {request->dt[0], request->dt[1]},
                                   .max = (int64_t)(COST_MAX / system.n),
                                   .cancel = request->cancel};
@@ -355,9 +367,10 @@ bool study_order(const struct order_request *request, struct order *order, struc
             target.size[i] = system.scale[i];
     }
     const bool ok = order_sweep(&target, order, error),
-               rests = system.oscillator.friction != 0 && target.end[1] == 0;
+               rests = system.oscillator.friction != 0 &&
+                       target.state[(STUDY_TIMES - 1) * system.n + 1] == 0;
     reference_free(&reference);
     if (ok)
-        explain(&system, rests, order);
+        order_explain(&system, rests, order);
     return ok;
 }

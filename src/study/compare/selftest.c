@@ -57,17 +57,19 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     struct system system;
     struct order order = {.by = {method, DRAG_DEFAULT}, .claimed = method->order};
     struct error error;
-    double end[LIMIT_VARIABLES];
+    double state[STUDY_TIMES * 4];
     if (method->order == 0 || !bind("kepler", set, 1, &system) ||
         !method_applies(method, &system, &order.by.drag, &error))
         return true;
     struct sweep_target target = {.system = &system,
                                   .span = 5,
-                                  .end = end,
+                                  .state = state,
                                   .dt = {NAN, NAN},
                                   .max = ORDER_COST,
                                   .cancel = cancel};
-    system_exact(&system, system.t0, system.start, system.t0 + target.span, end, NULL);
+    for (int k = SWEEP_STRIDE; k < STUDY_TIMES; k += SWEEP_STRIDE)
+        system_exact(&system, system.t0, system.start,
+                     system.t0 + target.span * k / (STUDY_TIMES - 1), state + k * system.n, NULL);
     for (int i = 0; i < system.n; i++)
         target.size[i] = 1;
     order.floor = 4e-16;

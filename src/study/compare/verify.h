@@ -8,11 +8,14 @@
 
 #include "study/compare/solve.h"
 
-/* A sweep of fixed steps against a state that is known. */
+/* Grid times between two at which a sweep looks for its error: a quarter of the span. */
+#define SWEEP_STRIDE ((STUDY_TIMES - 1) / 4)
+
+/* A sweep of fixed steps against states that are known. */
 struct sweep_target {
     const struct system *system;
-    double span;                  /* [s] from system->t0 */
-    const double *end;            /* [n] state there */
+    double span;         /* [s] from system->t0 */
+    const double *state; /* [STUDY_TIMES][n] on the common grid; used are each SWEEP_STRIDE-th */
     double size[LIMIT_VARIABLES]; /* unit of each variable's error */
     double dt[2];                 /* [s] ends, NAN: choose */
     int64_t max;                  /* evaluations, Jacobians and solves of one solve */
@@ -23,6 +26,17 @@ struct sweep_target {
  * memory or cancelled.
  */
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error);
+
+/* Errors above are not asymptotic. */
+#define ORDER_ERROR_MAX 0.1
+/* Errors below have rounding in them, compensated sums or not. */
+#define ORDER_ROUNDING 2e-14
+/* Times the accuracy of the reference: slopes of errors above that are to be trusted. */
+#define ORDER_ACCURACIES 30
+
+/* Writes into order->words why the scene spoils the order. rests: the body is at rest at the end.
+ */
+void order_explain(const struct system *system, bool rests, struct order *order);
 
 /* [n] eigenvalues of a row-major matrix; false: not finite, no memory, no convergence. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value);
