@@ -103,7 +103,8 @@ static const struct row words[] = {
           "'set color never', always or auto"),
     MEANS("E", "total-energy etot", "the energy of the run: 'print energy', 'plot energy'"),
     MEANS("dE/E0", "dE energy-drift conservation",
-          "how far the energy balance is off: 'plot energy-error', 'measure drift'"),
+          "how far the energy, or its balance with drag or a drive, is off: "
+          "'plot energy-error', 'measure drift'"),
     MEANS("T", "Tperiod",
           "the period: 'print T0' without damping, 'measure period' of what was run"),
     MEANS("solver", "solvers integrator integrators scheme schemes algorithm algorithms",

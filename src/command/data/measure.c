@@ -286,12 +286,12 @@ static bool measure_drift(struct measuring *m)
     if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
-    buffer_put(&text, TEXT("dE/E0 = "));
+    const bool balanced = m->subject.run->plan.ledger;
+    buffer_put(&text, balanced ? TEXT("energy balance = ") : TEXT("dE/E0 = "));
     buffer_short(&text, ledger.error, 4);
     buffer_put(&text, TEXT(" at the end, max "));
     buffer_short(&text, ledger.error_max, 4);
-    buffer_format(&text, "   (%s)",
-                  m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
+    buffer_put(&text, balanced ? TEXT("   ((E - E0 - work)/E0)") : TEXT("   ((E - E0)/E0)"));
     begin(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);

@@ -99,6 +99,17 @@ static void put_peak(const struct run *run, const struct ledger *ledger, struct 
     buffer_put(text, TEXT(" E0)"));
 }
 
+/* Says how far the energy, or its balance where drag or a drive changes it, has been off. */
+static void put_energy_error(const struct run *run, const struct ledger *ledger,
+                             struct buffer *text)
+{
+    const bool balanced = run->plan.ledger;
+    buffer_format(text, balanced ? ", energy balance within " : ", dE/E0 max ");
+    buffer_short(text, ledger->error_max, 2);
+    buffer_put(text, balanced ? TEXT(" of E0") : TEXT(""));
+    put_peak(run, ledger, text);
+}
+
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct run_record record;
@@ -112,9 +123,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s",
                   run->method->row.name);
     if (isfinite(ledger->error_max)) {
-        buffer_put(&text, TEXT(", dE/E0 max "));
-        buffer_short(&text, ledger->error_max, 2);
-        put_peak(run, ledger, &text);
+        put_energy_error(run, ledger, &text);
     }
     if (run->cost.turns > 0)
         buffer_format(&text, ", %lld extra step%s to end at %s", (long long)run->cost.turns,

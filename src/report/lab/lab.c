@@ -146,7 +146,8 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
          run->plan.adaptive ? QUANTITY_NUMBER : QUANTITY_TIME, "setting"},
         {"energy at the start", ledger.initial, QUANTITY_ENERGY, "run"},
         {"energy at the end", ledger.final, QUANTITY_ENERGY, "run"},
-        {"largest error of the energy", ledger.error_max, QUANTITY_NUMBER, "run"},
+        {run->plan.ledger ? "largest error of the energy balance" : "largest error of the energy",
+         ledger.error_max, QUANTITY_NUMBER, "run"},
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)

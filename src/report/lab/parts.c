@@ -211,8 +211,8 @@ static void put_meaning(struct document *document, const bool filled[RUN_STATUS 
 {
     static const char *const meaning[RUN_STATUS + 1] = {
         [RUN_ENERGY] = "E/E0: energy at the end over that at the start.",
-        [RUN_BALANCE] = "max dE/E0: largest error of the energy, of its balance where drag or "
-                        "drive do work.",
+        [RUN_BALANCE] = "energy error: largest |E - E0|/E0, or largest error of the balance "
+                        "|E - E0 - work|/E0 where drag or drive do work.",
         [RUN_ERROR] = "max error: largest distance from the exact motion, in amplitudes.",
     };
     bool begun = false;
@@ -259,7 +259,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
 {
     static const char *const heads[] = {
         "run",  "method",    "step",      "steps",  "to t",
-        "E/E0", "max dE/E0", "max error", "status", "rms from the data"};
+        "E/E0", "energy error", "max error", "status", "rms from the data"};
     struct document *document = &report->document;
     bool filled[RUN_STATUS + 1] = {false};
     put_heading(document, heads, (int)COUNT_OF(heads) - !distance);
