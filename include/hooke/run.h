@@ -315,6 +315,9 @@ void run_unbind(struct run *run);
  * no run may reach, no room.
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
+/* slope [n + 1]: the derivatives of the value just set by the state before it and by time. Without
+ * them the second opinion ends there. */
+void run_set_jump_slopes(struct run *run, const double *slope);
 /* Its steps or rows depend on steps before, not on the present state alone: to come to the same
  * bits, it has to go all the way again. */
 bool run_remembers(const struct run *run);

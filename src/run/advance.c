@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loop: steps, conditions, stop reasons, slices. */
 #include <hooke/scene/formula.h>
-#include "run/private.h"
+#include "run/event/watch.h"
 
 #include <float.h>
 #include <math.h>
@@ -254,6 +254,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (segment->target->condition && noticed && meet(run, segment, t, h, &off_grid)) {
         cold = true;
         stop = STOP_CONDITION;
+        noticed = responses_add_moment(run, p->watch->until, h);
     }
     if (run->trace->interval > 0)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
@@ -272,6 +273,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         run->steps--;
         run->t = was;
         event_records_truncate(run, 0);
+        responses_truncate(run);
         if (run->trace->interval > 0)
             even_drop(run->trace, was);
         return refused ? refused : STOP_FULL;

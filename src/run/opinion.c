@@ -8,7 +8,7 @@
  * The second solution is by dop853 where stability lets its steps be long, else by a Rosenbrock
  * method, or by radau5 where the run itself is by one. It ends steps at the recorded states that it
  * is compared with, so that nothing is interpolated, and follows changes of the scene and of the
- * state on the way. Its work is limited by counts, not by the clock: the same run always gets the
+ * state on the way; at events it has moments of its own (saltation.c). Its work is limited by counts, not by the clock: the same run always gets the
  * same opinion.
  */
 #include <hooke/base/elementary.h>
@@ -46,7 +46,8 @@
 
 /* Distances so far. */
 struct distances {
-    double size[LIMIT_VARIABLES]; /* the largest values of the run */
+    double size[LIMIT_VARIABLES]; /* the largest values of the run, */
+    size_t sized;                 /* in as many of its rows */
     double t;                     /* [s] of the last one */
     /* [s] integrals over time, since the start and since struct opinion's lost */
     double sum, lost_sum;
@@ -62,6 +63,7 @@ struct second {
     struct controller controller;
     double y[LIMIT_VARIABLES];
     size_t epoch, kick;          /* the next ones */
+    struct saltation saltation;
     double error;                /* as struct opinion's, so far, */
     double end[LIMIT_VARIABLES]; /* and its distances */
     struct {
@@ -90,6 +92,25 @@ void opinion_forget(struct run *run)
 
 /* ---- distances ---- */
 
+/* Takes the rows that are new into the sizes of the run. */
+static void measure_sizes(const struct run *run, struct distances *d)
+{
+    for (; d->sized < trace_count(run->trace); d->sized++) {
+        const double *y = trace_state(run->trace, d->sized);
+        for (int i = 0; i < run->system.n; i++)
+            d->size[i] = fmax(d->size[i], fabs(y[i]));
+    }
+}
+
+/* Returns what errors of variable i are measured by: its largest value, or its natural size where
+ * the run leaves it next to that at rest. */
+static double size_of(const struct run *run, const struct distances *d, int i)
+{
+    static const double at_rest = 0.01;
+    const double natural = run->controller.scale[i];
+    return d->size[i] >= at_rest * natural ? d->size[i] : natural;
+}
+
 /* Of state y from the run's `own` at t. */
 static void compare(struct run *run, struct distances *d, double t, const double *own,
                     const double *y)
@@ -99,10 +120,9 @@ static void compare(struct run *run, struct distances *d, double t, const double
     double here = 0;
     for (int i = 0; i < run->system.n; i++) {
         const double distance = fabs(own[i] - y[i]);
-        d->size[i] = fmax(d->size[i], fabs(own[i]));
         opinion->end[i] = distance;
         if (distance > 0)
-            here = fmax(here, distance / fmax(d->size[i], run->controller.scale[i]));
+            here = fmax(here, distance / size_of(run, d, i));
     }
     d->t = t;
     d->sum += by * here;
@@ -145,6 +165,7 @@ static void against_closed_form(struct run *run)
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     if (second->at == 0)
         second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
+    measure_sizes(run, &second->distances);
     const size_t first = next_row(run, second), rows = trace_count(trace) - first,
                  count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
@@ -230,8 +251,10 @@ static bool second_begin(struct run *run, bool other)
         (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
     method_choose_kernels(method, &second->step, true);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
+    /* a run of a higher order may be far better than its tolerance */
+    const double tighter = run->method->order > method->order ? TIGHTER * TIGHTER : TIGHTER;
     second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
-                                   : fmax(TIGHTER * run->controller.tol, TOL_EXPLICIT);
+                                   : fmax(tighter * run->controller.tol, TOL_EXPLICIT);
     second->distances = (struct distances){.t = epoch->t, .lost = NAN};
     second->epoch = 1;
     second->each = 1;
@@ -266,21 +289,6 @@ static bool second_go(const struct run *run, struct second *second, double to, d
     return work_of(&step->cost) <= max;
 }
 
-/* What was changed from outside in the run changes the second solution alike: its distance stays.
- */
-static void second_kick(const struct run *run, struct second *second, const struct kick *kick)
-{
-    const struct trace *trace = run->trace;
-    const size_t row = trace_row_from(trace, kick->step);
-    if (row >= trace_count(trace))
-        return;
-    const double *after = trace_state(trace, row);
-    const bool both =
-        row > 0 && trace_time(trace, row - 1) == kick->t && trace_time(trace, row) == kick->t;
-    for (int i = 0; i < run->system.n; i++)
-        second->y[i] = both ? second->y[i] + (after[i] - trace_state(trace, row - 1)[i]) : after[i];
-}
-
 /* To the time of the changes before the state after `step`, and across. */
 static bool second_cross(const struct run *run, struct second *second, int64_t step, double max,
                          const struct cancel *cancel)
@@ -293,17 +301,21 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         const bool first = bind && !(jump && kick->step <= epoch->first);
         if (!bind && !jump)
             return true;
-        if (!second_go(run, second, first ? epoch->t : kick->t, max, cancel))
+        const double t = first ? epoch->t : kick->t;
+        if (!second_go(run, second, t, max, cancel) ||
+            !saltation_enter(run, &second->saltation, &second->system, t, second->y))
             return false;
         if (first) {
             second->system = epoch->system;
             system_turn_at_kinks(&second->system);
             method_choose_kernels(second->method, &second->step, true);
             second->epoch++;
-        } else {
-            second_kick(run, second, kick);
+        } else if (saltation_jump(run, &second->saltation, kick->step, second->y)) {
             second->kick++;
+        } else {
+            return false;
         }
+        saltation_leave(&second->saltation, &second->system, second->y);
         second->step.warm = second->step.again = false;
         second->controller = (struct controller){.tol = second->controller.tol};
     }
@@ -336,6 +348,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
 {
     struct second *second = run->private_state->second;
     const struct trace *trace = run->trace;
+    measure_sizes(run, &second->distances);
     const size_t found = second->at > 0 ? trace_row_from(trace, second->at) : 1;
     const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
     const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;

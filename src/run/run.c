@@ -220,6 +220,7 @@ void run_destroy(struct run *run)
         free(run->private_state->event_records.at);
         free(run->private_state->event_records.state);
         free(run->private_state->kick);
+        responses_free(&run->private_state->responses);
         free(run->private_state->saved);
         free(run->private_state);
     }
@@ -289,6 +290,7 @@ bool run_back(struct run *run, int64_t rows)
     event_records_truncate(run, 0);
     while (p->kicks > 0 && p->kick[p->kicks - 1].step > run->steps)
         p->kicks--;
+    responses_truncate(run);
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
     run_use_epoch(run);
@@ -325,7 +327,8 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         return error_memory(error);
     struct epoch *last = &p->epoch[p->epochs - 1];
     double start[LIMIT_VARIABLES];
-    const bool exact = (run->plan.exact_known || run->steps == 0) && plan.exact_known;
+    const bool exact = (run->plan.exact_known || run->steps == 0) && plan.exact_known &&
+                       !responses_moment_moves(run);
     memcpy(start, last->start, sizeof start);
     if (last->first != run->steps) {
         if (p->epochs > LIMIT_CHANGES) {
@@ -399,11 +402,14 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);
     run->y[i] = value;
-    if (!trace_record(run->trace, run->steps + 1, run->t, run->y)) {
+    run->steps++;
+    if (!responses_add_jump(run, i, was) ||
+        !trace_record(run->trace, run->steps, run->t, run->y)) {
         run->y[i] = was;
+        run->steps--;
+        responses_truncate(run);
         return error_set(error, ERROR_COMMAND, "the trace has no room for more rows");
     }
-    run->steps++;
     if (!run->plan.adaptive)
         trace_regrid(run->trace, (struct time_grid){run->steps, run->t, trace_grid(run->trace)->h});
     trace_present(run->trace, run->steps, run->t, run->y);

@@ -95,6 +95,9 @@ void run_store(const struct run *run, struct buffer *to)
     put_array(to, "events", records->at, records->count, sizeof *records->at);
     put_array(to, "event_states", records->state, records->count * n, sizeof *records->state);
     put_array(to, "kicks", p->kick, p->kicks, sizeof *p->kick);
+    put_array(to, "responses", p->responses.at, p->responses.count, sizeof *p->responses.at);
+    put_array(to, "response_slopes", p->responses.slope, p->responses.count * (2 * n + 1),
+              sizeof *p->responses.slope);
     if (p->propagator) {
         const struct propagator_place place = propagator_place(p->propagator);
         field_put(to, "propagator", &place, sizeof place);
@@ -229,6 +232,25 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
     return trace->count == count && count > 0;
 }
 
+/* Sessions of older versions have none: then a second opinion ends at the first jump. */
+static bool get_responses(struct run *run, struct text in)
+{
+    struct responses *all = &run->private_state->responses;
+    struct text found;
+    size_t slopes = 0;
+    if (!field_find(in, "responses", &found))
+        return true;
+    if (!get_array(in, "responses", sizeof *all->at, &all->at, &all->count) ||
+        !get_array(in, "response_slopes", sizeof *all->slope, &all->slope, &slopes) ||
+        slopes != all->count * (2 * (size_t)run->system.n + 1))
+        return false;
+    all->capacity = all->count;
+    for (size_t i = 0; i < all->count; i++)
+        if (all->at[i].variable >= run->system.n)
+            return false;
+    return true;
+}
+
 /* What the run has beside its rows, whose arrays have to fit each other. */
 static bool get_private(struct run *run, struct text in)
 {
@@ -240,7 +262,7 @@ static bool get_private(struct run *run, struct text in)
         get_array(in, "saved", sizeof *p->saved, &p->saved, &p->saves) &&
         get_array(in, "events", sizeof *records->at, &records->at, &records->count) &&
         get_array(in, "event_states", sizeof *records->state, &records->state, &states) &&
-        get_array(in, "kicks", sizeof *p->kick, &p->kick, &p->kicks) &&
+        get_array(in, "kicks", sizeof *p->kick, &p->kick, &p->kicks) && get_responses(run, in) &&
         states == records->count * (size_t)run->system.n;
     p->save_capacity = p->saves;
     p->kick_capacity = p->kicks;

@@ -5,6 +5,7 @@
 #include <hooke/scene/typed.h>
 #include "command/internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -210,20 +211,56 @@ static bool set_param(struct session *session, int param, const struct item *ite
     return true;
 }
 
+/*
+ * Finds how the value that was read depends on the state and on time (slope [n + 1]), by reading it
+ * again beside them. Returns false if it cannot be read there.
+ */
+static bool find_slopes(const struct parser *before, struct run *run, const char *what,
+                        enum quantity quantity, double *slope)
+{
+    static const double difference = 6e-6; /* a compromise of rounding and curvature */
+    const double t = run->t;
+    bool ok = true;
+    for (int i = 0; i <= run->system.n; i++) {
+        double *moving = i < run->system.n ? &run->y[i] : &run->t, value[2] = {0, 0};
+        const double was = *moving,
+                     natural = i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
+                     by = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
+        for (int side = 0; side < 2 && ok; side++) {
+            struct parser parser = *before;
+            struct item item = {0};
+            struct error ignored;
+            *moving = side ? was + by : was - by;
+            ok = read_value(&parser, what, quantity, &item, &ignored);
+            value[side] = item.value.value;
+        }
+        *moving = was;
+        slope[i] = (value[1] - value[0]) / (2 * by);
+    }
+    run->t = t;
+    return ok;
+}
+
 /* What moves: a jump of the current run. */
 static bool set_state(struct session *session, int variable, struct parser *parser,
                       struct reply *reply, struct error *error)
 {
-    const struct run *run = session_run(session);
+    struct run *run = session_run(session);
     const struct variable moving = system_variable(&run->system, variable);
+    const struct parser before = *parser;
     struct item item = {0};
     struct buffer text = {0};
+    double slope[LIMIT_VARIABLES + 1];
     if (!read_value(parser, moving.name, moving.quantity, &item, error))
         return false;
+    const bool answers = run->plan.adaptive &&
+                         find_slopes(&before, run, moving.name, moving.quantity, slope);
     if (!live_kick(session, variable, item.value.value, error)) {
         error->where = item.text;
         return false;
     }
+    if (answers)
+        run_set_jump_slopes(run, slope);
     buffer_format(&text, "%s = ", moving.name);
     buffer_measured(&text, item.value, moving.quantity, session->setup.settings.digits);
     buffer_since(&text, run->t);
