@@ -210,7 +210,7 @@ struct jet jet_two(double (*function)(double, double), struct jet a, struct jet 
 
 /* ---- expressions ---- */
 
-static struct jet apply(const struct op *op, const struct jet *x)
+struct jet jet_apply(const struct op *op, const struct jet *x)
 {
     switch (op->kind) {
     case OP_NUMBER:
@@ -252,7 +252,7 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet)
             continue;
         }
         top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
-        *top = apply(op, top);
+        *top = jet_apply(op, top);
         top++;
     }
     return stack[0];
@@ -282,8 +282,8 @@ struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const 
             continue;
         }
         top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
-        stack[0][top] = apply(op, &stack[0][top]);
-        stack[1][top] = apply(op, &stack[1][top]);
+        stack[0][top] = jet_apply(op, &stack[0][top]);
+        stack[1][top] = jet_apply(op, &stack[1][top]);
         narrow(&stack[0][top], stack[1][top].value, half);
     }
     return stack[0][0];

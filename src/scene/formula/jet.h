@@ -21,4 +21,7 @@ struct jet jet_two(double (*function)(double, double), struct jet a, struct jet 
  * same. */
 struct jet jet_jump(double lo, double hi);
 
+/* The operation on bounds of its arguments x. */
+struct jet jet_apply(const struct op *op, const struct jet *x);
+
 #endif

@@ -3,7 +3,9 @@
  * arithmetic, Moore 1966). */
 #include <math.h>
 
-#include "scene/formula/jet.h"
+#include <hooke/scene/poles.h>
+
+#include "scene/formula/outer.h"
 #include "scene/typed/typed.h"
 
 #define PHASES 32 /* of a drive's period: the mean over them is that of harmonics below */
@@ -82,4 +84,23 @@ bool system_bounds(const struct system *system, const struct interval *box, stru
             }
         }
     return true;
+}
+
+bool system_excludes_zero(const struct system *system, const struct interval *box)
+{
+    const struct bound_term *whole = system_whole(system);
+    const struct typed *typed = system->model->typed;
+    if (!whole || !typed || typed->base || system_drive(system) != 0)
+        return false;
+    struct box_names names = {.typed = typed};
+    name_all(&names, system->typed.c, box, system->t0, -1);
+    bool excludes = false;
+    for (int row = 0; row < typed_rows(typed) && !excludes; row++) {
+        struct outer sum = outer_interval(interval_point(0));
+        for (int g = 0; g < GROUPS; g++)
+            if (typed->group[g] && typed->group[g][row])
+                sum = outer_add(sum, expr_outer(typed->group[g][row], names.name));
+        excludes = outer_excludes_zero(sum);
+    }
+    return excludes;
 }

@@ -260,8 +260,11 @@ static void test_doubtful_equilibria(void **state)
                  {"x' = abs(x)-x", "at many places", 0, 0}, /* all that are not below 0 */
                  {"x' = x*(x^2+y^2-0.25)", NULL, 3, 0},
                  {"x' = y*(x^2+y^2-0.25)", "at many places", 0, 0},
-                 {"x' = 1/x", "near x = 0, y = 0", 0, 0}, /* a pole */
-                 {"x' = 1/x-2", "near x = 0, y = 0", 1, 0},
+                 {"x' = 1/x", NULL, 0, 0}, /* a pole */
+                 {"x' = 1/x-2", NULL, 1, 0},
+                 {"x' = y/x-2*x", "near x = 0, y = 0", 0, 0},
+                 {"x' = x^9/(x^2-0.01)", "near x = 0, y = 0", 1, 1},
+                 {"x' = 2/(1/x)-1", NULL, 1, 0},
                  {"x' = tan(5*x)-1", "and elsewhere", 3, 0},
                  {"x' = if(x>0, x-0.5, x+0.5)", "near x = 0, y = 0", 2, 0},
                  {"x' = if(x>0, 1, -1)", "near x = 0, y = 0", 0, 0},

@@ -214,11 +214,11 @@ static void put_place(const struct equilibria_search *search, struct buffer *tex
     buffer_put(text, elsewhere ? TEXT(" and elsewhere") : TEXT(""));
 }
 
-static bool are_singular(const struct box_queue *boxes)
+static bool has_singular(const struct box_queue *boxes)
 {
-    bool singular = true;
+    bool singular = false;
     for (size_t b = boxes->first; b < boxes->end; b++)
-        singular = singular && boxes->box[b].is_singular;
+        singular = singular || boxes->box[b].is_singular;
     return singular;
 }
 
@@ -232,7 +232,7 @@ static void give_reason(struct equilibria_search *search)
         buffer_put(&text, TEXT("cancelled"));
     } else if (search->field.system.dry) {
         buffer_put(&text, TEXT("dry friction holds it at rest all over a stretch"));
-    } else if (are_singular(&s->undecided)) {
+    } else if (has_singular(&s->undecided)) {
         buffer_put(&text, TEXT("a pole, a jump or a vertical slope near "));
         put_place(search, &text);
     } else if (box_queue_count(&s->undecided) > UNDECIDED_LISTED_MAX) {

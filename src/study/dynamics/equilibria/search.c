@@ -9,6 +9,7 @@
 #include "study/dynamics/equilibria/search.h"
 
 #include <float.h>
+#include <hooke/scene/poles.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -293,6 +294,7 @@ static bool look(struct zero_search *s, struct state_box *box)
         for (int i = 0; i < s->n; i++)
             empty = empty || excludes_zero(rate[i]);
         box->is_singular = !are_bounded(s->n, rate) || !are_bounded(s->n * s->n, by);
+        empty = empty || (box->is_singular && system_excludes_zero(&s->bounded, box->side));
         if (!empty && !box->is_singular)
             verdict = krawczyk(&s->bounded, box->side, by, rounding);
         if (empty || verdict == NONE || verdict == ONE) {

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/formula/outer.h"
+
+struct outer outer_interval(struct interval of)
+{
+    return (struct outer){of, false};
+}
+
+static struct outer anything(void)
+{
+    return outer_interval(interval_all);
+}
+
+/* All up to lo and from hi on, rounded outwards; without a gap, everything. */
+static struct outer with_gap(double lo, double hi)
+{
+    const struct interval below = interval_wide(lo, lo, 2), above = interval_wide(hi, hi, 2);
+    if (!(below.hi < above.lo))
+        return anything();
+    return (struct outer){{below.hi, above.lo}, true};
+}
+
+static struct outer negated(struct outer a)
+{
+    return (struct outer){interval_neg(a.of), a.has_gap};
+}
+
+struct outer outer_add(struct outer a, struct outer b)
+{
+    if (!a.has_gap && !b.has_gap)
+        return outer_interval(interval_add(a.of, b.of));
+    if (a.has_gap && b.has_gap)
+        return anything();
+    const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
+    if (interval_empty(plain.of))
+        return plain;
+    return with_gap(gap.of.lo + plain.of.hi, gap.of.hi + plain.of.lo);
+}
+
+/* Of numbers with a gap and those of an interval above 0. */
+static struct outer stretched(struct interval gap, struct interval by)
+{
+    return with_gap(gap.lo * (gap.lo <= 0 ? by.lo : by.hi), gap.hi * (gap.hi >= 0 ? by.lo : by.hi));
+}
+
+static bool has_zero_in_gap(struct outer a)
+{
+    return a.has_gap && a.of.lo < 0 && a.of.hi > 0;
+}
+
+static struct outer multiplied(struct outer a, struct outer b)
+{
+    if (!a.has_gap && !b.has_gap)
+        return outer_interval(interval_mul(a.of, b.of));
+    if (a.has_gap && b.has_gap) {
+        if (!has_zero_in_gap(a) || !has_zero_in_gap(b))
+            return anything();
+        return with_gap(fmax(a.of.hi * b.of.lo, a.of.lo * b.of.hi),
+                        fmin(a.of.hi * b.of.hi, a.of.lo * b.of.lo));
+    }
+    const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
+    if (interval_empty(plain.of))
+        return plain;
+    if (plain.of.lo > 0)
+        return stretched(gap.of, plain.of);
+    if (plain.of.hi < 0)
+        return negated(stretched(gap.of, interval_neg(plain.of)));
+    return anything();
+}
+
+/* 1/0 is at an end of what 1/a comes near, so that infinity is one, too. */
+static struct outer inverse(struct outer a)
+{
+    if (!a.has_gap && !interval_has(a.of, 0))
+        return outer_interval(interval_div(interval_point(1), a.of));
+    if (!a.has_gap)
+        return a.of.lo == 0 && a.of.hi == 0 ? anything()
+                                            : with_gap(a.of.lo < 0 ? 1 / a.of.lo : -HUGE_VAL,
+                                                       a.of.hi > 0 ? 1 / a.of.hi : HUGE_VAL);
+    if (!has_zero_in_gap(a))
+        return anything();
+    return outer_interval(interval_wide(1 / a.of.lo, 1 / a.of.hi, 2));
+}
+
+static struct outer powered(struct outer a, int n)
+{
+    if (n < 0)
+        return inverse(powered(a, -n));
+    if (!a.has_gap)
+        return outer_interval(interval_power(a.of, n));
+    struct outer out = outer_interval(interval_point(1));
+    for (int k = 0; k < n; k++)
+        out = multiplied(out, a);
+    return out;
+}
+
+/* Only its value counts, but what a function does may depend on whether an argument is a number. */
+static struct jet hull(struct outer a)
+{
+    if (!a.has_gap && a.of.lo == a.of.hi)
+        return jet_number(a.of.lo);
+    return (struct jet){a.has_gap ? interval_all : a.of, interval_all, interval_all};
+}
+
+static struct outer apply(const struct op *op, const struct outer *x)
+{
+    switch (op->kind) {
+    case OP_NUMBER:
+        return outer_interval(interval_point(op->number));
+    case OP_NEG:
+        return negated(x[0]);
+    case OP_ADD:
+        return outer_add(x[0], x[1]);
+    case OP_SUB:
+        return outer_add(x[0], negated(x[1]));
+    case OP_MUL:
+        return multiplied(x[0], x[1]);
+    case OP_DIV:
+        return multiplied(x[0], inverse(x[1]));
+    case OP_POW: {
+        const double n = x[1].of.lo;
+        if (!x[1].has_gap && n == x[1].of.hi && n == floor(n) && fabs(n) <= 8)
+            return powered(x[0], (int)n);
+        break;
+    }
+    default:
+        break;
+    }
+    struct jet jet[3];
+    for (int i = 0; i < op_arity(op); i++)
+        jet[i] = hull(x[i]);
+    return outer_interval(jet_apply(op, jet).value);
+}
+
+bool outer_excludes_zero(struct outer a)
+{
+    if (a.has_gap)
+        return has_zero_in_gap(a);
+    return a.of.lo > 0 || a.of.hi < 0 || interval_empty(a.of);
+}
+
+struct outer expr_outer(const struct expr *expr, const struct jet *jet)
+{
+    struct outer stack[LIMIT_EXPR_DEPTH], *top = stack;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NAME) {
+            *top++ = outer_interval(jet[op->slot].value);
+            continue;
+        }
+        top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
+        *top = apply(op, top);
+        top++;
+    }
+    return stack[0];
+}
