@@ -137,7 +137,8 @@ struct ticks {
     int count, decimals;
     int exponent;  /* labels are (value - offset) / 10^exponent, 0 mostly */
     double offset; /* of a range so narrow that its labels would be long; it stands in the title */
-    int offset_decimals;
+    int offset_decimals; /* of offset / 10^offset_power */
+    int offset_power;    /* of offsets that are very large or small, else 0 */
 };
 struct ticks ticks_linear(double from, double to, int want, int max);
 /* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`

@@ -10,8 +10,11 @@ struct scale scale_of(double from, double to, bool log)
         double low = log10(from);
         return (struct scale){from, to, true, 1, low, 1 / (log10(to) - low)};
     }
-    /* In units of the larger end, so that to - from cannot overflow. */
-    double unit = 1 / fmax(fabs(from), fabs(to)), origin = from * unit;
+    /* In units of about the larger end, so that to - from cannot overflow; of a power of two, so
+     * that nothing is rounded where both ends are nearly the same. */
+    int exponent;
+    frexp(fmax(fabs(from), fabs(to)), &exponent);
+    double unit = ldexp(1, -exponent), origin = from * unit;
     return (struct scale){from, to, false, unit, origin, 1 / (to * unit - origin)};
 }
 
@@ -81,8 +84,8 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     double air = vertical || figure->equal ? 0.04 : 0;
-    /* Less than this part of its size is no variation worth labels. */
-    double thin = !vertical ? 1e-12 : axis->flat < 0 ? 1e-13 : 1e-6;
+    /* Less than this part of its size is the rounding of a few hundred doubles. */
+    double thin = 1e-13;
     double low = fmax(extent.low, -LARGEST), high = fmin(extent.high, LARGEST);
     double size = fmax(fabs(low), fabs(high)), factor = axis_factor(axis);
 

@@ -10,6 +10,7 @@
 #include "figure/internal.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* The paper's Q, best first. */
 static const double nice[] = {1, 5, 2, 2.5, 4, 3};
@@ -94,13 +95,18 @@ static void take_offset(struct ticks *ticks)
 {
     double last = ticks->first + (ticks->count - 1) * ticks->step,
            largest = fmax(fabs(ticks->first), fabs(last));
-    if (ticks->count < 2 || largest < 1e-3 || largest > 1e9 ||
-        power_below(largest) - power_below(ticks->step) < DIGITS)
-        return; /* what is very small or large has a power of ten, and its labels are short */
+    if (ticks->count < 2 || power_below(largest) - power_below(ticks->step) < DIGITS)
+        return;
     int power = power_below(last - ticks->first), digit = power_below(ticks->step);
     double unit = pow(10, power);
-    ticks->offset = floor(ticks->first / unit + 1e-9) * unit;
+    double units = ticks->first / unit;
+    ticks->offset = floor(units + fmax(1e-9, 1e-15 * fabs(units))) * unit;
+    if (ticks->offset == 0)
+        return;
+    ticks->offset_power = largest < 1e-3 || largest > 1e9 ? power_below(fabs(ticks->offset)) : 0;
+    power -= ticks->offset_power;
     ticks->offset_decimals = power < 0 ? -power : 0;
+    power += ticks->offset_power;
     ticks->exponent = digit < -2 || power >= DIGITS ? digit : 0;
     double digits = ticks->step / pow(10, ticks->exponent);
     for (ticks->decimals = 0; ticks->decimals < 12 && fabs(digits - nearbyint(digits)) > 1e-6;
@@ -164,8 +170,18 @@ static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
 int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE])
 {
     char text[TICK_TEXT_SIZE];
-    decimal_text(fabs(ticks->offset), ticks->offset_decimals, text);
-    return snprintf(out, TICK_TEXT_SIZE, "%c %s", ticks->offset < 0 ? '+' : '-', text);
+    const int power = ticks->offset_power;
+    int length = decimal_text(fabs(ticks->offset) / pow(10, power), ticks->offset_decimals, text);
+    while (power != 0 && strchr(text, '.') && strchr("0.", text[length - 1])) {
+        const bool point = text[--length] == '.';
+        text[length] = '\0';
+        if (point)
+            break;
+    }
+    if (power != 0)
+        snprintf(text + length, sizeof text - (size_t)length, "e%d", power);
+    return snprintf(out, TICK_TEXT_SIZE, "%c %.*s", ticks->offset < 0 ? '+' : '-',
+                    TICK_TEXT_SIZE - 3, text);
 }
 
 int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE])

@@ -358,7 +358,7 @@ static void test_dense_data_over_a_line(void **state)
 /* Rounding errors of a constant are not magnified to full height. */
 static void test_nearly_constant(void **state)
 {
-    double x[3] = {0, 1, 2}, y[3] = {5, 5 + 1e-9, 5 - 1e-9};
+    double x[3] = {0, 1, 2}, y[3] = {5, 5 + 2e-13, 5 - 2e-13};
     struct curve curve = {.x = x, .y = y, .n = 3};
     struct figure figure = {.curve = &curve, .curves = 1};
     struct figure_layout layout;
@@ -366,6 +366,10 @@ static void test_nearly_constant(void **state)
     figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
     assert_true(layout.y.from < 4.6 && layout.y.to > 5.4);
     assert_true(layout.gutter <= 4);
+    y[1] = 5 + 1e-9;
+    y[2] = 5 - 1e-9;
+    figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
+    assert_true(layout.y.from > 5 - 3e-9 && layout.y.to < 5 + 3e-9);
     y[1] = 5.01;
     figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
     assert_true(layout.y.from > 4.99 && layout.y.to < 5.02);

@@ -138,6 +138,50 @@ static void test_narrow_ranges_have_an_offset(void **state)
     }
 }
 
+/* Whatever is how much larger than its variation is drawn over its variation, and what is read off
+ * the axis, title and label together, is the value. */
+static void test_every_ratio_has_an_axis(void **state)
+{
+    const int rounds = is_long() ? 200000 : 5000;
+    (void)state;
+    for (int i = 0; i < rounds; i++) {
+        const double ratio = pow(10, -12.5 * uniform()), sign = uniform() < 0.5 ? -1 : 1;
+        const double centre = sign * pow(10, 560 * uniform() - 280), half = fabs(centre) * ratio;
+        const struct extent extent = {centre - half, centre + half, 0};
+        const struct figure figure = {.curves = 0};
+        const struct scale scale = axis_scale(&figure, true, extent, 5, 9);
+        if (!(scale.to - scale.from < 5 * half && scale.to - scale.from >= 1.9 * half) &&
+            ratio < 0.1)
+            fail_msg("%g +- %g is drawn from %.17g to %.17g", centre, half, scale.from, scale.to);
+        const double middle = scale_fraction(&scale, centre),
+                     wanted = (centre - scale.from) / (scale.to - scale.from);
+        if (fabs(middle - wanted) > 1e-6)
+            fail_msg("%g +- %g: the middle is drawn at %g, wanted %g", centre, half, middle,
+                     wanted);
+        const struct ticks ticks = ticks_linear(scale.from, scale.to, 5, 9);
+        char text[TICK_TEXT_SIZE] = "+ 0";
+        double offset = 0;
+        if (ticks.offset != 0)
+            offset_text(&ticks, text);
+        assert_int_equal(real_parse(text_of(text + 2), &offset), REAL_OK);
+        offset = text[0] == '-' ? offset : -offset;
+        if (ticks.count < 2 || strlen(text) > 22)
+            fail_msg("%g +- %g: %d labels, offset %s", centre, half, ticks.count, text);
+        for (int t = 0; t < ticks.count; t++) {
+            struct buffer label = {0};
+            double read;
+            put_label(&ticks, t, false, &label);
+            assert_int_equal(real_parse(buffer_text(&label), &read), REAL_OK);
+            const double value = offset + read * pow(10, ticks.exponent);
+            if (label.len > 9 || fabs(value - tick_value(&ticks, t, false)) >
+                                     0.01 * ticks.step + 4e-16 * fabs(centre))
+                fail_msg("%.17g +- %g: label %s with %s for %.17g", centre, half, label.data, text,
+                         tick_value(&ticks, t, false));
+            buffer_free(&label);
+        }
+    }
+}
+
 static void test_known_ranges(void **state)
 {
     static const struct {
@@ -238,6 +282,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_ranges),
         cmocka_unit_test(test_narrow_ranges_have_an_offset),
+        cmocka_unit_test(test_every_ratio_has_an_axis),
         cmocka_unit_test(test_known_ranges),
         cmocka_unit_test(test_no_range_no_ticks),
         cmocka_unit_test(test_decades),
