@@ -84,9 +84,8 @@ static bool lay_out(struct compile *c)
     int second = 0;
     for (int i = 0; i < c->unknowns; i++) {
         struct unknown *u = &c->unknown[i];
-        u->order = u->equation                               ? u->equation->order
-                   : u->speed || c->symbol[u->velocity].used ? 2
-                                                             : 1;
+        const bool moves = u->velocity >= 0 && (u->speed || c->symbol[u->velocity].used);
+        u->order = u->equation ? u->equation->order : moves ? 2 : 1;
         second += u->order == 2;
     }
     model->order = c->unknowns > 0 && second == c->unknowns ? 2 : 1;

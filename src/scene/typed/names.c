@@ -216,6 +216,31 @@ static bool declare_base(struct compile *c)
     return true;
 }
 
+/* vx of x. Until x has an equation a line of that name takes precedence: x' = vx may follow. */
+static bool declare_velocity(struct compile *c, struct unknown *u)
+{
+    const struct text variable = u->line->name;
+    struct buffer name = {0};
+    buffer_char(&name, 'v');
+    buffer_put(&name, variable);
+    if (name.failed) {
+        buffer_free(&name);
+        return error_memory(c->error);
+    }
+    const bool decided = u->equation || u->speed;
+    const bool taken = typed_line_of(c->typed, TYPED_VAR, buffer_text(&name)) ||
+                       typed_line_of(c->typed, TYPED_PARAM, buffer_text(&name)) ||
+                       typed_line_of(c->typed, TYPED_OBSERVE, buffer_text(&name));
+    const bool declares = decided || !taken;
+    if (declares)
+        u->velocity =
+            typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY, c->unknowns - 1, variable);
+    buffer_free(&name);
+    if (u->velocity >= 0)
+        c->symbol[u->velocity].primed = u->symbol;
+    return u->velocity >= 0 || !declares;
+}
+
 static bool declare_unknown(struct compile *c, const struct typed_line *line)
 {
     struct unknown *u = &c->unknown[c->unknowns];
@@ -236,19 +261,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
                error_at(c->error, u->equation->expr,
                         "%.*s has an initial velocity: it needs %.*s'' = …", (int)line->name.len,
                         line->name.at, (int)line->name.len, line->name.at);
-    struct buffer name = {0};
-    buffer_char(&name, 'v');
-    buffer_put(&name, line->name);
-    u->velocity = name.failed ? -1
-                              : typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY,
-                                             c->unknowns - 1, line->name);
-    if (name.failed)
-        error_memory(c->error);
-    buffer_free(&name);
-    if (u->velocity < 0)
-        return false;
-    c->symbol[u->velocity].primed = u->symbol;
-    return true;
+    return declare_velocity(c, u);
 }
 
 bool typed_declare(struct compile *c)
