@@ -28,9 +28,13 @@ struct expr_scope {
     /* Where a run's names are wrapped: the slot in its own scope (run_scope), -1: of what does not
      * move; NULL: as is. */
     int (*moving)(const void *context, int slot);
+    /* Where it is given, numbers and parentheses may carry units: quantity of a name,
+     * QUANTITY_OTHER if it is unknown. NULL: an expression ends before a unit. */
+    enum quantity (*quantity)(const void *context, int slot);
 };
 
 struct expr;
+struct dimension;
 
 extern const struct catalog function_catalog; /* sin, cos, …: help and completion */
 
@@ -43,6 +47,19 @@ extern const struct catalog function_catalog; /* sin, cos, …: help and complet
  */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
+/*
+ * A unit binds to the number or the parenthesis before it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s.
+ * Numbers with units keep their dimension (hooke/scene/dimension.h); what does not go together is
+ * an error that shows both readings. The value is in SI.
+ */
+const struct dimension *expr_dimension(const struct expr *expr);
+/* How it was read and how it could be meant, `1/30 s`: adds a hint while its text exists. False,
+ * always. */
+bool expr_hint_readings(const struct expr *expr, struct error *error);
+/* Both sides of a comparison: refuses those of different dimensions, converts *right between Hz and
+ * rad/s. */
+bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
+                  struct error *error);
 /* NaN and infinities pass through. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope);
 /* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only
@@ -130,9 +147,10 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
  * doubles of a frame, on lanes of doubles, and, where the machine can, machine code.
  *
  * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose
- * coefficient is 0 is absent: where a factor or a numerator is the number 0 once the known names
- * are in (not a variable that happens to be 0), the product is the number 0 even for an infinite or
- * NaN rest, and adding or subtracting it leaves no trace, not even in the sign of a zero.
+ * coefficient is 0 is absent: where a factor is the number 0 once the known names are in (not a
+ * variable that happens to be 0), or a numerator is a known name that is 0, the term is 0 even for
+ * an infinite or NaN rest, and adding or subtracting it leaves no trace, not even in the sign of a
+ * zero. What is observed follows no such rule.
  */
 
 #define PROGRAM_SIZE (1 << 17) /* operations of equations with their derivatives */
@@ -157,6 +175,8 @@ bool equations_derive(struct equations *equations, int first, int count, const i
 /* From here on a factor of 0 in a derivative stays so: the infinite slope of sqrt at 0 does not
  * spoil what does not depend on it, nor that of a branch what does not take it. */
 void equations_keep_limits(struct equations *equations);
+/* Programs that are made from here on follow IEEE arithmetic, without the rule of absent terms. */
+void equations_exact(struct equations *equations, bool exact);
 int equations_count(const struct equations *equations); /* outputs */
 
 /*
@@ -219,7 +239,6 @@ void program_eval_lanes(const struct program *program, double *output, double *f
  * < 1 cm. */
 struct condition {
     const struct expr *left, *right;
-    double left_factor, right_factor; /* of the units */
     bool less, or_equal;
 };
 

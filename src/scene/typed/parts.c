@@ -245,7 +245,11 @@ static bool make_looks(const struct part_making *m, struct typed_part *part)
             return false;
     part->all.typed = typed;
     part->all.part = part;
-    if (typed->observes > 0 && !(part->all.observe = make(m, typed->observes, LOOKS)))
+    equations_exact(m->equations, true);
+    const bool fine =
+        typed->observes == 0 || (part->all.observe = make(m, typed->observes, LOOKS)) != NULL;
+    equations_exact(m->equations, false);
+    if (!fine)
         return false;
     if (!typed->potential)
         return true;

@@ -110,11 +110,15 @@ void dialect_number(struct buffer *out, enum dialect dialect, double number)
 
 enum { COMPARISON, SUM, PRODUCT, FACTOR, ATOM };
 
+/* As the graph of a program marks numbers that are 0. */
+enum zero_kind { NOT_ZERO, ZERO_NUMBER, ZERO_NAME, ZERO_TERM };
+
 /* Of an operand: its text without the sign that was pulled out. */
 struct piece {
     struct text text;
     int binds; /* as the operation that is done last */
-    bool negative, absent;
+    bool negative;
+    enum zero_kind zero;
     bool number;
     double value;
 };
@@ -151,7 +155,7 @@ static void put_piece(struct printer *p, struct buffer *out, const struct piece 
 static struct piece nothing(void)
 {
     return (struct piece){
-        .text = TEXT("0"), .binds = ATOM, .absent = true, .number = true, .value = 0};
+        .text = TEXT("0"), .binds = ATOM, .zero = ZERO_TERM, .number = true, .value = 0};
 }
 
 static struct piece number_piece(struct printer *p, double value)
@@ -164,7 +168,7 @@ static struct piece number_piece(struct printer *p, double value)
     return (struct piece){.text = keep(p, &text),
                           .binds = scaled && !pi ? PRODUCT : ATOM,
                           .negative = signbit(value) != 0,
-                          .absent = value == 0,
+                          .zero = value == 0 ? ZERO_NUMBER : NOT_ZERO,
                           .number = true,
                           .value = value};
 }
@@ -173,22 +177,23 @@ static struct piece number_piece(struct printer *p, double value)
 
 static struct piece sum_of(struct printer *p, const struct piece *a, struct piece b, bool minus)
 {
-    if (b.absent)
+    if (b.zero == ZERO_TERM)
         return *a;
     b.negative ^= minus;
-    if (a->absent)
+    if (a->zero == ZERO_TERM)
         return b;
     struct buffer text = {0};
     put_piece(p, &text, a, SUM);
     buffer_put(&text, b.negative ? TEXT(" - ") : TEXT(" + "));
     b.negative = false;
     put_piece(p, &text, &b, PRODUCT);
-    return (struct piece){.text = keep(p, &text), .binds = SUM};
+    return (struct piece){
+        .text = keep(p, &text), .binds = SUM, .zero = a->zero < b.zero ? a->zero : b.zero};
 }
 
 static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool over)
 {
-    if (a.absent || (b.absent && !over))
+    if (over ? a.zero >= ZERO_NAME : a.zero || b.zero)
         return nothing();
     const bool negative = a.negative != b.negative, tex = p->dialect == DIALECT_TEX;
     a.negative = b.negative = false;
@@ -311,7 +316,7 @@ static struct piece operation(struct printer *p, const struct op *op, const stru
     struct piece a = operand[0];
     switch (op->kind) {
     case OP_NEG:
-        a.negative ^= !a.absent;
+        a.negative ^= a.zero != ZERO_TERM;
         a.value = -a.value;
         return a;
     case OP_ADD:
@@ -341,9 +346,12 @@ bool expr_text(const struct expr *expr, enum dialect dialect, const char *const 
         if (op->kind == OP_NUMBER) {
             p->stack[top++] = number_piece(p, op->number);
         } else if (op->kind == OP_NAME) {
-            p->stack[top++] = zero && zero[op->slot]
-                                  ? nothing()
-                                  : (struct piece){.text = text_of(name[op->slot]), .binds = ATOM};
+            p->stack[top] = (struct piece){.text = text_of(name[op->slot]), .binds = ATOM};
+            if (zero && zero[op->slot]) {
+                p->stack[top] = number_piece(p, 0);
+                p->stack[top].zero = ZERO_NAME;
+            }
+            top++;
         } else {
             top -= op_arity(op);
             p->stack[top] = operation(p, op, &p->stack[top]);
@@ -359,31 +367,47 @@ bool expr_text(const struct expr *expr, enum dialect dialect, const char *const 
 
 /* ---- what is read ---- */
 
+static enum zero_kind zero_of(enum op_kind kind, enum zero_kind a, enum zero_kind b)
+{
+    switch (kind) {
+    case OP_NEG:
+        return a;
+    case OP_MUL:
+        return a || b ? ZERO_TERM : NOT_ZERO;
+    case OP_DIV:
+        return a >= ZERO_NAME ? ZERO_TERM : NOT_ZERO;
+    case OP_ADD:
+    case OP_SUB:
+        return a < b ? a : b;
+    default:
+        return NOT_ZERO;
+    }
+}
+
 /* Walks over the expression as pieces are made; left_out [count]: operations of products with 0,
  * and of sums with them. NULL: not wanted. Is all of it left out? */
 static bool walk_absent(const struct expr *expr, const bool *zero, bool *left_out)
 {
     size_t from[LIMIT_EXPR_DEPTH + 1];
-    bool absent[LIMIT_EXPR_DEPTH + 1] = {false};
+    enum zero_kind is[LIMIT_EXPR_DEPTH + 1] = {NOT_ZERO};
     int top = 0;
     for (size_t i = 0; i < expr->count; i++) {
         const struct op *op = &expr->op[i];
         if (op->kind == OP_NUMBER || op->kind == OP_NAME) {
             from[top] = i;
-            absent[top++] = op->kind == OP_NUMBER ? op->number == 0 : zero && zero[op->slot];
+            is[top] = op->kind == OP_NUMBER && op->number == 0 ? ZERO_NUMBER : NOT_ZERO;
+            if (op->kind == OP_NAME && zero && zero[op->slot])
+                is[top] = ZERO_NAME;
+            top++;
             continue;
         }
         top -= op_arity(op);
-        const bool a = absent[top], b = absent[top + 1];
-        absent[top] = op->kind == OP_MUL                         ? a || b
-                      : op->kind == OP_DIV || op->kind == OP_NEG ? a
-                      : op->kind == OP_ADD || op->kind == OP_SUB ? a && b
-                                                                 : false;
-        for (size_t k = from[top]; left_out && absent[top] && k <= i; k++)
+        is[top] = zero_of(op->kind, is[top], is[top + 1]);
+        for (size_t k = from[top]; left_out && is[top] == ZERO_TERM && k <= i; k++)
             left_out[k] = true;
         top++;
     }
-    return absent[0];
+    return is[0] != NOT_ZERO;
 }
 
 bool expr_absent(const struct expr *expr, const bool *zero)

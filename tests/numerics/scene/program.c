@@ -6,19 +6,42 @@
 #include "numerics/scene/trees.h"
 #include "unit/cpu_time.h"
 
+/* What a 0 is: a number, a known name, a term whose coefficient is 0. */
+enum { OF_NUMBER, OF_NAME, OF_TERM };
+
 struct worth {
     double value;
     bool known; /* depends on no input */
+    int zero;   /* of a known 0 */
 };
 
+static const struct worth absent = {0, true, OF_TERM};
+
+static int smaller_of(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* What the 0 is that known operands give. */
+static int zero_of(enum kind kind, const struct worth *x)
+{
+    if (kind == NEG || kind == DIV)
+        return x[0].zero;
+    if (kind == MUL)
+        return x[0].zero + x[1].zero - smaller_of(x[0].zero, x[1].zero);
+    return kind == ADD || kind == SUB ? smaller_of(x[0].zero, x[1].zero) : OF_NUMBER;
+}
+
 /* As documented: with all operands known ordinary arithmetic, else what is multiplied by a known 0
- * is absent. */
+ * is absent, as is what a known name that is 0 is divided by. */
 static struct worth worth_of(const struct tree *t, const bool *bound, const double *value)
 {
     struct worth x[3] = {{0}};
-    if (t->kind == NUMBER || t->kind == NAME)
-        return t->kind == NUMBER ? (struct worth){t->number, true}
-                                 : (struct worth){value[t->which], bound[t->which]};
+    if (t->kind == NUMBER)
+        return (struct worth){t->number, true, OF_NUMBER};
+    if (t->kind == NAME)
+        return (struct worth){value[t->which], bound[t->which],
+                              bound[t->which] && value[t->which] == 0 ? OF_NAME : OF_NUMBER};
     int count = 0;
     bool known = true;
     for (; count < 3 && t->x[count]; count++) {
@@ -26,46 +49,74 @@ static struct worth worth_of(const struct tree *t, const bool *bound, const doub
         known = known && x[count].known;
     }
     const double a = x[0].value, b = x[1].value;
+    const double result = t->kind == NEG   ? -a
+                          : t->kind == ADD ? a + b
+                          : t->kind == SUB ? a - b
+                          : t->kind == MUL ? a * b
+                                           : a / b;
+    const bool sums = t->kind == ADD || t->kind == SUB;
     /* a known 0 */
     const bool first = x[0].known && a == 0, second = count > 1 && x[1].known && b == 0;
+    if (!known && sums && x[1].zero == OF_TERM)
+        return x[0];
+    if (!known && sums && x[0].zero == OF_TERM)
+        return t->kind == ADD ? x[1] : (struct worth){-b, false, OF_NUMBER};
+    if (!known && t->kind == MUL && (first || second))
+        return absent;
+    if (!known && t->kind == DIV && first && x[0].zero != OF_NUMBER)
+        return absent;
     switch (t->kind) {
     case NEG:
-        return (struct worth){-a, known};
     case ADD:
-        return known || (!first && !second) ? (struct worth){a + b, known} : first ? x[1] : x[0];
     case SUB:
-        if (known || (!first && !second))
-            return (struct worth){a - b, known};
-        return second ? x[0] : (struct worth){-b, false};
     case MUL:
-        return !known && (first || second) ? (struct worth){0, true} : (struct worth){a * b, known};
     case DIV:
-        return !known && first ? (struct worth){0, true} : (struct worth){a / b, known};
+        return (struct worth){result, known,
+                              known && result == 0 ? zero_of(t->kind, x) : OF_NUMBER};
     case LESS:
-        return (struct worth){isnan(a) || isnan(b) ? NAN : a < b, known};
+        return (struct worth){isnan(a) || isnan(b) ? NAN : a < b, known, OF_NUMBER};
     case GREATER:
-        return (struct worth){isnan(a) || isnan(b) ? NAN : a > b, known};
+        return (struct worth){isnan(a) || isnan(b) ? NAN : a > b, known, OF_NUMBER};
     case LESS_EQUAL:
-        return (struct worth){isnan(a) || isnan(b) ? NAN : a <= b, known};
+        return (struct worth){isnan(a) || isnan(b) ? NAN : a <= b, known, OF_NUMBER};
     case GREATER_EQUAL:
-        return (struct worth){isnan(a) || isnan(b) ? NAN : a >= b, known};
+        return (struct worth){isnan(a) || isnan(b) ? NAN : a >= b, known, OF_NUMBER};
     default:
         break;
     }
     const bool power = t->kind == POW || t->which == POW_CALL;
     if (power)
-        return second ? (struct worth){1, true} : (struct worth){short_power(a, b), known};
-    if (t->which == IF && x[0].known)
+        return second ? (struct worth){1, true, OF_NUMBER}
+                      : (struct worth){short_power(a, b), known, OF_NUMBER};
+    if (t->which == IF && x[0].known && !known)
         return isnan(a) ? x[0] : a > 0 ? x[1] : x[2];
+    if (t->which == IF && known)
+        return (struct worth){isnan(a) ? NAN : a > 0 ? b : x[2].value, true, OF_NUMBER};
     if (t->which == IF)
-        return (struct worth){isnan(a) ? NAN : a > 0 ? b : x[2].value, false};
-    return (struct worth){call_value(t->which, (double[]){a, b}), known};
+        return (struct worth){isnan(a) ? NAN : a > 0 ? b : x[2].value, false, OF_NUMBER};
+    return (struct worth){call_value(t->which, (double[]){a, b}), known, OF_NUMBER};
 }
 
 static double random_value(struct forest *f)
 {
     static const double special[] = {0, -0.0, 1, -1, 2, 0.5, 1e200, 1e-200, INFINITY, NAN};
     return pick(f, 4) ? random_between(&f->seed, -3, 3) : special[pick(f, (int)COUNT_OF(special))];
+}
+
+static double load_name(const void *context, int slot)
+{
+    return ((const double *)context)[slot];
+}
+
+/* What is observed is what print says of the expression. */
+static void expect_ieee(const char *text, const double *x, double output)
+{
+    struct arena arena = {0};
+    const struct expr_scope loaded = {.context = x, .load = load_name};
+    const double wanted = expr_value(compiled(text, &arena), &loaded);
+    if (!same(output, wanted))
+        fail_msg("%s is observed as %.17g, printed as %.17g", text, output, wanted);
+    arena_reset(&arena);
 }
 
 static void test_random_expressions(void **state)
@@ -98,6 +149,10 @@ static void test_random_expressions(void **state)
                          round);
             finite += isfinite(wanted);
         }
+        equations_exact(equations, true);
+        evaluate_all(equations, 0, 1, bound, input[0], input[0], POINTS, output);
+        for (int k = 0; k < POINTS; k++)
+            expect_ieee(text.data, input[k], output[k]);
         equations_destroy(equations);
         buffer_free(&text);
     }
@@ -123,13 +178,20 @@ static void test_absent_terms(void **state)
     static const struct {
         const char *text;
         double value;
-    } cases[] = {
-        {"a*b", 0},         {"f + a*c", 4},         {"c*a - f", -4},    {"a/c", 0},
-        {"a*c + d", -0.0},  {"d - a*c", -0.0},      {"(1 - 1)*c", 0},   {"(a - 0)*sqrt(e) + 1", 1},
-        {"d*b", NAN},       {"f*0*b", 0},           {"c^a", 1},         {"if(a, c, 2)", 2},
-        {"if(1, f, c)", 4}, {"min(a, f)*c", NAN},   {"min(a, 3)*c", 0}, {"(f < a)*3", 0},
-        {"(e < f)*3", 3},   {"if(e < a, 5, 6)", 5}, {"(c < f)", NAN},   {"(f >= 4) + (f > 4)", 1},
-        {"mod(-1, f)", 3},  {"mod(7, -f)", -1},     {"f^-0.5", 0.5},    {"f^1.5", 8}};
+    } cases[] = {{"a*b", 0},         {"f + a*c", 4},
+                 {"c*a - f", -4},    {"a/c", 0},
+                 {"a*c + d", -0.0},  {"d - a*c", -0.0},
+                 {"0/c", NAN},       {"1/(a - d)", INFINITY},
+                 {"d + a", 0},       {"2/(0 - d)", INFINITY},
+                 {"(1 - 1)*c", 0},   {"(a - 0)*sqrt(e) + 1", 1},
+                 {"d*b", NAN},       {"f*0*b", 0},
+                 {"c^a", 1},         {"if(a, c, 2)", 2},
+                 {"if(1, f, c)", 4}, {"min(a, f)*c", NAN},
+                 {"min(a, 3)*c", 0}, {"(f < a)*3", 0},
+                 {"(e < f)*3", 3},   {"if(e < a, 5, 6)", 5},
+                 {"(c < f)", NAN},   {"(f >= 4) + (f > 4)", 1},
+                 {"mod(-1, f)", 3},  {"mod(7, -f)", -1},
+                 {"f^-0.5", 0.5},    {"f^1.5", 8}};
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         if (!same(value_of(cases[i].text, first, x), cases[i].value))
             fail_msg("%s = %g, wanted %g", cases[i].text, value_of(cases[i].text, first, x),

@@ -70,7 +70,7 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     const int da = slope[a], db = slope[b], dc = slope[c];
     switch (node->kind) {
     case NODE_NEG:
-        return NEG(da);
+        return da ? NEG(da) : 0;
     case NODE_ABS:
         return da ? product(g, slope_one(g, fabs, a, i), da) : 0;
     case NODE_SQRT:

@@ -132,6 +132,11 @@ void equations_keep_limits(struct equations *e)
     e->graph.limits = true;
 }
 
+void equations_exact(struct equations *e, bool exact)
+{
+    e->exact = exact;
+}
+
 int equations_count(const struct equations *e)
 {
     return e->outputs;

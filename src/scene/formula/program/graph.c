@@ -2,9 +2,10 @@
 /*
  * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler
  * when it is made. Nothing is done that could change a bit of the result, but for one rule, that of
- * the scene: a term whose coefficient is the number 0 is absent. Where x depends on an input 0 x
- * and 0/x are the number 0, x + 0 and x - 0 are x, 0 - x is -x. What depends on an input is known
- * only when names are bound, so it is done then.
+ * the scene: a term whose coefficient is 0 is absent. Where x depends on an input, 0 x is absent,
+ * and so is a/x where a is a known name that is 0; sums leave out what is absent, not numbers that
+ * are 0. What depends on an input is known only when names are bound, so it is done then. Without
+ * terms (graph->has_terms) the rule does not hold.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -102,7 +103,7 @@ static int intern(struct graph *g, struct node node)
 
 void graph_init(struct graph *g, struct arena *arena, bool binds)
 {
-    *g = (struct graph){.arena = arena, .binds = binds};
+    *g = (struct graph){.arena = arena, .binds = binds, .has_terms = binds};
     if (!grow(g)) {
         g->failed = GRAPH_NO_MEMORY;
         return;
@@ -141,6 +142,19 @@ int graph_name(struct graph *g, int name)
     return intern(g, (struct node){.kind = NODE_NAME, .operand = {name}});
 }
 
+/* A number that is 0, of either sign, and where it comes from. */
+static int zero_node(struct graph *g, enum zero_mark mark, double number)
+{
+    return mark == ZERO_NUMBER
+               ? graph_number(g, number)
+               : intern(g, (struct node){.operand = {mark}, .number = number}); /* NODE_NUMBER */
+}
+
+int graph_known(struct graph *g, double value)
+{
+    return value == 0 && g->has_terms ? zero_node(g, ZERO_NAME, value) : graph_number(g, value);
+}
+
 static bool is_number(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NUMBER;
@@ -151,10 +165,32 @@ static bool is(const struct graph *g, int i, double number)
     return is_number(g, i) && g->node[i].number == number;
 }
 
-/* The number 0, where all names that are known are numbers. */
+static enum zero_mark mark_of(const struct graph *g, int i)
+{
+    return is_number(g, i) ? (enum zero_mark)g->node[i].operand[0] : ZERO_NUMBER;
+}
+
 static bool is_absent(const struct graph *g, int i)
 {
-    return g->binds && is(g, i, 0);
+    return mark_of(g, i) == ZERO_TERM;
+}
+
+/* A product with it is absent. */
+static bool is_coefficient_zero(const struct graph *g, int i)
+{
+    return g->has_terms && is(g, i, 0);
+}
+
+/* What becomes of the mark of operands where the result is the number 0. */
+static enum zero_mark mark_of_result(const struct graph *g, const struct node *node)
+{
+    const enum zero_mark a = mark_of(g, node->operand[0]);
+    if (node->kind == NODE_NEG || node->kind == NODE_DIV)
+        return a;
+    const enum zero_mark b = node_arity(node->kind) > 1 ? mark_of(g, node->operand[1]) : a;
+    if (node->kind == NODE_MUL)
+        return a > b ? a : b;
+    return node->kind == NODE_ADD || node->kind == NODE_SUB ? (a < b ? a : b) : ZERO_NUMBER;
 }
 
 /* The operand of a negation; -1: it is none. */
@@ -212,10 +248,12 @@ static int simpler(struct graph *g, struct node node)
     case NODE_SUB:
         if (is_absent(g, a) || is_absent(g, b))
             return is_absent(g, b) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
+        if (g->binds && is(g, b, 0) && !signbit(g->node[b].number))
+            return a; /* also -0 */
         return negated(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negated(g, b), 0) : -1;
     case NODE_MUL:
-        if (is_absent(g, a) || is_absent(g, b))
-            return 0;
+        if (is_coefficient_zero(g, a) || is_coefficient_zero(g, b))
+            return zero_node(g, ZERO_TERM, 0);
         if (is(g, a, 1) || is(g, b, 1))
             return is(g, a, 1) ? b : a;
         if (is(g, a, -1) || is(g, b, -1))
@@ -230,8 +268,10 @@ static int simpler(struct graph *g, struct node node)
         }
         return -1;
     case NODE_DIV:
-        if (is_absent(g, a) || is(g, b, 1))
-            return is_absent(g, a) ? 0 : a;
+        if (mark_of(g, a) != ZERO_NUMBER)
+            return zero_node(g, ZERO_TERM, 0);
+        if (is(g, b, 1))
+            return a;
         if (is_number(g, b) && inverts(g->node[b].number))
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
         return -1;
@@ -261,8 +301,11 @@ static int make(struct graph *g, struct node node)
         value[k] = g->node[node.operand[k]].number;
         numbers += is_number(g, node.operand[k]);
     }
-    if (numbers == arity)
-        return graph_number(g, node_value(node.kind, &node, value[0], value[1], value[2]));
+    if (numbers == arity) {
+        const double result = node_value(node.kind, &node, value[0], value[1], value[2]);
+        return result == 0 ? zero_node(g, mark_of_result(g, &node), result)
+                           : graph_number(g, result);
+    }
     const int other = simpler(g, node);
     if (other >= 0 || g->failed)
         return other >= 0 ? other : 0;

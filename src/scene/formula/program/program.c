@@ -28,7 +28,7 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
         if (node->kind == NODE_NUMBER)
             map[i] = graph_number(g, node->number);
         else if (node->kind == NODE_NAME)
-            map[i] = bound && bound[name] ? graph_number(g, value[name]) : graph_name(g, name);
+            map[i] = bound && bound[name] ? graph_known(g, value[name]) : graph_name(g, name);
         else
             map[i] = graph_copy(g, node, map);
     }
@@ -317,6 +317,7 @@ struct program *program_create_keeping(const struct equations *e, int first, int
     p->written = arena_array(&p->arena, (size_t)count, sizeof *p->written);
     struct graph graph;
     graph_init(&graph, &p->arena, true);
+    graph.has_terms = !e->exact;
     bool fine = p->output && p->written && bind(e, first, bound, value, &graph, p->result, count);
     if (!fine)
         error_memory(error);

@@ -36,9 +36,13 @@ enum node_kind {
     NODE_KINDS
 };
 
+/* Where a number that is 0 comes from: it was typed or computed, is the value of a known name, or
+ * is a term whose coefficient is 0. */
+enum zero_mark { ZERO_NUMBER, ZERO_NAME, ZERO_TERM };
+
 struct node {
     enum node_kind kind;
-    int operand[3]; /* nodes, earlier ones; of a name: the name */
+    int operand[3]; /* nodes, earlier ones; of a name: the name; of a number: its zero_mark */
     union {
         double number;
         double (*one)(double);
@@ -54,14 +58,15 @@ struct graph {
     int count, capacity;
     int *table; /* hashed nodes, 0: free; `slots` is a power of two */
     unsigned slots;
-    /* known names are numbers: powers become multiplications, products with 0 are absent */
-    bool binds;
-    bool limits; /* in derivatives a factor of 0 beside an infinite one gives 0 */
+    bool binds;     /* known names are numbers: powers become multiplications */
+    bool has_terms; /* those whose coefficient is 0 are absent */
+    bool limits;    /* in derivatives a factor of 0 beside an infinite one gives 0 */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
 void graph_init(struct graph *graph, struct arena *arena, bool binds);
 int graph_number(struct graph *graph, double number);
+int graph_known(struct graph *graph, double value); /* of a known name */
 int graph_name(struct graph *graph, int name);
 /* NODE_NEG … NODE_IF */
 int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c);
@@ -153,6 +158,7 @@ struct equations {
     int *meaning; /* [names] the node of a name: itself, or what it was defined as */
     int *output;  /* [outputs] nodes */
     int outputs, capacity;
+    bool exact; /* equations_exact() */
 };
 
 bool equations_reserve(struct equations *e, int more); /* room for more outputs */
