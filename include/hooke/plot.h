@@ -246,8 +246,11 @@ struct data_distance {
 bool quantity_is_scaled(enum quantity quantity);
 /* "1 V = 2.31 cm, 0 V at y = 1.2 cm" */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
-/* Numbers without a unit: taken as positions, in metres or radians, and said to be. */
+/* Numbers whose unit is missing or unknown are taken as positions, in metres or radians, and said
+ * to be: by adopt and wherever they are compared with a run. */
 bool recorded_bare(const struct recording *recording);
+/* Appends "has no unit", or "has the unit 'au', which is not known". */
+void put_bare(const struct recording *recording, struct buffer *text);
 /* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1:
  * neither. */
 int recorded_derivative(const struct recording *recording, const struct run *run);

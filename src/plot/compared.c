@@ -74,8 +74,18 @@ bool quantity_is_scaled(enum quantity quantity)
 
 bool recorded_bare(const struct recording *recording)
 {
+    return recording->column[recording->value].quantity == QUANTITY_OTHER;
+}
+
+void put_bare(const struct recording *recording, struct buffer *text)
+{
     const struct column *value = &recording->column[recording->value];
-    return value->quantity == QUANTITY_OTHER && !value->unit[0];
+    char unit[SAFE_NAME_SIZE];
+    if (value->unit[0])
+        buffer_format(text, "has the unit '%s', which is not known",
+                      safe_name(text_of(value->unit), unit));
+    else
+        buffer_put(text, TEXT("has no unit"));
 }
 
 int recorded_derivative(const struct recording *recording, const struct run *run)

@@ -136,11 +136,15 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     else
         reply_null(reply, "agrees");
     reply_end(reply);
-    if (of && recorded_bare(of))
+    if (of && recorded_bare(of)) {
+        struct buffer lacks = {0};
+        put_bare(of, &lacks);
         reply_warning(reply,
-                      "%s has no unit: its numbers were taken as metres or radians ('load FILE "
-                      "unit=cm' says otherwise)",
-                      of->name);
+                      "%s %s: its numbers were taken as metres or radians ('load FILE unit=cm' "
+                      "says otherwise)",
+                      of->name, buffer_view(&lacks));
+        buffer_free(&lacks);
+    }
     if (rms > allowed)
         warn_apart(a, rms, reply);
 }

@@ -50,21 +50,21 @@ static void say_apart(const struct session *session, const struct run *run, stru
         return;
     const struct column *value = &recording->column[recording->value];
     const char *needs = first.quantity == QUANTITY_ANGLE ? "deg" : "cm";
-    if (bare)
+    if (bare) {
+        struct buffer lacks = {0};
+        put_bare(recording, &lacks);
         reply_line(reply,
-                   "%s: %s has no unit: its numbers are laid over the run as %s ('load FILE "
+                   "%s: %s %s: its numbers are laid over the run as %s ('load FILE "
                    "unit=%s' says otherwise)",
-                   recording->name, value->name, quantity_unit(first.quantity), needs);
-    else if (value->quantity == QUANTITY_OTHER)
-        reply_line(reply,
-                   "%s is not laid over the run, nor compared with it: %s has no unit that is "
-                   "known ('load FILE unit=%s')",
-                   recording->name, value->name, needs);
-    else
+                   recording->name, value->name, buffer_view(&lacks), quantity_unit(first.quantity),
+                   needs);
+        buffer_free(&lacks);
+    } else {
         reply_line(
             reply, "%s is not laid over the run, nor compared with it: it holds %s %s, %s is %s %s",
             recording->name, quantity_article(value->quantity), quantity_name(value->quantity),
             first.name, quantity_article(first.quantity), quantity_name(first.quantity));
+    }
 }
 
 /* How a recording of a quantity that is no motion is laid over the run. */
