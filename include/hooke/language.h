@@ -203,8 +203,7 @@ struct parser {
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
 /* What stands before the first option: `1 --force` is no subtraction. */
 struct text before_option(struct text text);
-/* expr [UNIT] [+- expr [UNIT]]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any.
- */
+/* expr [+- expr]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any. */
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error);
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
@@ -217,8 +216,6 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 /* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number:
  * what was read before, NULL: no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
-/* Both sides of a comparison must be of one quantity, where that is known. */
-bool check_condition(struct parser *parser, struct text condition, struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error);

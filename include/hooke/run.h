@@ -223,11 +223,10 @@ void run_destroy(struct run *run);
 
 struct event {
     char name[LIMIT_NAME + 1];
-    const struct expr *left, *right;  /* the value is left - right; right NULL: left */
-    double left_factor, right_factor; /* of units */
-    int direction;                    /* 1: rising, -1: falling, 0: both */
-    bool touching;                    /* also where it becomes 0, but for errors, and goes back */
-    bool stop;                        /* the run stops there: STOP_CONDITION */
+    const struct expr *left, *right; /* the value is left - right; right NULL: left */
+    int direction;                   /* 1: rising, -1: falling, 0: both */
+    bool touching;                   /* also where it becomes 0, but for errors, and goes back */
+    bool stop;                       /* the run stops there: STOP_CONDITION */
     const struct expr_scope
         *scope; /* loads observables of the run's present state; set by the caller */
 };

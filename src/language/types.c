@@ -210,8 +210,6 @@ READ_ITEM(read_condition)
         return false;
     item->text = (struct text){parser->rest.at, used};
     item->condition = condition;
-    if (!check_condition(parser, item->text, error))
-        return false;
     parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
     return true;
 }

@@ -3,6 +3,7 @@
  * malformed. */
 #include <hooke/figure.h>
 #include <hooke/language.h>
+#include <hooke/scene/dimension.h>
 #include <hooke/scene/formula.h>
 
 #include <math.h>
@@ -36,17 +37,16 @@ struct text before_option(struct text text)
     for (size_t i = 1; i + 2 < text.len; i++)
         if (strchr(" \t", text.at[i - 1]) &&
             text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
-            is_name_start(text.at[i + 2]))
+            (is_name_start(text.at[i + 2]) || strchr(" \t", text.at[i + 2])))
             return (struct text){text.at, i};
     return text;
 }
 
-/* expr [UNIT] */
 struct number_part {
-    double number;
-    const struct unit *unit;
+    double number; /* in SI, or as it was typed if it has no unit */
+    struct dimension dimension;
     const struct expr *expr;
-    double last_digits; /* 200.0(1): 0.1 */
+    double last_digits; /* 200.0(1): 0.1, in the same unit */
 };
 
 /* The uncertainty of the last digits in parentheses, right behind a number that was typed: 200.0(1)
@@ -93,6 +93,21 @@ static void take_power(struct text typed, struct number_part *part, struct text 
     advance(rest, end);
 }
 
+/* The unit after 200.0(1), which is behind the uncertainty. */
+static void take_unit(struct parser *parser, struct number_part *part)
+{
+    struct text after = parser->rest;
+    text_skip_blanks(&after);
+    const struct unit *unit = unit_match(after);
+    if (!unit)
+        return;
+    parser->rest = after;
+    advance(&parser->rest, strlen(unit->row.name));
+    part->dimension = dimension_of_unit(unit);
+    unit_convert(unit, unit->quantity, part->number, &part->number);
+    unit_convert(unit, unit->quantity, part->last_digits, &part->last_digits);
+}
+
 static bool parse_part(struct parser *parser, struct number_part *part, struct error *error)
 {
     size_t used;
@@ -104,47 +119,87 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     while (used > 0 && strchr(" \t", start.at[used - 1]))
         used--;
     part->number = expr_value(part->expr, parser->scope);
+    part->dimension = *expr_dimension(part->expr);
     advance(&parser->rest, used);
     part->last_digits = take_last_digits((struct text){start.at, used}, &parser->rest);
-    if (part->last_digits > 0)
+    if (part->last_digits > 0) {
         take_power((struct text){start.at, used}, part, &parser->rest);
-    struct text after = parser->rest;
-    text_skip_blanks(&after);
-    part->unit = unit_match(after);
-    if (part->unit) {
-        parser->rest = after;
-        advance(&parser->rest, strlen(part->unit->row.name));
+        take_unit(parser, part);
     }
     return true;
 }
 
-static bool wrong_quantity(const char *what, enum quantity wanted, const struct unit *unit,
+static bool wrong_quantity(const char *what, enum quantity wanted, const struct dimension *is,
                            struct text typed, struct error *error)
 {
-    if (wanted == QUANTITY_NUMBER)
-        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what,
-                        shown_length(typed), typed.at, quantity_name(unit->quantity));
-    struct buffer units = {0};
+    struct buffer units = {0}, name = {0};
+    dimension_put(is, &name);
     quantity_units(wanted, &units);
-    const char *name = quantity_name(wanted);
-    error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what,
-             strchr("aeio", name[0]) ? "an" : "a", name, buffer_view(&units), shown_length(typed),
-             typed.at, quantity_name(unit->quantity));
+    if (wanted == QUANTITY_NUMBER)
+        error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed),
+                 typed.at, buffer_view(&name));
+    else
+        error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what,
+                 quantity_article(wanted), quantity_name(wanted), buffer_view(&units),
+                 shown_length(typed), typed.at, buffer_view(&name));
     buffer_free(&units);
+    buffer_free(&name);
     return false;
 }
 
-/* A bare number is in the SI unit; `fallback` is the unit of the other side of +-. */
-static bool to_si(const struct number_part *part, const struct unit *fallback, const char *what,
+/* The unit that a number without one borrows from the other side of +-; *unclear: that side was
+ * computed from several numbers, so that it is not known which. */
+static const struct unit *borrowed_unit(const struct number_part *part,
+                                        const struct number_part *other, bool *unclear)
+{
+    const bool bare = part->dimension.kind == DIMENSION_BARE && part->number != 0;
+    const struct unit *unit = bare ? other->dimension.unit : NULL;
+    *unclear = unit && !other->dimension.is_single;
+    return unit;
+}
+
+/* A bare number is in the SI unit, or in that of the other side of +-. */
+static bool to_si(const struct number_part *part, const struct number_part *other, const char *what,
                   enum quantity wanted, struct text typed, double *si, struct error *error)
 {
-    const struct unit *unit = part->unit ? part->unit : fallback;
+    bool unclear;
+    int turns;
+    const struct unit *unit = borrowed_unit(part, other, &unclear);
+    const struct dimension is = unit ? dimension_of_unit(unit) : part->dimension;
     *si = part->number;
-    if (!unit)
-        return true;
-    if (unit_convert(unit, wanted == QUANTITY_OTHER ? unit->quantity : wanted, part->number, si))
-        return true;
-    return wrong_quantity(what, wanted, unit, typed, error);
+    if (unclear)
+        return error_at(error, typed, "%s: both sides of +- need their units in '%.*s'", what,
+                        shown_length(typed), typed.at);
+    if (!dimension_fits(&is, wanted, &turns)) {
+        wrong_quantity(what, wanted, &is, typed, error);
+        return expr_hint_readings(part->expr, error);
+    }
+    if (unit)
+        unit_convert(unit, unit->quantity, part->number, si);
+    *si = dimension_turned(*si, turns);
+    return true;
+}
+
+/* Of a value of any quantity the uncertainty is of the same. */
+static bool check_spread(const struct number_part *number, const struct number_part *spread,
+                         struct text typed, struct error *error)
+{
+    struct dimension sum;
+    int turns;
+    const bool bare =
+        number->dimension.kind == DIMENSION_BARE || spread->dimension.kind == DIMENSION_BARE;
+    return bare ||
+           (dimension_sum(&number->dimension, &spread->dimension, &sum, &turns) && turns == 0) ||
+           error_at(error, typed, "the two sides of +- are of different dimensions");
+}
+
+/* The unit that a message or a setting repeats: as it was typed, or of what was computed. */
+static const struct unit *unit_of_value(const struct dimension *dimension)
+{
+    const enum quantity quantity = dimension_quantity(dimension);
+    if (!dimension->unit || dimension->is_single || dimension->unit->quantity == quantity)
+        return dimension->unit;
+    return unit_find(text_of(quantity_unit(quantity)));
 }
 
 /* Quantity of an expression that is a single name. */
@@ -171,7 +226,8 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     struct text after = parser->rest;
     text_skip_blanks(&after);
     const bool signs = starts_uncertainty(after), uncertain = signs || number.last_digits > 0;
-    spread.number = number.last_digits;
+    if (number.last_digits > 0)
+        spread = (struct number_part){number.last_digits, number.dimension, number.expr, 0};
     if (signs) {
         parser->rest = after;
         advance(&parser->rest, 2);
@@ -181,15 +237,17 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     const struct text typed = between(start, parser->rest.at);
     item->text = typed;
     item->expr = number.expr;
-    item->unit = number.unit ? number.unit : spread.unit;
+    const struct dimension *is = number.dimension.unit ? &number.dimension : &spread.dimension;
+    item->unit = unit_of_value(is);
     item->value = (struct measured){0, 0};
-    if (!to_si(&number, spread.unit, what, wanted, typed, &item->value.value, error) ||
+    if (!check_spread(&number, &spread, typed, error) ||
+        !to_si(&number, &spread, what, wanted, typed, &item->value.value, error) ||
         (uncertain &&
-         !to_si(&spread, number.unit, what, wanted, typed, &item->value.uncertainty, error)))
+         !to_si(&spread, &number, what, wanted, typed, &item->value.uncertainty, error)))
         return false;
-    item->quantity = item->unit ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
-                     : wanted == QUANTITY_OTHER ? quantity_of_name(parser, typed)
-                                                : wanted;
+    item->quantity = wanted != QUANTITY_OTHER ? wanted
+                     : is->unit               ? dimension_quantity(is)
+                                              : quantity_of_name(parser, typed);
     if (!isfinite(item->value.value))
         return error_at(error, typed, "%s: '%.*s' is not a finite number", what,
                         shown_length(typed), typed.at);
@@ -342,21 +400,6 @@ static bool decimal_comma(struct text rest, struct error *error)
                       (int)(to - rest.at - 1), rest.at + 1);
 }
 
-/* m/s^2 of m and /s2; NULL: there is no such unit. */
-static const struct unit *powered_unit(const struct unit *unit, struct text rest)
-{
-    struct buffer name = {0};
-    buffer_put(&name, text_of(unit->row.name));
-    for (size_t i = 0; i < rest.len; i++) {
-        if (is_digit(rest.at[i]) && i > 0 && is_name_start(rest.at[i - 1]))
-            buffer_char(&name, '^');
-        buffer_char(&name, rest.at[i]);
-    }
-    const struct row *row = catalog_find(&unit_catalog, buffer_text(&name));
-    buffer_free(&name);
-    return (const struct unit *)(const void *)row;
-}
-
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;
@@ -376,44 +419,8 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
     if (!number || !number->unit)
         return false;
-    const struct unit *meant = powered_unit(number->unit, word);
-    if (meant)
-        return error_hint(error, "the unit is written %s", meant->row.name);
-    if (strchr("+-*/^", word.at[0]))
-        return error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
     return unit_match(word) && error_hint(error, "a value has one unit: %.*s",
                                           shown_length(number->text), number->text.at);
-}
-
-/* The quantity of `expr [UNIT]` at the start of text, where it is known. */
-static enum quantity side_quantity(struct parser *parser, struct text side)
-{
-    struct parser part = {parser->session, parser->scope, parser->arena, side};
-    struct number_part value;
-    struct error ignored;
-    text_skip_blanks(&side);
-    if (!parse_part(&part, &value, &ignored))
-        return QUANTITY_OTHER;
-    return value.unit ? value.unit->quantity
-                      : quantity_of_name(parser, between(side.at, part.rest.at));
-}
-
-bool check_condition(struct parser *parser, struct text condition, struct error *error)
-{
-    size_t at = 0;
-    while (at < condition.len && !strchr("<>", condition.at[at]))
-        at++;
-    const size_t end = at + 1 + (at + 1 < condition.len && condition.at[at + 1] == '=');
-    if (end > condition.len)
-        return true;
-    const struct text left = {condition.at, at},
-                      right = text_trim((struct text){condition.at + end, condition.len - end});
-    const enum quantity a = side_quantity(parser, left), b = side_quantity(parser, right);
-    if (a == QUANTITY_OTHER || b == QUANTITY_OTHER || a == b)
-        return true;
-    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)",
-                    shown_length(text_trim(left)), text_trim(left).at, quantity_name(a),
-                    shown_length(right), right.at, quantity_name(b));
 }
 
 /* "12", "120mm": in cm unless a unit of length follows. */

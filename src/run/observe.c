@@ -429,9 +429,15 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
                                                               : observables[i].row.name);
 }
 
+static enum quantity scope_quantity(const void *context, int slot)
+{
+    const struct run *run = context;
+    return slot < run->system.n ? system_variable(&run->system, slot).quantity : QUANTITY_OTHER;
+}
+
 bool run_scope(const struct run *run, struct expr_scope *scope)
 {
-    *scope = (struct expr_scope){run, scope_find, scope_load, scope_offer, NULL};
+    *scope = (struct expr_scope){run, scope_find, scope_load, scope_offer, NULL, scope_quantity};
     return run != NULL;
 }
 

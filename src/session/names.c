@@ -257,9 +257,16 @@ static int scope_moving(const void *context, int slot)
     }
 }
 
+/* Of what a typed scene observes nobody has said it. */
+static enum quantity scope_quantity(const void *context, int slot)
+{
+    return slot >> SLOT_KIND == NAME_OBSERVED ? QUANTITY_OTHER : slot_value(context, slot).quantity;
+}
+
 struct expr_scope names_scope(const struct names *names)
 {
-    return (struct expr_scope){names, scope_find, scope_load, scope_offer, scope_moving};
+    return (struct expr_scope){names,       scope_find,   scope_load,
+                               scope_offer, scope_moving, scope_quantity};
 }
 
 int names_of_scene(int slot, bool *derived)

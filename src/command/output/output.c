@@ -2,6 +2,8 @@
 /* export, print, echo */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
+#include <hooke/scene/dimension.h>
+#include <hooke/scene/formula.h>
 #include "command/internal.h"
 #include "command/redirect.h"
 
@@ -200,7 +202,9 @@ HANDLER(print)
     UNUSED(error);
     struct item *item = argument_value(args, "EXPR")->item;
     struct named_value named = {.below = 0};
-    struct buffer text = {0};
+    struct buffer text = {0}, unit = {0};
+    if (!item->is_string && expr_dimension(item->expr)->unit)
+        dimension_put_unit(expr_dimension(item->expr), &unit);
     /* Of a single name the uncertainty is known, too. */
     if (!item->is_string && peek_name(item->text).len == item->text.len &&
         names_value(session, item->text, &named))
@@ -213,15 +217,20 @@ HANDLER(print)
         buffer_put(&text, TEXT(" and more"));
     } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
+        if (unit.len > 0 && item->quantity == QUANTITY_OTHER)
+            buffer_format(&text, " %s", buffer_view(&unit));
     }
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
     reply_real(reply, "value", item->is_string || named.below > 0 ? NAN : item->value.value);
-    reply_string(
-        reply, "unit",
-        item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
+    reply_string(reply, "unit",
+                 !item->is_string && item->quantity != QUANTITY_OTHER
+                     ? quantity_unit(item->quantity)
+                 : unit.len > 0 ? buffer_view(&unit)
+                                : NULL);
     reply_end(reply);
+    buffer_free(&unit);
     buffer_free(&text);
     return true;
 }

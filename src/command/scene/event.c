@@ -105,9 +105,6 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
     const struct text when = after(rule, 4);
     if (!event_compile(when, &scope, arena, &event, &used, error))
         return names_explain(session, error);
-    struct parser compared = {session, &scope, arena, when};
-    if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
-        return false;
     if (used > LIMIT_EVENT_TEXT)
         return error_at(error, (struct text){when.at, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);

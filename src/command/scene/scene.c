@@ -475,7 +475,8 @@ COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
         .text = "The same as NAME = value. A value may carry a unit and an uncertainty, 200.0 +- "
-                "0.1 g or 200.0(1) g; a bare number is in the SI unit. Setting omega0,\n"
+                "0.1 g or 200.0(1) g; a bare number is in the SI unit. A unit binds to the "
+                "number or the parenthesis before it: m + 50 g, (3 + 1) s.\nSetting omega0, "
                 "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends "
                 "on the scene.",
         .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",

@@ -277,6 +277,17 @@ static double formula_load(const void *context, int slot)
     return slot < 2 * SWEEP_MEASURES ? NAN : scope.load(scope.context, slot - 2 * SWEEP_MEASURES);
 }
 
+static enum quantity formula_quantity(const void *context, int slot)
+{
+    const struct formula_reader *r = *(struct formula_reader *const *)context;
+    const struct expr_scope scope = names_scope(&r->names);
+    if (slot >= 2 * SWEEP_MEASURES)
+        return scope.quantity(scope.context, slot - 2 * SWEEP_MEASURES);
+    return slot < SWEEP_MEASURES
+               ? sweep_measure_quantity(&r->request->measure[slot], r->request->scene->model)
+               : QUANTITY_OTHER; /* of a root of a mean square the formula knows it */
+}
+
 static void formula_offer(const void *context, struct suggestion *suggestion)
 {
     const struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -307,7 +318,8 @@ static bool is_sum(const char *copy)
 static const struct sweep_formula *read_formula(struct formula_reader *r)
 {
     struct formula_reader *self = r;
-    const struct expr_scope scope = {&self, formula_find, formula_load, formula_offer, NULL};
+    const struct expr_scope scope = {&self,         formula_find, formula_load,
+                                     formula_offer, NULL,         formula_quantity};
     struct sweep_formula *formula = arena_alloc(r->parser->arena, sizeof *formula);
     const char *text = arena_text(r->parser->arena, r->text);
     r->copy = arena_alloc(r->parser->arena, r->text.len + 1);

@@ -64,25 +64,9 @@ static const struct expr *expr_of_point(const struct expr *expr, struct expr_sco
 
 /* ---- what is typed ---- */
 
-/* Are they of one quantity, as in left < right? */
-static bool check_sides(struct parser *parser, struct text left, struct text right,
-                        struct error *error)
-{
-    struct buffer both = {0};
-    buffer_format(&both, "%.*s < %.*s", (int)left.len, left.at, (int)right.len, right.at);
-    const char *condition = arena_text(parser->arena, buffer_text(&both));
-    buffer_free(&both);
-    if (!condition)
-        return error_memory(error);
-    if (check_condition(parser, text_of(condition), error))
-        return true;
-    error->where = right;
-    return false;
-}
-
-/* EXPR = EXPR or EXPR rising VALUE: the other side; left: the first. */
-static bool read_side(struct parser *parser, const struct expr_scope *scope, struct text left,
-                      struct event *event, struct error *error)
+/* EXPR = EXPR or EXPR rising VALUE: the other side. */
+static bool read_side(struct parser *parser, const struct expr_scope *scope, struct event *event,
+                      struct error *error)
 {
     struct event other = {.stop = false};
     size_t used;
@@ -91,13 +75,9 @@ static bool read_side(struct parser *parser, const struct expr_scope *scope, str
     const bool turns = other.direction != 0 || other.touching;
     if (other.right || (turns && (event->direction != 0 || event->touching)))
         return error_at(error, parser->rest, "of a section both sides are expressions");
-    struct text right = {parser->rest.at, used};
-    while (turns && right.len > 0 && !strchr(" \t", right.at[right.len - 1]))
-        right.len--;
-    if (!check_sides(parser, left, text_trim(right), error))
+    if (!expr_compare(event->left, &other.left, parser->arena, error))
         return false;
     event->right = other.left;
-    event->right_factor = other.left_factor;
     event->direction = turns ? other.direction : event->direction;
     event->touching |= other.touching;
     parser->rest = text_trim((struct text){parser->rest.at + used, parser->rest.len - used});
@@ -113,16 +93,10 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
         return names_explain(parser->session, error);
     parser->rest = text_trim((struct text){all.at + used, all.len - used});
     const bool equals = text_starts(parser->rest, TEXT("="));
-    if (event->right)
-        return check_condition(parser, text_trim((struct text){all.at, used}), error) &&
-               refuse_rest(parser, NULL, error);
-    if (equals)
+    if (equals && !event->right)
         parser->rest = text_trim((struct text){parser->rest.at + 1, parser->rest.len - 1});
-    struct text left = text_trim((struct text){all.at, used});
-    while (event->direction != 0 && left.len > 0 && !strchr(" \t", left.at[left.len - 1]))
-        left.len--;
-    if ((equals || (event->direction != 0 && parser->rest.len > 0)) &&
-        !read_side(parser, scope, text_trim(left), event, error))
+    if (!event->right && (equals || (event->direction != 0 && parser->rest.len > 0)) &&
+        !read_side(parser, scope, event, error))
         return false;
     return refuse_rest(parser, NULL, error);
 }

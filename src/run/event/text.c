@@ -15,18 +15,13 @@ static struct text from(struct text text, size_t at)
     return (struct text){text.at + at, text.len - at};
 }
 
-/* An expression and its unit at text[*at]. */
+/* An expression at text[*at]. */
 static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
-                               struct arena *arena, const struct unit **unit, struct error *error)
+                               struct arena *arena, struct error *error)
 {
     size_t used;
     const struct expr *expr = expr_compile(from(text, *at), scope, arena, &used, error);
-    if (!expr)
-        return NULL;
-    *at = blanks(text, *at + used);
-    *unit = unit_match(from(text, *at));
-    if (*unit)
-        *at = blanks(text, *at + text_of((*unit)->row.name).len);
+    *at = expr ? blanks(text, *at + used) : *at;
     return expr;
 }
 
@@ -44,23 +39,17 @@ static bool take_word(struct text text, size_t *at, struct text word)
 bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                    struct event *event, size_t *used, struct error *error)
 {
-    const struct unit *left = NULL, *right = NULL;
     size_t at = 0;
-    struct event made = {.left = side(text, &at, scope, arena, &left, error), .scope = scope};
+    struct event made = {.left = side(text, &at, scope, arena, error), .scope = scope};
     if (!made.left)
         return false;
     if (at < text.len && (text.at[at] == '<' || text.at[at] == '>')) {
         made.direction = text.at[at] == '<' ? -1 : 1;
         at++;
         at += at < text.len && text.at[at] == '=';
-        made.right = side(text, &at, scope, arena, &right, error);
-        if (!made.right)
+        made.right = side(text, &at, scope, arena, error);
+        if (!made.right || !expr_compare(made.left, &made.right, arena, error))
             return false;
-        if (left && right && left->quantity != right->quantity)
-            return error_at(error, text,
-                            "the two sides do not compare: %s is a unit of %s, %s of %s",
-                            left->row.name, quantity_name(left->quantity), right->row.name,
-                            quantity_name(right->quantity));
     }
     const size_t word = at;
     const int direction = take_word(text, &at, TEXT("rising"))    ? 1
@@ -72,8 +61,6 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
                         "a comparison happens where it becomes true; rising, falling and touching "
                         "are for expressions");
     made.direction = direction != 0 ? direction : made.direction;
-    made.left_factor = left ? left->factor : 1;
-    made.right_factor = right ? right->factor : 1;
     memcpy(made.name, event->name, sizeof made.name);
     made.stop = event->stop;
     *event = made;

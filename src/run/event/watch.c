@@ -50,8 +50,6 @@ static void take_condition(struct event_watch *watch, const struct run_target *t
     watch->or_equal = condition->or_equal;
     watch->condition = (struct event){.left = condition->left,
                                       .right = condition->right,
-                                      .left_factor = condition->left_factor,
-                                      .right_factor = condition->right_factor,
                                       .direction = condition->less ? -1 : 1,
                                       .touching = condition->or_equal,
                                       .stop = true,
@@ -120,7 +118,6 @@ static double load_other(struct event_watch *watch, const struct watched *watche
 double events_watch_value(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y)
 {
-    const struct event *event = watched->event;
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
         watch->value[i] = column->kind == MOVING_TIME ? t
@@ -129,22 +126,11 @@ double events_watch_value(struct event_watch *watch, const struct watched *watch
                               : load_other(watch, watched, column->index, t, y);
     }
     const struct expr_scope scope = {.context = watch->value, .load = load_value};
-    const double value = expr_value(watched->left, &scope) * event->left_factor;
-    return watched->right ? value - expr_value(watched->right, &scope) * event->right_factor
-                          : value;
+    const double value = expr_value(watched->left, &scope);
+    return watched->right ? value - expr_value(watched->right, &scope) : value;
 }
 
 /* ---- bounds ---- */
-
-static struct jet scaled(struct jet jet, double factor)
-{
-    if (factor == 1)
-        return jet;
-    const struct jet out = {{factor * jet.value.lo, factor * jet.value.hi},
-                            {factor * jet.slope.lo, factor * jet.slope.hi},
-                            {factor * jet.bend.lo, factor * jet.bend.hi}};
-    return out; /* factors of units are above 0 */
-}
 
 static struct interval less_interval(struct interval a, struct interval b)
 {
@@ -157,11 +143,10 @@ static struct interval less_interval(struct interval a, struct interval b)
 
 static struct jet evaluate(const struct event_watch *watch, const struct watched *watched)
 {
-    const struct event *event = watched->event;
-    const struct jet left = scaled(expr_jet(watched->left, watch->jet), event->left_factor);
+    const struct jet left = expr_jet(watched->left, watch->jet);
     if (!watched->right)
         return left;
-    const struct jet right = scaled(expr_jet(watched->right, watch->jet), event->right_factor);
+    const struct jet right = expr_jet(watched->right, watch->jet);
     return (struct jet){less_interval(left.value, right.value),
                         less_interval(left.slope, right.slope),
                         less_interval(left.bend, right.bend)};

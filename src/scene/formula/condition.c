@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Comparisons: expr [unit] < expr [unit]. */
+/* Comparisons of two expressions. */
 #include "scene/formula/expr.h"
 
 static void skip_blanks(struct text text, size_t *at)
@@ -10,19 +10,12 @@ static void skip_blanks(struct text text, size_t *at)
 
 /* One side, from text[*at]. */
 static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
-                               struct arena *arena, const struct unit **unit, struct error *error)
+                               struct arena *arena, struct error *error)
 {
     size_t used;
     const struct expr *expr =
         expr_compile((struct text){text.at + *at, text.len - *at}, scope, arena, &used, error);
-    if (!expr)
-        return NULL;
-    *at += used;
-    size_t next = *at;
-    skip_blanks(text, &next);
-    *unit = unit_match((struct text){text.at + next, text.len - next});
-    if (*unit)
-        *at = next + text_of((*unit)->row.name).len;
+    *at += expr ? used : 0;
     return expr;
 }
 
@@ -43,9 +36,8 @@ static bool no_comparison(struct text text, struct text sign, struct error *erro
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error)
 {
-    const struct unit *left, *right;
     size_t at = 0;
-    struct condition made = {.left = side(text, &at, scope, arena, &left, error)};
+    struct condition made = {.left = side(text, &at, scope, arena, error)};
     if (!made.left)
         return false;
     skip_blanks(text, &at);
@@ -56,15 +48,9 @@ bool condition_compile(struct text text, const struct expr_scope *scope, struct 
     at++;
     made.or_equal = at < text.len && text.at[at] == '=';
     at += made.or_equal;
-    made.right = side(text, &at, scope, arena, &right, error);
-    if (!made.right)
+    made.right = side(text, &at, scope, arena, error);
+    if (!made.right || !expr_compare(made.left, &made.right, arena, error))
         return false;
-    if (left && right && left->quantity != right->quantity)
-        return error_at(error, text, "the two sides do not compare: %s is a unit of %s, %s of %s",
-                        left->row.name, quantity_name(left->quantity), right->row.name,
-                        quantity_name(right->quantity));
-    made.left_factor = left ? left->factor : 1;
-    made.right_factor = right ? right->factor : 1;
     *condition = made;
     *used = at;
     return true;
@@ -72,8 +58,8 @@ bool condition_compile(struct text text, const struct expr_scope *scope, struct 
 
 double condition_value(const struct condition *condition, const struct expr_scope *scope)
 {
-    double left = expr_value(condition->left, scope) * condition->left_factor;
-    double right = expr_value(condition->right, scope) * condition->right_factor;
+    double left = expr_value(condition->left, scope);
+    double right = expr_value(condition->right, scope);
     return condition->less ? left - right : right - left;
 }
 

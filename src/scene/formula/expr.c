@@ -6,29 +6,7 @@
  */
 #include <string.h>
 
-#include "scene/formula/expr.h"
-
-/* What waits for its operands: an operator, an open parenthesis or an open call. */
-struct pending {
-    enum { WAIT_OPERATOR, WAIT_PARENTHESIS, WAIT_CALL } what;
-    enum op_kind op;
-    int precedence;
-    int arguments; /* of a call: commas so far */
-    const struct function *function;
-    struct text where;
-};
-
-struct compiler {
-    struct text text;
-    size_t at, end; /* next byte; behind the last word that belongs to the expression */
-    const struct expr_scope *scope;
-    struct arena *arena;
-    struct error *error;
-    struct expr *expr;
-    size_t values; /* on the stack after the operations so far */
-    struct pending pending[LIMIT_EXPR_DEPTH];
-    size_t depth;
-};
+#include "scene/formula/compiler.h"
 
 enum { COMPARISON, SUM, PRODUCT, SIGN, POWER }; /* precedences: -2^2 is -4, 2^-2 is a quarter */
 
@@ -65,14 +43,9 @@ static char peek(const struct compiler *c, size_t ahead)
     return ahead < c->text.len - c->at ? c->text.at[c->at + ahead] : '\0';
 }
 
-static struct text slice(const struct compiler *c, size_t from, size_t len)
-{
-    return (struct text){c->text.at + from, len};
-}
-
 static bool too_deep(struct compiler *c)
 {
-    return error_at(c->error, slice(c, c->at, c->at < c->text.len),
+    return error_at(c->error, compiler_slice(c, c->at, c->at < c->text.len),
                     "the expression is nested deeper than %d levels", LIMIT_EXPR_DEPTH);
 }
 
@@ -80,8 +53,8 @@ static struct op *new_op(struct compiler *c)
 {
     struct expr *expr = c->expr;
     if (expr->count == LIMIT_EXPR_SIZE) {
-        error_at(c->error, slice(c, 0, c->at), "the expression has more than %d operations",
-                 LIMIT_EXPR_SIZE);
+        error_at(c->error, compiler_slice(c, 0, c->at),
+                 "the expression has more than %d operations", LIMIT_EXPR_SIZE);
         return NULL;
     }
     if (expr->count == expr->capacity) {
@@ -100,7 +73,7 @@ static struct op *new_op(struct compiler *c)
 }
 
 /* A value: it goes onto the stack. */
-static bool emit_value(struct compiler *c, struct op value)
+bool compiler_emit_value(struct compiler *c, struct op value)
 {
     if (c->values == LIMIT_EXPR_DEPTH)
         return too_deep(c);
@@ -113,8 +86,10 @@ static bool emit_value(struct compiler *c, struct op value)
 }
 
 /* An operation on the last `arity` values: done at once where all of them are numbers. */
-static bool emit(struct compiler *c, struct op operation, size_t arity)
+bool compiler_emit(struct compiler *c, struct op operation, size_t arity)
 {
+    if (c->operand && !units_of_operation(c, &operation, arity))
+        return false;
     struct expr *expr = c->expr;
     double stack[3];
     size_t numbers = 0;
@@ -144,7 +119,7 @@ static bool reduce(struct compiler *c, int precedence)
         if (top->what != WAIT_OPERATOR || top->precedence < precedence)
             return true;
         c->depth--;
-        if (!emit(c, (struct op){.kind = top->op}, top->op == OP_NEG ? 1 : 2))
+        if (!compiler_emit(c, (struct op){.kind = top->op}, top->op == OP_NEG ? 1 : 2))
             return false;
     }
     return true;
@@ -155,7 +130,7 @@ static bool push(struct compiler *c, struct pending pending, size_t length)
 {
     if (c->depth == LIMIT_EXPR_DEPTH)
         return too_deep(c);
-    pending.where = slice(c, c->at, length);
+    pending.where = compiler_slice(c, c->at, length);
     c->pending[c->depth++] = pending;
     c->at += length;
     return true;
@@ -167,19 +142,36 @@ static void skip_blanks(struct compiler *c)
         c->at++;
 }
 
+/* A number or a name. */
+static bool emit_typed(struct compiler *c, struct op value, struct text typed)
+{
+    const struct expr_scope *scope = c->scope;
+    if (!compiler_emit_value(c, value))
+        return false;
+    if (!scope || !scope->quantity)
+        return true;
+    const struct dimension bare = {.kind = DIMENSION_BARE};
+    return units_of_value(c, typed,
+                          value.kind == OP_NAME
+                              ? dimension_of_name(scope->quantity(scope->context, value.slot))
+                              : bare);
+}
+
 static bool read_number(struct compiler *c)
 {
     double value;
     size_t used;
-    enum real_status status = real_scan(slice(c, c->at, c->text.len - c->at), '.', &value, &used);
+    enum real_status status =
+        real_scan(compiler_slice(c, c->at, c->text.len - c->at), '.', &value, &used);
     if (used == 0)
-        return error_at(c->error, slice(c, c->at, 1), "malformed number");
-    struct text word = slice(c, c->at, used);
+        return error_at(c->error, compiler_slice(c, c->at, 1), "malformed number");
+    struct text word = compiler_slice(c, c->at, used);
     if (status == REAL_OVERFLOW)
         return error_at(c->error, word, "the number %.*s is too large", used < 40 ? (int)used : 40,
                         word.at);
     c->at += used;
-    return emit_value(c, (struct op){.kind = OP_NUMBER, .number = value});
+    c->last = LAST_NUMBER;
+    return emit_typed(c, (struct op){.kind = OP_NUMBER, .number = value}, word);
 }
 
 static bool unknown_name(struct compiler *c, struct text name)
@@ -220,26 +212,28 @@ static bool read_name(struct compiler *c)
         length[count] = word_end(c, length[count - 1] + 1);
         count++;
     }
-    struct text word = slice(c, c->at, length[0]);
+    struct text word = compiler_slice(c, c->at, length[0]);
     struct op op = {.kind = OP_NAME};
     if (text_is(word, "pi")) {
         op = (struct op){.kind = OP_NUMBER, .number = 3.14159265358979323846};
         count = 1;
     } else {
         while (count > 0 &&
-               !(c->scope &&
-                 c->scope->find(c->scope->context, slice(c, c->at, length[count - 1]), &op.slot)))
+               !(c->scope && c->scope->find(c->scope->context,
+                                            compiler_slice(c, c->at, length[count - 1]), &op.slot)))
             count--;
         if (count == 0)
             return unknown_name(c, word);
     }
-    c->at += length[count - 1];
-    return emit_value(c, op);
+    word.len = length[count - 1];
+    c->at += word.len;
+    c->last = op.kind == OP_NAME ? LAST_NAME : LAST_NUMBER;
+    return emit_typed(c, op, word);
 }
 
 static bool read_word(struct compiler *c)
 {
-    struct text word = slice(c, c->at, word_end(c, 0));
+    struct text word = compiler_slice(c, c->at, word_end(c, 0));
     const struct row *row = catalog_find(&function_catalog, word);
     size_t paren = word.len;
     while (peek(c, paren) == ' ')
@@ -271,7 +265,7 @@ static bool wrong_count(struct compiler *c, const struct pending *call)
 
 static bool missing_operand(struct compiler *c)
 {
-    struct text where = slice(c, c->at, c->at < c->text.len);
+    struct text where = compiler_slice(c, c->at, c->at < c->text.len);
     const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
     if (top)
         error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len,
@@ -326,7 +320,7 @@ static struct pending *innermost(struct compiler *c)
 /* NULL: none, as at "+-" of an uncertainty. */
 static const struct sign *next_operator(const struct compiler *c)
 {
-    struct text rest = slice(c, c->at, c->text.len - c->at);
+    struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
     for (size_t i = 0; i < COUNT_OF(operators); i++)
         if (text_starts(rest, text_of(operators[i].sign)) && !text_starts(rest, TEXT("+-")))
             return &operators[i];
@@ -349,7 +343,7 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
         const struct pending *last = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
         size_t length = strlen(sign->sign);
         if (sign->precedence == COMPARISON && last->what == WAIT_OPERATOR)
-            return error_at(c->error, slice(c, c->at, length),
+            return error_at(c->error, compiler_slice(c, c->at, length),
                             "comparisons do not chain: for a < b < c write (a < b)*(b < c)");
         return push(c, (struct pending){.op = sign->op, .precedence = sign->precedence}, length);
     }
@@ -366,12 +360,15 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
         return false;
     c->at++;
     c->depth--;
-    if (open->what == WAIT_PARENTHESIS)
+    c->last = LAST_NUMBER;
+    if (open->what == WAIT_PARENTHESIS) {
+        units_of_parenthesis(c, open->where.at);
         return true;
+    }
     if (open->arguments + 1 < function_arity(open->function))
         return wrong_count(c, open);
-    return emit(c, (struct op){.kind = OP_CALL, .function = open->function},
-                (size_t)open->arguments + 1);
+    return compiler_emit(c, (struct op){.kind = OP_CALL, .function = open->function},
+                         (size_t)open->arguments + 1);
 }
 
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
@@ -387,6 +384,11 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
     bool complete = false;
     for (bool over = false; !over; c->end = over ? c->end : c->at) {
         skip_blanks(c);
+        const size_t at = c->at;
+        if (complete && c->operand && !units_read(c))
+            return NULL;
+        if (c->at > at)
+            continue;
         if (!(complete ? read_operator(c, &complete, &over) : read_operand(c, &complete)))
             return NULL;
     }
@@ -394,12 +396,14 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
     if (open) {
         error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
                  open->where.at);
-        if (is_letter(peek(c, 0)))
-            error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
+        if (c->operand && is_letter(peek(c, 0)))
+            error_hint(error, "'%.*s' is no unit", (int)word_end(c, 0), c->text.at + c->at);
         return NULL;
     }
     if (!reduce(c, 0))
         return NULL;
     *used = c->end;
+    if (c->operand)
+        c->expr->typed = c->operand[0];
     return c->expr;
 }

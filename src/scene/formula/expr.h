@@ -5,10 +5,23 @@
 
 #include <hooke/base/elementary.h>
 #include <hooke/scene.h>
+#include <hooke/scene/dimension.h>
+
+/* How the dimension of a function follows from those of its arguments. */
+enum function_dimension {
+    FUNCTION_PURE, /* a number of numbers or angles */
+    FUNCTION_SAME, /* of one argument, or of several alike */
+    FUNCTION_SIGN, /* a number of anything alike */
+    FUNCTION_SQUARE_ROOT,
+    FUNCTION_CUBE_ROOT,
+    FUNCTION_POWER,
+    FUNCTION_CHOICE /* of the second and the third, which are alike */
+};
 
 /* One of the three is set: it says how many arguments there are. */
 struct function {
     struct row row;
+    enum function_dimension dimension;
     double (*one)(double);
     double (*two)(double, double);
     double (*three)(double, double, double);
@@ -81,11 +94,20 @@ struct op {
     };
 };
 
+/* What a value on the compiler's stack was typed as. */
+struct typed_operand {
+    struct dimension dimension;
+    struct text text;
+    /* The number or parenthesis that it ends with, and the unit of that; empty if there is none. */
+    struct text number, unit;
+};
+
 /* In postfix order. The stack never holds more than LIMIT_EXPR_DEPTH values: the compiler sees to
  * it. */
 struct expr {
     struct op *op;
     size_t count, capacity;
+    struct typed_operand typed; /* all of it: while the text that it was compiled from exists */
 };
 
 /* Operands of an operation that is not a value. */

@@ -55,8 +55,8 @@ static double value_of(const struct crossings *p, const double *row, int lane)
 {
     const struct lane_state state = {row, lane};
     const struct expr_scope scope = {.context = &state, .load = load_state};
-    const double left = expr_value(p->left, &scope) * p->event.left_factor;
-    return p->right ? left - expr_value(p->right, &scope) * p->event.right_factor : left;
+    const double left = expr_value(p->left, &scope);
+    return p->right ? left - expr_value(p->right, &scope) : left;
 }
 
 /* Are values a0 + sum a_k y_k? Then the a are there. */

@@ -23,10 +23,10 @@ static void test_conditions(void **state)
         double value;
         bool holds;
     } cases[] = {
-        {"y < 3", -1, true},        {"y < 2", 0, false},          {"y <= 2", 0, true},
-        {"y>3", 1, false},          {"y >= 2", 0, true},          {"y > 2", 0, false},
-        {"v < -300 cm", 0, false},  {"v <= -300 cm", 0, true},    {"y*2 > 3 m", -1, true},
-        {"100 cm < y m", -1, true}, {"50 cm <= 500 mm", 0, true}, {"nan_ < 1", NAN, false},
+        {"y < 3", -1, true},       {"y < 2", 0, false},          {"y <= 2", 0, true},
+        {"y>3", 1, false},         {"y >= 2", 0, true},          {"y > 2", 0, false},
+        {"v < -300 cm", 0, false}, {"v <= -300 cm", 0, true},    {"y*2 > 3 m", -1, true},
+        {"100 cm < y", -1, true},  {"50 cm <= 500 mm", 0, true}, {"nan_ < 1", NAN, false},
         {"nan_ >= 1", NAN, false},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -45,8 +45,9 @@ static void test_conditions(void **state)
         {"y = 3", "a condition needs <, <=, > or >=", "="},
         {"y < ", "a number or a name is missing", ""},
         {"< 3", "a number or a name is missing", "<"},
-        {"1 cm < 2 s", "the two sides do not compare: cm is a unit of length, s of time",
-         "1 cm < 2 s"},
+        {"1 cm < 2 s", "'1 cm' (length) cannot be compared with '2 s' (time)", "2 s"},
+        {"1 < 2 cm", "'1' (number) cannot be compared with '2 cm' (length)", "2 cm"},
+        {"y m < 3", "a unit stands after a number or a parenthesis, not after 'y'", "m"},
         {"y < gama", "unknown name 'gama'", "gama"},
     };
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {

@@ -158,7 +158,7 @@ static void test_where_it_ends(void **state)
     (void)state;
     /* The bar is where the expression ends. */
     static const char *const cases[] = {
-        "5| cm",       "5|cm",   "0.25| 1/s",    "(3+1)| s", "30| deg", "199.9| +- 0.1 g",
+        "5 cm|",       "5cm|",   "0.25 1/s|",    "(3+1) s|", "30 deg|", "199.9| +- 0.1 g",
         "5|+-1",       "y| < 3", "y|<=3",        "1|:2",     "1|,2",    "1|; 2",
         "1| # 2",      "2|)",    "3*gamma| # x", "1| = 2",   "(2)|(3)", "5|,3 cm",
         "min(1,2)|,3", "2|\n",   "(y < 3)| < 4",
@@ -208,8 +208,25 @@ static void test_mistakes(void **state)
     expect_mistake("(1 + 2", "missing ')' for '('", "(", "");
     expect_mistake("2*sin(1 + 2", "missing ')' for 'sin('", "sin(", "");
     expect_mistake("(1, 2)", "missing ')' for '('", "(", "");
-    expect_mistake("(5 cm)", "missing ')' for '('", "(",
-                   "a unit stands after the whole expression");
+    expect_mistake("(5 foo)", "missing ')' for '('", "(", "'foo' is no unit");
+    expect_mistake("5 + 1 cm",
+                   "'5' (number) and '1 cm' (length) do not add: a unit belongs to the number "
+                   "before it",
+                   "5 + 1 cm", "write (5 + 1) cm, or 5 m + 1 cm");
+    expect_mistake("1 cm + 5",
+                   "'1 cm' (length) and '5' (number) do not add: a unit belongs to the number "
+                   "before it",
+                   "1 cm + 5", "write 1 cm + 5 cm");
+    expect_mistake("2^3 cm", "an exponent takes a number, not '3 cm' (length)", "3 cm",
+                   "it is read as 2^(3 cm); the other reading is (2^3) cm");
+    expect_mistake("y cm", "a unit stands after a number or a parenthesis, not after 'y'", "cm",
+                   "(y) cm");
+    expect_mistake("(5 cm) mm", "a value has one unit: '(5 cm)' has cm", "mm", "");
+    expect_mistake("5 kg/m", "unknown unit 'kg/m': kg is one", "kg/m", "with blanks");
+    expect_mistake("5 N / m", "the unit N/m is written without blanks", "N / m", "");
+    expect_mistake("2 cm^3", "unknown unit 'cm^3': cm is one", "cm^3", "(2 cm)^3");
+    expect_mistake("9.81 m/s2", "unknown unit 'm/s2'", "m/s2", "the unit is written m/s^2");
+    expect_mistake("sin(3 cm)", "sin takes a number, not '3 cm' (length)", "3 cm", "");
     expect_mistake("sin()", "sin takes 1 argument", "sin()", "");
     expect_mistake("2 + sin(1, 2) + 3", "sin takes 1 argument", "sin(1,", "");
     expect_mistake("hypot(1)", "hypot takes 2 arguments", "hypot(1)", "");

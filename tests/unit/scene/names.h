@@ -39,6 +39,14 @@ static void offer(const void *context, struct suggestion *suggestion)
         suggestion_offer(suggestion, names[i].name);
 }
 
-static const struct expr_scope scope = {.find = find, .load = load, .offer = offer};
+static enum quantity quantity(const void *context, int slot)
+{
+    (void)context;
+    (void)slot;
+    return QUANTITY_OTHER;
+}
+
+static const struct expr_scope scope = {
+    .find = find, .load = load, .offer = offer, .quantity = quantity};
 
 #endif

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Dimensions of expressions whose numbers carry units: powers of the base units. */
+#ifndef HOOKE_SCENE_DIMENSION_H
+#define HOOKE_SCENE_DIMENSION_H
+
+#include <hooke/base.h>
+
+enum dimension_base {
+    BASE_KILOGRAM,
+    BASE_METRE,
+    BASE_SECOND,
+    BASE_VOLT,
+    BASE_RADIAN, /* of use only beside numbers and cycles: arc lengths are metres all the same */
+    BASE_CYCLE,  /* Hz is one a second, rad/s is 1/(2 pi) of it */
+    DIMENSION_BASES
+};
+
+enum dimension_kind {
+    DIMENSION_BARE,    /* numbers without a unit: beside a name they count in its SI unit */
+    DIMENSION_UNKNOWN, /* names whose quantity is unknown fit everything */
+    DIMENSION_KNOWN
+};
+
+struct dimension {
+    enum dimension_kind kind;
+    float power[DIMENSION_BASES];
+    const struct unit *unit; /* the first that was typed; NULL if none was */
+    bool has_name;
+    bool is_single; /* a name, or a number or parenthesis with its unit: nothing was computed */
+};
+
+/* Of a name of this quantity; QUANTITY_OTHER is unknown. */
+struct dimension dimension_of_name(enum quantity quantity);
+/* Of a number or a parenthesis with its unit. */
+struct dimension dimension_of_unit(const struct unit *unit);
+/* a b, or a / b. */
+struct dimension dimension_product(const struct dimension *a, const struct dimension *b,
+                                   bool divides);
+struct dimension dimension_power(const struct dimension *a, double exponent);
+/* Returns true if no power of kg, m, s and V is left. */
+bool dimension_is_pure(const struct dimension *a);
+/*
+ * Finds the dimension of a sum. Returns false if the two differ although a unit was typed in one of
+ * them; numbers without a unit fit names, not numbers with one. *turns: b is to be multiplied by
+ * (2 pi)^turns, -1, 0 or 1, as of Hz beside rad/s.
+ */
+bool dimension_sum(const struct dimension *a, const struct dimension *b, struct dimension *sum,
+                   int *turns);
+/* Returns true if such a value can be one of the wanted quantity, after a factor (2 pi)^turns. */
+bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns);
+/* x (2 pi)^turns */
+double dimension_turned(double x, int turns);
+/* QUANTITY_OTHER where it has no name. */
+enum quantity dimension_quantity(const struct dimension *a);
+/* Appends "length", "number", or "m^2 kg" where it has no name. */
+void dimension_put(const struct dimension *a, struct buffer *text);
+/* Appends its SI unit: "m/s", "m^2 kg"; nothing for a pure number. */
+void dimension_put_unit(const struct dimension *a, struct buffer *text);
+
+#endif

@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Units in expressions: each binds to the number or the parenthesis before it. */
+#include <hooke/base/numeric.h>
+#include <string.h>
+
+#include "scene/formula/compiler.h"
+
+/* How much of a text a message quotes. */
+static int shown_length(struct text text)
+{
+    return (int)(text.len < 60 ? text.len : 60);
+}
+
+static struct text text_between(const char *from, const char *to)
+{
+    return text_trim((struct text){from, (size_t)(to - from)});
+}
+
+static const char *text_end(struct text text)
+{
+    return text.at + text.len;
+}
+
+bool units_of_value(struct compiler *c, struct text typed, struct dimension dimension)
+{
+    if (c->values > c->operands) {
+        const size_t operands = c->operands ? 2 * c->operands : 8;
+        struct typed_operand *more = arena_array(c->arena, operands, sizeof *more);
+        if (!more)
+            return error_memory(c->error);
+        if (c->operands)
+            memcpy(more, c->operand, c->operands * sizeof *more);
+        c->operand = more;
+        c->operands = operands;
+    }
+    c->operand[c->values - 1] = (struct typed_operand){.dimension = dimension, .text = typed};
+    return true;
+}
+
+void units_of_parenthesis(struct compiler *c, const char *open)
+{
+    if (!c->operand)
+        return;
+    struct typed_operand *operand = &c->operand[c->values - 1];
+    operand->text = text_between(open, c->text.at + c->at);
+    operand->number = operand->unit = (struct text){NULL, 0};
+}
+
+/* ---- what does not go together ---- */
+
+/* `1/30 s` is read as 1/(30 s). */
+static bool hint_readings(const struct typed_operand *operand, struct error *error)
+{
+    if (operand->unit.len == 0 || operand->number.at == operand->text.at)
+        return false;
+    const struct text before = {operand->text.at, (size_t)(operand->number.at - operand->text.at)};
+    const struct text whole = text_between(operand->text.at, text_end(operand->number));
+    return error_hint(error, "it is read as %.*s(%.*s %.*s); the other reading is (%.*s) %.*s",
+                      shown_length(before), before.at, shown_length(operand->number),
+                      operand->number.at, (int)operand->unit.len, operand->unit.at,
+                      shown_length(whole), whole.at, (int)operand->unit.len, operand->unit.at);
+}
+
+/* verb: "add", "compare" */
+static bool refuse_pair(struct error *error, const char *verb, const struct typed_operand *a,
+                        const struct typed_operand *b)
+{
+    struct buffer left = {0}, right = {0};
+    const struct text all = text_between(a->text.at, text_end(b->text));
+    dimension_put(&a->dimension, &left);
+    dimension_put(&b->dimension, &right);
+    error_at(error, all,
+             "'%.*s' (%s) and '%.*s' (%s) do not %s: a unit belongs to the number "
+             "before it",
+             shown_length(a->text), a->text.at, buffer_view(&left), shown_length(b->text),
+             b->text.at, buffer_view(&right), verb);
+    buffer_free(&left);
+    buffer_free(&right);
+    const struct typed_operand pair = {.text = all, .number = b->number, .unit = b->unit};
+    const struct dimension *other = &b->dimension;
+    const bool adds = strcmp(verb, "add") == 0;
+    if (adds && a->dimension.kind == DIMENSION_BARE && b->unit.len > 0) {
+        const struct text whole = text_between(all.at, text_end(b->number)),
+                          behind = text_between(text_end(a->text), text_end(b->text));
+        struct buffer unit = {0};
+        dimension_put_unit(other, &unit);
+        error_hint(error, "write (%.*s) %.*s, or %.*s %s %.*s", shown_length(whole), whole.at,
+                   (int)b->unit.len, b->unit.at, shown_length(a->text), a->text.at,
+                   buffer_view(&unit), shown_length(behind), behind.at);
+        buffer_free(&unit);
+        return false;
+    }
+    if (adds && b->dimension.kind == DIMENSION_BARE && a->dimension.unit)
+        return error_hint(error, "write %.*s %s: a number beside one with a unit has one, too",
+                          shown_length(all), all.at, a->dimension.unit->row.name);
+    return adds && hint_readings(&pair, error);
+}
+
+/* Emits a conversion of the last value between cycles and radians. */
+static bool turn(struct compiler *c, int turns)
+{
+    const struct typed_operand typed = c->operand[c->values - 1];
+    const struct dimension bare = {.kind = DIMENSION_BARE};
+    if (turns == 0)
+        return true;
+    if (!compiler_emit_value(c, (struct op){.kind = OP_NUMBER, .number = 2 * PI}) ||
+        !units_of_value(c, typed.text, bare) ||
+        !compiler_emit(c, (struct op){.kind = turns > 0 ? OP_MUL : OP_DIV}, 2))
+        return false;
+    c->operand[c->values - 1] = typed;
+    return true;
+}
+
+/* Two operands, of which b was emitted last, are added, compared or chosen from. */
+static bool add(struct compiler *c, const char *verb, const struct typed_operand *a,
+                const struct typed_operand *b, bool is_last, struct dimension *sum)
+{
+    int turns;
+    if (!dimension_sum(&a->dimension, &b->dimension, sum, &turns) || (turns != 0 && !is_last))
+        return refuse_pair(c->error, verb, a, b);
+    return turn(c, turns);
+}
+
+/* A pure number or an angle is wanted; where no unit was typed anything may be. */
+static bool is_pure(struct compiler *c, const char *what, const struct typed_operand *a)
+{
+    const struct dimension *dimension = &a->dimension;
+    if (!dimension->unit || dimension->kind != DIMENSION_KNOWN || dimension_is_pure(dimension))
+        return true;
+    struct buffer name = {0};
+    dimension_put(dimension, &name);
+    error_at(c->error, a->text, "%s takes a number, not '%.*s' (%s)", what, shown_length(a->text),
+             a->text.at, buffer_view(&name));
+    buffer_free(&name);
+    return false;
+}
+
+static bool raise(struct compiler *c, const struct typed_operand *a, struct dimension *made)
+{
+    const struct typed_operand *exponent = a + 1;
+    const struct op *last = &c->expr->op[c->expr->count - 1];
+    const struct typed_operand pair = {.text = text_between(a->text.at, text_end(exponent->text)),
+                                       .number = exponent->number,
+                                       .unit = exponent->unit};
+    if (!is_pure(c, "an exponent", exponent)) {
+        hint_readings(&pair, c->error);
+        return false;
+    }
+    *made = a->dimension;
+    made->is_single = false;
+    if (a->dimension.kind != DIMENSION_KNOWN)
+        made->has_name |= exponent->dimension.has_name;
+    else if (last->kind == OP_NUMBER)
+        *made = dimension_power(&a->dimension, last->number);
+    else if (a->dimension.unit && !dimension_is_pure(&a->dimension))
+        return error_at(c->error, pair.text, "the exponent of a number with a unit is a number");
+    else if (!dimension_is_pure(&a->dimension))
+        made->kind = DIMENSION_UNKNOWN;
+    return true;
+}
+
+/* A number, of arguments that were typed. */
+static struct dimension number_of(const struct typed_operand *a, size_t arity)
+{
+    struct dimension made = {.kind = DIMENSION_BARE};
+    for (size_t i = 0; i < arity; i++) {
+        made.kind = a[i].dimension.kind == DIMENSION_BARE ? made.kind : DIMENSION_KNOWN;
+        made.has_name |= a[i].dimension.has_name;
+        made.unit = made.unit ? made.unit : a[i].dimension.unit;
+    }
+    return made;
+}
+
+static bool call(struct compiler *c, const struct function *function, const struct typed_operand *a,
+                 size_t arity, struct dimension *made)
+{
+    const char *name = function->row.name;
+    const enum function_dimension rule = function->dimension;
+    *made = number_of(a, arity);
+    if (rule == FUNCTION_POWER)
+        return raise(c, a, made);
+    if (rule == FUNCTION_CHOICE)
+        return add(c, "go together", &a[1], &a[2], true, made);
+    if (rule == FUNCTION_SQUARE_ROOT || rule == FUNCTION_CUBE_ROOT) {
+        *made = dimension_power(&a[0].dimension, rule == FUNCTION_CUBE_ROOT ? 1.0 / 3 : 0.5);
+        return true;
+    }
+    if (rule == FUNCTION_PURE) {
+        for (size_t i = 0; i < arity; i++)
+            if (!is_pure(c, name, &a[i]))
+                return false;
+        return true;
+    }
+    struct dimension alike = a[0].dimension;
+    for (size_t i = 1; i < arity; i++) {
+        struct typed_operand so_far = a[0];
+        so_far.dimension = alike;
+        if (!add(c, "go together", &so_far, &a[i], i + 1 == arity, &alike))
+            return false;
+    }
+    alike.is_single = false;
+    if (rule == FUNCTION_SAME)
+        *made = alike;
+    return true;
+}
+
+bool units_of_operation(struct compiler *c, const struct op *operation, size_t arity)
+{
+    struct typed_operand *a = &c->operand[c->values - arity];
+    struct typed_operand made = {.text = text_between(a->text.at, text_end(a[arity - 1].text)),
+                                 .number = a[arity - 1].number,
+                                 .unit = a[arity - 1].unit};
+    struct dimension *dimension = &made.dimension;
+    switch (operation->kind) {
+    case OP_NEG:
+        *dimension = a->dimension;
+        break;
+    case OP_ADD:
+    case OP_SUB:
+        if (!add(c, "add", &a[0], &a[1], true, dimension))
+            return false;
+        break;
+    case OP_MUL:
+    case OP_DIV:
+        *dimension = dimension_product(&a[0].dimension, &a[1].dimension, operation->kind == OP_DIV);
+        break;
+    case OP_POW:
+        if (!raise(c, a, dimension))
+            return false;
+        break;
+    case OP_CALL:
+        /* the call was just closed: its name waited where the stack of those ended */
+        made.text = text_between(c->pending[c->depth].where.at, c->text.at + c->at);
+        made.number = made.unit = (struct text){NULL, 0};
+        if (!call(c, operation->function, a, arity, dimension))
+            return false;
+        break;
+    default: /* comparisons; numbers and names are no operations */
+        if (!add(c, "compare", &a[0], &a[1], true, dimension))
+            return false;
+        *dimension = number_of(a, arity);
+    }
+    c->operand[c->values - arity] = made; /* which more may have moved */
+    return true;
+}
+
+/* ---- reading ---- */
+
+/* m/s^2 of m/s2; NULL: there is no such unit. */
+static const struct unit *powered_unit(const char *name)
+{
+    char whole[LIMIT_NAME + 1];
+    size_t length = 0;
+    for (size_t i = 0; name[i] && length + 2 < sizeof whole; i++) {
+        if (i > 0 && name[i] >= '2' && name[i] <= '9' && is_name_start(name[i - 1]))
+            whole[length++] = '^';
+        whole[length++] = name[i];
+    }
+    return unit_find((struct text){whole, length});
+}
+
+/* m/s^3, kg/m, cm^3: what goes on without a blank as a unit that is none, and N / m, which is one
+ * but for its blanks. */
+static bool refuse_glued(struct compiler *c, const struct unit *unit)
+{
+    const struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
+    size_t sign = strlen(unit->row.name), next;
+    const bool glued = sign < rest.len && strchr("*/^", rest.at[sign]);
+    while (sign < rest.len && strchr(" \t", rest.at[sign]))
+        sign++;
+    if (sign == rest.len || !strchr("*/^", rest.at[sign]))
+        return true;
+    next = sign + 1;
+    while (next < rest.len && strchr(" \t", rest.at[next]))
+        next++;
+    const struct text other = {rest.at + next, rest.len - next};
+    const size_t word = peek_word(other, "+-*/^)<>=,:").len;
+    char whole[LIMIT_NAME];
+    struct buffer name = {0};
+    buffer_format(&name, "%s%c%.*s", unit->row.name, rest.at[sign], (int)(word < 16 ? word : 16),
+                  other.at);
+    const bool fits = name.len < sizeof whole, exists = unit_find(buffer_text(&name)) != NULL;
+    memcpy(whole, buffer_view(&name), fits ? name.len + 1 : 1);
+    whole[fits ? name.len : 0] = '\0';
+    buffer_free(&name);
+    const bool power = glued && rest.at[sign] == '^';
+    if (!exists &&
+        !(glued && next == sign + 1 && (power || unit_match(other) || powered_unit(whole))))
+        return true;
+    const struct typed_operand *operand = &c->operand[c->values - 1];
+    const struct text typed = {rest.at, next + word};
+    const struct unit *meant = glued ? powered_unit(whole) : NULL;
+    if (meant) {
+        error_at(c->error, typed, "unknown unit '%s'", whole);
+        return error_hint(c->error, "the unit is written %s", meant->row.name);
+    }
+    if (exists)
+        return error_at(c->error, typed, "the unit %s is written without blanks", whole);
+    error_at(c->error, typed, "unknown unit '%s': %s is one", whole, unit->row.name);
+    return power ? error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
+                              shown_length(operand->text), operand->text.at, unit->row.name,
+                              (int)(word < 16 ? word : 16), other.at)
+                 : error_hint(c->error, "for a name that %s is too, write it with blanks",
+                              unit_match(other)->row.name);
+}
+
+static bool refuse_unit(struct compiler *c, const struct unit *unit)
+{
+    const struct typed_operand *operand = &c->operand[c->values - 1];
+    const struct text typed = compiler_slice(c, c->at, strlen(unit->row.name));
+    size_t begin = 0;
+    for (size_t i = c->depth; i > 0 && begin == 0; i--)
+        if (c->pending[i - 1].what != WAIT_OPERATOR)
+            begin = (size_t)(text_end(c->pending[i - 1].where) - c->text.at);
+    const struct text whole = text_between(c->text.at + begin, c->text.at + c->at);
+    if (c->last == LAST_NAME) {
+        error_at(c->error, typed, "a unit stands after a number or a parenthesis, not after '%.*s'",
+                 shown_length(operand->text), operand->text.at);
+        return error_hint(c->error, "a name has its SI unit; the number %.*s in %s is (%.*s) %s",
+                          shown_length(whole), whole.at, unit->row.name, shown_length(whole),
+                          whole.at, unit->row.name);
+    }
+    return error_at(c->error, typed, "a value has one unit: '%.*s' has %s",
+                    shown_length(operand->text), operand->text.at,
+                    operand->dimension.unit->row.name);
+}
+
+bool units_read(struct compiler *c)
+{
+    const struct unit *unit = unit_match(compiler_slice(c, c->at, c->text.len - c->at));
+    struct typed_operand *operand = &c->operand[c->values - 1];
+    struct op *last = &c->expr->op[c->expr->count - 1];
+    if (!unit || c->last == LAST_UNIT)
+        return true;
+    if (c->last == LAST_NAME || operand->dimension.unit)
+        return refuse_unit(c, unit);
+    if (!refuse_glued(c, unit))
+        return false;
+    struct typed_operand made = {.dimension = dimension_of_unit(unit),
+                                 .number = operand->text,
+                                 .unit = compiler_slice(c, c->at, strlen(unit->row.name))};
+    made.text = text_between(operand->text.at, text_end(made.unit));
+    if (last->kind == OP_NUMBER) {
+        unit_convert(unit, unit->quantity, last->number, &last->number);
+    } else if (unit->factor != 1) {
+        const double inverse = nearbyint(1 / unit->factor);
+        const bool divides = unit->factor < 1 && inverse * unit->factor == 1;
+        const struct dimension bare = {.kind = DIMENSION_BARE};
+        if (!compiler_emit_value(
+                c, (struct op){.kind = OP_NUMBER, .number = divides ? inverse : unit->factor}) ||
+            !units_of_value(c, made.unit, bare) ||
+            !compiler_emit(c, (struct op){.kind = divides ? OP_DIV : OP_MUL}, 2))
+            return false;
+    }
+    c->operand[c->values - 1] = made;
+    c->at += made.unit.len;
+    c->last = LAST_UNIT;
+    return true;
+}
+
+/* ---- of what was compiled ---- */
+
+const struct dimension *expr_dimension(const struct expr *expr)
+{
+    return &expr->typed.dimension;
+}
+
+bool expr_hint_readings(const struct expr *expr, struct error *error)
+{
+    return hint_readings(&expr->typed, error);
+}
+
+bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
+                  struct error *error)
+{
+    const struct typed_operand *a = &left->typed, *b = &(*right)->typed;
+    const enum quantity qa = dimension_quantity(&a->dimension),
+                        qb = dimension_quantity(&b->dimension);
+    const bool names = a->dimension.is_single && b->dimension.is_single && a->dimension.has_name &&
+                       b->dimension.has_name && qa != QUANTITY_OTHER && qb != QUANTITY_OTHER;
+    struct dimension sum;
+    int turns;
+    if (!dimension_sum(&a->dimension, &b->dimension, &sum, &turns) || (names && qa != qb)) {
+        struct buffer is = {0}, other = {0};
+        dimension_put(&a->dimension, &is);
+        dimension_put(&b->dimension, &other);
+        error_at(error, b->text, "'%.*s' (%s) cannot be compared with '%.*s' (%s)",
+                 shown_length(a->text), a->text.at, buffer_view(&is), shown_length(b->text),
+                 b->text.at, buffer_view(&other));
+        buffer_free(&is);
+        buffer_free(&other);
+        if (!hint_readings(b, error))
+            hint_readings(a, error);
+        return false;
+    }
+    if (turns == 0)
+        return true;
+    struct expr *turned = arena_alloc(arena, sizeof *turned);
+    struct op *op = arena_array(arena, (*right)->count + 2, sizeof *op);
+    if (!turned || !op)
+        return error_memory(error);
+    memcpy(op, (*right)->op, (*right)->count * sizeof *op);
+    *turned = **right;
+    turned->op = op;
+    turned->capacity = turned->count + 2;
+    op[turned->count++] = (struct op){.kind = OP_NUMBER, .number = 2 * PI};
+    op[turned->count++] = (struct op){.kind = turns > 0 ? OP_MUL : OP_DIV};
+    *right = turned;
+    return true;
+}
