@@ -146,9 +146,34 @@ struct motion {
  * only if it is true. */
 bool motion_init(struct motion *motion, const struct series *series, struct arena *arena,
                  const struct cancel *cancel);
-/* The same, refusing what does not oscillate with the reason. */
+/* Fits one damped sine to the whole series and looks no further where it does not fit. Returns
+ * false if out of memory or cancelled. */
+bool motion_one_sine(struct motion *motion, const struct series *series, struct arena *arena);
+/* The same as motion_init(). Returns false with an error if out of memory or cancelled. */
+bool motion_find(struct motion *motion, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel, struct error *error);
+/* Sets the error that says why it does not oscillate, or which part of it does. Returns false. */
+bool motion_refuse(const struct motion *motion, const struct series *series, struct error *error);
+/* The same as motion_find(), refusing what does not oscillate with the reason, and with the window
+ * of the part that does. */
 bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
                     const struct cancel *cancel, struct error *error);
+
+/* ---- swing.c ---- */
+
+/* The longest part of a series that one damped sine describes. */
+struct swing {
+    double window[2];  /* [s] times of its first and last sample */
+    double period;     /* [s] */
+    size_t from, to;   /* samples [from, to) */
+};
+
+/*
+ * Looks for a part that oscillates in a series that does not as a whole: a step or a knock comes
+ * before it, rest or a hand after it. Returns false if there is none, if it is the whole series, or
+ * if out of memory.
+ */
+bool find_swing(const struct series *series, struct swing *swing);
 
 /* ---- robust.c ---- */
 
@@ -177,6 +202,12 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
  */
 bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel);
 
+/* ---- correlation.c ---- */
+
+/* Returns the normalised correlation of a series with itself at all shifts [n], its straight line
+ * taken off; NULL if out of memory or cancelled. *grid [n]: what is left of it at equal times. */
+double *series_correlations(const struct series *series, struct arena *arena, double **grid);
+
 /* ---- spectrum.c ---- */
 
 /* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false
@@ -202,6 +233,7 @@ double variance_beside(const struct samples *x, const double *residual, double o
 
 struct mode_pair {
     double period[2], beat; /* [s] */
+    double left;            /* share of the power that both leave */
 };
 
 /* Whether it is two damped sines, and one alone is far from it. */

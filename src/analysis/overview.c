@@ -323,8 +323,9 @@ static bool look_closer(struct motion *m, const unsigned char *use, struct arena
     return fit_tracked(m, fmax(noise, m->quantum / sqrt(12.0)), arena);
 }
 
-bool motion_init(struct motion *m, const struct series *series, struct arena *arena,
-                 const struct cancel *cancel)
+/* Fits one damped sine to the whole series. *use [n] receives the mask from before the fit. */
+static bool fit_once(struct motion *m, const struct series *series, struct arena *arena,
+                     const struct cancel *cancel, unsigned char **use)
 {
     *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
     m->residual = arena_array(arena, series->n + 1, sizeof(double));
@@ -353,42 +354,68 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     }
     o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
     samples_flag_spikes(&m->samples, m->scratch);
-    unsigned char *use = arena_alloc(arena, m->samples.n + 1);
-    if (!use || cancelled(m->samples.cancel)) {
+    *use = arena_alloc(arena, m->samples.n + 1);
+    if (!*use || cancelled(m->samples.cancel)) {
         return false;
     }
-    memcpy(use, m->samples.use, m->samples.n);
+    memcpy(*use, m->samples.use, m->samples.n);
     bool memory;
     const double omega = peak_frequency(&m->samples, arena, &memory);
-    if (!memory || !fit_whole(m, omega, arena)) {
-        return false;
-    }
-    return o->oscillates || cancelled(m->samples.cancel) || look_closer(m, use, arena);
+    return memory && fit_whole(m, omega, arena);
 }
 
-bool motion_require(struct motion *m, const struct series *series, struct arena *arena,
-                    const struct cancel *cancel, struct error *error)
+bool motion_one_sine(struct motion *m, const struct series *series, struct arena *arena)
 {
-    bool memory = motion_init(m, series, arena, cancel);
+    unsigned char *use;
+    return fit_once(m, series, arena, NULL, &use);
+}
+
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel)
+{
+    unsigned char *use = NULL;
+    if (!fit_once(m, series, arena, cancel, &use)) {
+        return false;
+    }
+    return m->overview.oscillates || !use || cancelled(m->samples.cancel) ||
+           look_closer(m, use, arena);
+}
+
+bool motion_find(struct motion *m, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel, struct error *error)
+{
+    const bool memory = motion_init(m, series, arena, cancel);
     if (cancelled(m->samples.cancel)) {
         return error_set(error, ERROR_CANCELLED, "stopped");
     }
-    if (!memory) {
-        return error_memory(error);
-    }
+    return memory || error_memory(error);
+}
+
+bool motion_refuse(const struct motion *m, const struct series *series, struct error *error)
+{
     struct mode_pair pair;
-    if (!m->overview.oscillates && two_lines(&m->samples, &pair)) {
+    struct swing swing;
+    if (two_lines(&m->samples, &pair)) {
         error_set(error, ERROR_COMMAND,
                   "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
                   pair.period[0], pair.period[1]);
         return error_hint(error, "type: fit modes 2");
     }
-    if (!m->overview.oscillates) {
-        error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
-        return error_hint(error,
-                          "choose another window or column; at least two periods are needed");
+    if (find_swing(series, &swing)) {
+        error_set(error, ERROR_COMMAND,
+                  "only a part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
+                  swing.period, swing.window[0], swing.window[1]);
+        return error_hint(error, "add: window=%.9g..%.9g", swing.window[0], swing.window[1]);
     }
-    return true;
+    error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
+    return error_hint(error, "choose another window or column; at least two periods are needed");
+}
+
+bool motion_require(struct motion *m, const struct series *series, struct arena *arena,
+                    const struct cancel *cancel, struct error *error)
+{
+    return motion_find(m, series, arena, cancel, error) &&
+           (m->overview.oscillates || motion_refuse(m, series, error));
 }
 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview)

@@ -53,7 +53,10 @@ struct measured measured_at_pace(struct measured time, double pace);
 /*
  * Noisy samples: from the line through the phases of sines fitted window by window, each on its own
  * parabola. Others, and fewer than four windows: from the line through the up-crossing times
- * against their number. Refused with a reason where it does not oscillate.
+ * against their number. The period is tested against its multiples and parts by how much the series
+ * is like itself after them; where another one is right, or no sine describes it, from the times of
+ * whole cycles. A step or a knock beside the oscillation is left out, with a warning. Refused with
+ * a reason where it does not oscillate.
  */
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error);

@@ -194,3 +194,28 @@ bool series_correlation_period(const struct series *series, const struct period 
     *period = measured_at_pace(*period, series->pace);
     return true;
 }
+
+double *series_correlations(const struct series *series, struct arena *arena, double **grid)
+{
+    const size_t n = series->n;
+    struct blocks b = {.count = 1, .length = n, .cancel = series->cancel};
+    double *out = arena_array(arena, n, sizeof *out), moment = 0, square = 0;
+    b.y = arena_array(arena, n, sizeof *b.y);
+    if (!out || !b.y)
+        return NULL;
+    const double dt = (series->t[n - 1] - series->t[0]) / (double)(n - 1),
+                 mean = fill_grid(series, series->t[0], dt, n, b.y) / (double)n,
+                 middle = 0.5 * (double)(n - 1);
+    for (size_t i = 0; i < n; i++) {
+        moment += ((double)i - middle) * (b.y[i] - mean);
+        square += ((double)i - middle) * ((double)i - middle);
+    }
+    for (size_t i = 0; i < n; i++)
+        b.y[i] -= mean + moment / square * ((double)i - middle);
+    if (!tabulate(&b, arena))
+        return NULL;
+    *grid = b.y;
+    for (size_t i = 0; i < n; i++)
+        out[i] = tabulated(&b, i);
+    return out;
+}

@@ -126,7 +126,18 @@ static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
                  m->samples.n, flat);
 }
 
-static bool refuse_laws(const struct motion *m, struct fit *fit, struct error *error)
+/* Names the window that one damped sine describes, where there is one. Returns false. */
+static bool hint_swing(const struct series *series, struct error *error)
+{
+    struct swing swing;
+    if (find_swing(series, &swing))
+        return error_hint(error, "one damped sine follows a part of it: add window=%.9g..%.9g",
+                          swing.window[0], swing.window[1]);
+    return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+}
+
+static bool refuse_laws(const struct motion *m, const struct series *series, struct fit *fit,
+                        struct error *error)
 {
     char without[LEFT_OUT_SIZE];
     fit->converged = false;
@@ -134,7 +145,7 @@ static bool refuse_laws(const struct motion *m, struct fit *fit, struct error *e
     error_set(error, ERROR_NUMERICAL,
               "it oscillates, every %.4g s on average, but no law of damping follows it%s",
               m->overview.period, without);
-    return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+    return hint_swing(series, error);
 }
 
 /* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force.
@@ -180,11 +191,10 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
                   "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
                   m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
         struct mode_pair pair;
-        return two_lines(&m.samples, &pair)
-                   ? error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
-                                pair.period[0], pair.period[1])
-                   : error_hint(error,
-                                "fit a shorter window; 'measure period' follows what changes");
+        if (two_lines(&m.samples, &pair))
+            return error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
+                              pair.period[0], pair.period[1]);
+        return hint_swing(series, error);
     }
     const bool determined =
         isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
@@ -214,7 +224,7 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
             return false;
         }
         if (drag && fit_discards_much(m.rejected, m.samples.n))
-            return refuse_laws(&m, fit, error);
+            return refuse_laws(&m, series, fit, error);
     }
     if (m.samples.pace > 0) {
         fit->period = measured_at_pace(fit->period, m.samples.pace);

@@ -428,7 +428,15 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     const double one = mode[MODE_OMEGA] / TWO_PI,
                  other = mode[MODE_PARAMETERS + MODE_OMEGA] / TWO_PI;
     const double slow = fmin(one, other), fast = fmax(one, other);
-    *pair = (struct mode_pair){{1 / slow, 1 / fast}, 1 / (fast - slow)};
+    double sum = 0, square = 0, used = 0;
+    for (size_t i = 0; i < x->n; i++) {
+        const double y = x->use[i] ? x->y[i] - x->y[0] : 0;
+        sum += y;
+        square += y * y;
+        used += x->use[i];
+    }
+    *pair = (struct mode_pair){
+        {1 / slow, 1 / fast}, 1 / (fast - slow), start[2].rss / (square - sum * sum / used)};
     return fast - slow > RESOLVED * width && slow > RESOLVED * width &&
            !overtone(slow, fast, width);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The period of a series: from the phases of sines window by window, from one damped sine, or from
  * its crossings. */
+#include "analysis/period/cycle.h"
 #include "analysis/period/track.h"
 
 #include <math.h>
@@ -13,106 +14,15 @@ enum { LONG_RECORD = 32768, NOISE_SAMPLES = 4096 };
 #define CHANCE 3.0     /* standard deviations of an amplitude */
 #define POOR 2.0       /* what a damped sine leaves, over the noise, */
 #define CORRELATED 0.5 /* and hangs together */
-
-/*
- * Where the counting of periods starts: the phase that the first crossings agree on, so that a
- * spike that comes first does not shift the rest. Only a few are asked: over many periods a small
- * error of the guess would turn them against each other.
- */
-static double counting_origin(const struct crossing *up, size_t count, double guess)
-{
-    double c = 0, s = 0;
-    for (size_t i = 0; i < count && i < 15; i++) {
-        const double angle = 2 * M_PI * (up[i].t - up[0].t) / guess;
-        c += cos(angle);
-        s += sin(angle);
-    }
-    return up[0].t + guess * atan2(s, c) / (2 * M_PI);
-}
-
-#define FAR_OFF 0.1 /* of a period */
-
-/* Weighted line t = start + n T through the up-crossings; those far off it (five robust sigma) are
- * dropped once. */
-static bool fit_period(const struct crossing *up, size_t count, double guess, double *scratch,
-                       bool exact, struct period *out)
-{
-    const double origin = counting_origin(up, count, guess);
-    for (size_t i = 0; i < count; i++) {
-        scratch[i] = up[i].t - guess * nearbyint((up[i].t - origin) / guess);
-    }
-    /* Before any line: a spike's crossing can look very certain, so what is far from the crossings'
-     * median phase stays out at once. */
-    double limit = FAR_OFF * guess, slope = guess, start = quantile(scratch, count, 0.5);
-    for (int pass = 0; pass < 2; pass++) {
-        double w = 0, wn = 0, wt = 0, wnn = 0, wnt = 0, chi2 = 0;
-        size_t used = 0;
-        out->first = HUGE_VAL;
-        out->last = -HUGE_VAL;
-        for (size_t i = 0; i < count; i++) {
-            double n = nearbyint((up[i].t - origin) / guess), t = up[i].t - up[0].t;
-            double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess)),
-                   weight = 1 / (sigma * sigma);
-            if (fabs(up[i].t - start - n * slope) > limit) {
-                continue;
-            }
-            w += weight;
-            wn += weight * n;
-            wt += weight * t;
-            wnn += weight * n * n;
-            wnt += weight * n * t;
-            out->first = fmin(out->first, up[i].t);
-            out->last = fmax(out->last, up[i].t);
-            used++;
-        }
-        double det = w * wnn - wn * wn;
-        if (used < 2 || !(det > 0)) {
-            return false;
-        }
-        slope = (w * wnt - wn * wt) / det;
-        start = up[0].t + (wt - slope * wn) / w;
-        for (size_t i = 0; i < count; i++) {
-            double n = nearbyint((up[i].t - origin) / guess), r = up[i].t - start - n * slope;
-            double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess));
-            chi2 += fabs(r) <= limit ? r * r / (sigma * sigma) : 0;
-            scratch[i] = fabs(r);
-        }
-        /* Scatter about the line says more than the single uncertainties where it is larger, or
-         * where these are only rounding. */
-        double spread = used > 2 ? chi2 / (double)(used - 2) : 1,
-               widen = exact && used > 3 ? spread : fmax(spread, 1);
-        out->period = (struct measured){slope, sqrt(widen * w / det)};
-        limit = fmax(5 * MAD_TO_SIGMA * quantile(scratch, count, 0.5), 1e-12 * guess);
-    }
-    out->periods = nearbyint((out->last - out->first) / slope);
-    return true;
-}
-
-/* From the line through the up-crossings of the mean. False: no memory, or there are too few, which
- * `error` says. */
-static bool crossing_period(const struct series *series, const struct overview *o,
-                            struct arena *arena, struct period *period, struct error *error)
-{
-    size_t capacity = 2 * (size_t)o->periods + 16, up = 0;
-    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
-    double *scratch = arena_array(arena, capacity, sizeof *scratch);
-    if (!crossing || !scratch) {
-        return error_memory(error);
-    }
-    size_t count = series_crossings(series, o, o->mean, crossing, capacity);
-    for (size_t i = 0; i < count && i < capacity; i++) {
-        if (crossing[i].up) {
-            crossing[up++] = crossing[i];
-        }
-    }
-    *period = (struct period){.level = o->mean, .how = "up-crossings"};
-    if (up < 2 || !fit_period(crossing, up, o->period, scratch, overview_is_exact(o), period)) {
-        error_set(error, ERROR_COMMAND,
-                  "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
-        return error_hint(error, "fit finds the period of such a signal");
-    }
-    return true;
-}
+#define SHARP 1e-6     /* of the period: nothing better is looked for */
+/* relative difference of readings of one period */
+#define SAME_PERIOD 0.05
+/* what is followed window by window and a damped sine in a part of it differ by more only if one of
+ * them is wrong: the sine is what leaves nothing but noise */
+#define OTHER_PERIOD_LOG 0.2
+/* of two periods that are so near, the sum waxes and wanes */
+#define BEATS_RATIO_LOG 0.4
+#define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
 
 /* Of one damped sine, where there are too few windows for a line through their phases. */
 static bool whole_period(const struct motion *m, struct period *period)
@@ -188,17 +98,20 @@ static void warn_beats(const struct samples *samples, const struct track *track,
     }
 }
 
-/* What one damped sine leaves is more than noise: the interval is wide, and rests on a model that
- * is not true. */
+/* Returns true if one damped sine leaves more than noise: then the interval is wide, and rests on a
+ * model that is not true. */
+static bool is_poor(const struct motion *m)
+{
+    return harmonic_sigma(&m->harmonic, FREE_GAMMA) > POOR * m->overview.noise &&
+           m->autocorrelation > CORRELATED;
+}
+
 static void warn_poor(const struct motion *m, struct period *period)
 {
-    const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
-    if (left > POOR * m->overview.noise && m->autocorrelation > CORRELATED &&
-        !warn_lines(&m->samples, period)) {
+    if (!warn_lines(&m->samples, period))
         snprintf(period->warning, sizeof period->warning,
                  "one damped sine does not describe it: what it leaves is %.2g times the noise",
-                 left / m->overview.noise);
-    }
+                 harmonic_sigma(&m->harmonic, FREE_GAMMA) / m->overview.noise);
 }
 
 /* Noisy samples, window by window. False: too few windows, or no memory. */
@@ -224,24 +137,19 @@ static bool phase_period(struct motion *m, struct arena *arena, struct period *p
     return false;
 }
 
-/* Where a damped sine describes the series, or sines do window by window. */
+/* Reads the period where a damped sine describes the series, or sines do window by window. */
 static bool sine_period(const struct series *series, struct motion *m, struct arena *arena,
-                        struct period *period, struct error *error)
+                        struct period *period)
 {
-    const bool exact = overview_is_exact(&m->overview);
-    if (!exact && phase_period(m, arena, period)) {
-        return true;
-    }
-    if (!exact && whole_period(m, period)) {
-        warn_poor(m, period);
-        return true;
-    }
-    return crossing_period(series, &m->overview, arena, period, error);
+    struct error ignored;
+    if (overview_is_exact(&m->overview))
+        return crossing_period(series, &m->overview, arena, period, &ignored);
+    return phase_period(m, arena, period) || (!is_poor(m) && whole_period(m, period));
 }
 
 /* Of many samples, in a few passes. False: no memory, or the slower way has to judge. */
 static bool long_period(const struct series *series, struct arena *arena, struct period *period,
-                        double *pace)
+                        double *pace, bool *is_exact)
 {
     struct samples x;
     struct track track;
@@ -266,72 +174,13 @@ static bool long_period(const struct series *series, struct arena *arena, struct
     o.periods = (x.t[x.n - 1] - x.t[0]) / o.period;
     struct period exact;
     struct error ignored;
-    if (overview_is_exact(&o) && crossing_period(series, &o, arena, &exact, &ignored)) {
+    *is_exact = overview_is_exact(&o);
+    if (*is_exact && crossing_period(series, &o, arena, &exact, &ignored)) {
         *period = exact;
     } else {
         warn_beats(&x, &track, arena, period);
     }
     return true;
-}
-
-#define WAVES 512    /* crossings that are asked for */
-#define REGULAR 0.01 /* how far the times between crossings are off their median */
-/* the same of samples that may be noisy: crossings of noise are never so regular */
-#define CLOCKWORK 1e-4
-
-/* It crosses the level (NAN: the middle between its extremes) upwards at regular times, three times
- * at least. */
-static bool regular_period(const struct series *series, double level, double regular,
-                           size_t capacity, struct arena *arena, struct period *period)
-{
-    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
-    double *scratch = arena_array(arena, capacity, sizeof *scratch);
-    struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
-    size_t up = 0;
-    for (size_t i = 0; i < series->n; i++) {
-        o.low = series->y[i] < o.low ? series->y[i] : o.low;
-        o.high = series->y[i] > o.high ? series->y[i] : o.high;
-    }
-    o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
-    const size_t count =
-        crossing && scratch ? series_crossings(series, &o, o.mean, crossing, capacity) : 0;
-    for (size_t i = 0; i < count && i < capacity; i++) {
-        if (crossing[i].up) {
-            crossing[up++] = crossing[i];
-        }
-    }
-    if (up < 3) {
-        return false;
-    }
-    for (size_t i = 1; i < up; i++) {
-        scratch[i - 1] = crossing[i].t - crossing[i - 1].t;
-    }
-    const double beat = quantile(scratch, up - 1, 0.5);
-    for (size_t i = 1; i < up; i++) {
-        if (!(fabs(crossing[i].t - crossing[i - 1].t - beat) <= regular * beat)) {
-            return false;
-        }
-    }
-    *period = (struct period){.level = o.mean, .how = "up-crossings"};
-    return fit_period(crossing, up, beat, scratch, true, period);
-}
-
-/* A wave of any shape, as pulses and relaxation oscillations have it. */
-static bool wave_period(const struct series *series, bool exact, struct arena *arena,
-                        struct period *period)
-{
-    return regular_period(series, NAN, exact ? REGULAR : CLOCKWORK, WAVES, arena, period);
-}
-
-#define SHARP 1e-6 /* of the period: nothing better is looked for */
-#define SMOOTH 20  /* samples a period from which on a quintic places crossings to rounding */
-
-bool series_clean_period(const struct series *series, double centre, struct arena *arena,
-                         struct period *period)
-{
-    return regular_period(series, centre, REGULAR, series->n / 2 + 1, arena, period) &&
-           period->period.value * (double)(series->n - 1) >=
-               SMOOTH * (series->t[series->n - 1] - series->t[0]);
 }
 
 struct measured measured_at_pace(struct measured time, double pace)
@@ -341,26 +190,108 @@ struct measured measured_at_pace(struct measured time, double pace)
     return time;
 }
 
+/* Reads the period of the part of a series that swings. */
+static bool swing_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct swing swing;
+    struct motion m;
+    if (!find_swing(series, &swing))
+        return false;
+    const struct series part = series_window(*series, swing.window[0], swing.window[1]);
+    if (!motion_init(&m, &part, arena, NULL) || !m.overview.oscillates ||
+        !(sine_period(&part, &m, arena, period) || whole_period(&m, period)))
+        return false;
+    snprintf(period->warning, sizeof period->warning,
+             "only a part of it is an oscillation: T is that from t = %.6g to %.6g s",
+             swing.window[0], swing.window[1]);
+    return true;
+}
+
+static bool is_same(const struct period *period, double value)
+{
+    return fabs(period->period.value / value - 1) < SAME_PERIOD;
+}
+
+/* Tests the period of a sine against its multiples and parts, and takes that at which the series
+ * repeats. */
+static void take_multiple(const struct series *series, bool exact, const struct lags *lags,
+                          struct arena *arena, struct period *period)
+{
+    struct period other;
+    const double multiple = lags_multiple(lags, period->period.value),
+                 guess = multiple * period->period.value;
+    if (multiple == 1) {
+        /* A wave that is no sine is placed better by its crossings than by phases of sines. */
+        if (period->period.uncertainty > SHARP * period->period.value &&
+            wave_period(series, exact, arena, &other) && is_same(&other, guess) &&
+            other.period.uncertainty < period->period.uncertainty / 10)
+            *period = other;
+        return;
+    }
+    if ((wave_period(series, exact, arena, &other) && is_same(&other, guess)) ||
+        cycle_period(series, guess, arena, &other) ||
+        (swing_period(series, arena, &other) && is_same(&other, guess))) {
+        *period = other;
+        return;
+    }
+    snprintf(period->warning, sizeof period->warning,
+             "it is more like itself after %.4g s, %.3g of these periods: this may be a harmonic",
+             guess, multiple);
+}
+
+/* Reads the period of what no sine describes. */
+static bool other_period(const struct series *series, struct motion *m, const struct lags *lags,
+                         struct arena *arena, struct period *period, struct error *error)
+{
+    struct mode_pair pair;
+    const bool exact = overview_is_exact(&m->overview);
+    const double guess = lags->correlation ? lags_period(lags) : NAN,
+                 multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
+    const bool beats = two_lines(&m->samples, &pair) && pair.left < BEATS_LEAVE &&
+                       fabs(log(pair.period[0] / pair.period[1])) < BEATS_RATIO_LOG;
+    if (wave_period(series, exact, arena, period) ||
+        (!beats && (swing_period(series, arena, period) ||
+                    (isfinite(guess) && cycle_period(series, multiple * guess, arena, period)))))
+        return true;
+    if (!m->overview.oscillates)
+        return motion_refuse(m, series, error);
+    if (!exact && whole_period(m, period)) {
+        warn_poor(m, period);
+        return true;
+    }
+    if (!crossing_period(series, &m->overview, arena, period, error))
+        return false;
+    snprintf(period->warning, sizeof period->warning,
+             "neither a damped sine nor its cycles describe it: T is that of its crossings alone");
+    return true;
+}
+
 /* *pace: relative standard uncertainty that all times have in common. */
 static bool find_period(const struct series *series, struct arena *arena, struct period *period,
                         double *pace, struct error *error)
 {
-    if (series->n > LONG_RECORD && long_period(series, arena, period, pace)) {
-        return true;
-    }
     struct motion m;
-    struct period wave;
-    const bool found = motion_require(&m, series, arena, NULL, error),
-               exact = overview_is_exact(&m.overview);
-    *pace = m.samples.pace;
-    if (!found || !sine_period(series, &m, arena, period, error))
-        return wave_period(series, exact, arena, period);
-    /* What repeats itself without noise, but is no sine, is placed better by its crossings than by
-     * phases of sines. */
-    if (period->period.uncertainty > SHARP * period->period.value &&
-        wave_period(series, exact, arena, &wave) &&
-        wave.period.uncertainty < period->period.uncertainty / 10)
-        *period = wave;
+    struct lags lags;
+    bool exact = false, follows = false;
+    bool found = series->n > LONG_RECORD && long_period(series, arena, period, pace, &exact);
+    if (!found) {
+        if (!motion_find(&m, series, arena, NULL, error))
+            return false;
+        exact = overview_is_exact(&m.overview);
+        *pace = m.samples.pace;
+        found = m.overview.oscillates && sine_period(series, &m, arena, period);
+        follows = m.tracked;
+    }
+    const bool has_lags = lags_init(series, arena, &lags);
+    if (!found)
+        return other_period(series, &m, &lags, arena, period, error);
+    struct period part;
+    const bool supported = has_lags && lags_support(&lags, period->period.value);
+    if (follows && !exact && !supported && swing_period(series, arena, &part) &&
+        fabs(log(part.period.value / period->period.value)) > OTHER_PERIOD_LOG)
+        *period = part;
+    else if (has_lags)
+        take_multiple(series, exact, &lags, arena, period);
     return true;
 }
 

@@ -470,8 +470,9 @@ COMMAND(
         "Acts on the position (or first value) of the most recent run or recording unless told; "
         "'period of "
         "NAME' on another column of a\n"
-        "run. The period comes from line fits at the up-crossings and is given with its standard "
-        "uncertainty. "
+        "run. The period comes from phases, crossings or whole cycles and is given with its standard "
+        "uncertainty; it is tested against its multiples and parts, so that a harmonic is not taken "
+        "for it. "
         "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
         "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every "
         "recording whose "
@@ -484,7 +485,7 @@ COMMAND(
         "amplitude, decay, k) with what each states, and says what to quote.\n"
         "Records (--format json, csv) of a period also have how, the way it was found: "
         "'up-crossings', "
-        "'phases' or 'one damped sine'; and of a recording autocorrelation, the period by that "
+        "'phases', 'cycles' or 'one damped sine'; and of a recording autocorrelation, the period by that "
         "alone.",
     .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure "
                 "repeat bare disk",

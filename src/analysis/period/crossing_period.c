@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The period from crossings of a level: the line through their times against their number. */
+#include "analysis/period/cycle.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
+
+/* Relative: how far the times between crossings of a wave without noise may differ, */
+static const double regular_exact = 0.01;
+/* and those of samples that may be noisy: crossings of noise are never so regular. */
+static const double regular_noisy = 1e-4;
+/* Samples a period from which on a quintic places crossings to rounding. */
+static const double smooth_samples = 20;
+
+/*
+ * Where the counting of periods starts: the phase that the first crossings agree on, so that a
+ * spike that comes first does not shift the rest. Only a few are asked: over many periods a small
+ * error of the guess would turn them against each other.
+ */
+static double counting_origin(const struct crossing *up, size_t count, double guess)
+{
+    double c = 0, s = 0;
+    for (size_t i = 0; i < count && i < 15; i++) {
+        const double angle = 2 * M_PI * (up[i].t - up[0].t) / guess;
+        c += cos(angle);
+        s += sin(angle);
+    }
+    return up[0].t + guess * atan2(s, c) / (2 * M_PI);
+}
+
+#define FAR_OFF 0.1 /* of a period */
+
+/* Weighted line t = start + n T through the up-crossings; those far off it (five robust sigma) are
+ * dropped once. */
+bool fit_beat(const struct crossing *up, size_t count, double guess, double *scratch, bool exact,
+              struct period *out, size_t *used)
+{
+    const double origin = counting_origin(up, count, guess);
+    for (size_t i = 0; i < count; i++) {
+        scratch[i] = up[i].t - guess * nearbyint((up[i].t - origin) / guess);
+    }
+    /* Before any line: a spike's crossing can look very certain, so what is far from the crossings'
+     * median phase stays out at once. */
+    double limit = FAR_OFF * guess, slope = guess, start = quantile(scratch, count, 0.5);
+    for (int pass = 0; pass < 2; pass++) {
+        double w = 0, wn = 0, wt = 0, wnn = 0, wnt = 0, chi2 = 0;
+        *used = 0;
+        out->first = HUGE_VAL;
+        out->last = -HUGE_VAL;
+        for (size_t i = 0; i < count; i++) {
+            double n = nearbyint((up[i].t - origin) / guess), t = up[i].t - up[0].t;
+            double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess)),
+                   weight = 1 / (sigma * sigma);
+            if (fabs(up[i].t - start - n * slope) > limit) {
+                continue;
+            }
+            w += weight;
+            wn += weight * n;
+            wt += weight * t;
+            wnn += weight * n * n;
+            wnt += weight * n * t;
+            out->first = fmin(out->first, up[i].t);
+            out->last = fmax(out->last, up[i].t);
+            (*used)++;
+        }
+        double det = w * wnn - wn * wn;
+        if (*used < 2 || !(det > 0)) {
+            return false;
+        }
+        slope = (w * wnt - wn * wt) / det;
+        start = up[0].t + (wt - slope * wn) / w;
+        for (size_t i = 0; i < count; i++) {
+            double n = nearbyint((up[i].t - origin) / guess), r = up[i].t - start - n * slope;
+            double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess));
+            chi2 += fabs(r) <= limit ? r * r / (sigma * sigma) : 0;
+            scratch[i] = fabs(r);
+        }
+        /* Scatter about the line says more than the single uncertainties where it is larger, or
+         * where these are only rounding. */
+        double spread = *used > 2 ? chi2 / (double)(*used - 2) : 1,
+               widen = exact && *used > 3 ? spread : fmax(spread, 1);
+        out->period = (struct measured){slope, sqrt(widen * w / det)};
+        limit = fmax(5 * MAD_TO_SIGMA * quantile(scratch, count, 0.5), 1e-12 * guess);
+    }
+    out->periods = nearbyint((out->last - out->first) / slope);
+    return true;
+}
+
+/* Finds the up-crossings of a level, the first `capacity` of them. Returns how many. */
+static size_t up_crossings(const struct series *series, const struct overview *o, double level,
+                           struct crossing *crossing, size_t capacity)
+{
+    const size_t count = series_crossings(series, o, level, crossing, capacity);
+    size_t up = 0;
+    for (size_t i = 0; i < count && i < capacity; i++)
+        if (crossing[i].up)
+            crossing[up++] = crossing[i];
+    return up;
+}
+
+bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
+                     struct period *period, struct error *error)
+{
+    size_t capacity = 2 * (size_t)o->periods + 16, used;
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
+    double *scratch = arena_array(arena, capacity, sizeof *scratch);
+    if (!crossing || !scratch)
+        return error_memory(error);
+    const size_t up = up_crossings(series, o, o->mean, crossing, capacity);
+    *period = (struct period){.level = o->mean, .how = "up-crossings"};
+    if (up >= 2 && fit_beat(crossing, up, o->period, scratch, overview_is_exact(o), period, &used))
+        return true;
+    error_set(error, ERROR_COMMAND,
+              "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
+    return error_hint(error, "fit finds the period of such a signal");
+}
+
+/* Returns true if the times between crossings repeat after `pattern` of them. */
+static bool repeats_after(const struct crossing *up, size_t count, size_t pattern, double regular)
+{
+    if (count < 2 * pattern + 1)
+        return false;
+    for (size_t i = 1; i + pattern < count; i++) {
+        const double cycle = up[i + pattern].t - up[i].t,
+                     change = cycle - (up[i - 1 + pattern].t - up[i - 1].t);
+        if (!(fabs(change) <= regular * cycle))
+            return false;
+    }
+    return true;
+}
+
+/* Returns after how many crossings their times repeat, 0 if after none. */
+static size_t crossing_pattern(const struct crossing *up, size_t count, double regular)
+{
+    /* noise crosses, too, and some pattern of many repeats by chance */
+    const size_t most = regular == regular_noisy ? 1 : PATTERN_MAX;
+    for (size_t pattern = 1; pattern <= most; pattern++)
+        if (repeats_after(up, count, pattern, regular))
+            return pattern;
+    return 0;
+}
+
+/*
+ * Reads the period from the up-crossings of a level (NAN: the middle between the extremes) whose
+ * times repeat, from the first crossing on or, if it may settle, from a later one.
+ */
+static bool regular_period(const struct series *series, double level, double regular,
+                           bool may_settle, size_t capacity, struct arena *arena,
+                           struct period *period)
+{
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
+    double *scratch = arena_array(arena, capacity, sizeof *scratch);
+    struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    size_t first = 0, used;
+    for (size_t i = 0; i < series->n; i++) {
+        o.low = series->y[i] < o.low ? series->y[i] : o.low;
+        o.high = series->y[i] > o.high ? series->y[i] : o.high;
+    }
+    o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
+    const size_t up =
+        crossing && scratch ? up_crossings(series, &o, o.mean, crossing, capacity) : 0;
+    size_t pattern = crossing_pattern(crossing, up, regular);
+    while (may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
+        first++;
+        pattern = crossing_pattern(crossing + first, up - first, regular);
+        pattern = up - first > 2 * pattern + SETTLED_MIN ? pattern : 0;
+    }
+    if (pattern == 0)
+        return false;
+    size_t cycles = 0;
+    for (size_t i = first; i < up; i += pattern)
+        crossing[cycles++] = crossing[i];
+    for (size_t i = 1; i < cycles; i++)
+        scratch[i - 1] = crossing[i].t - crossing[i - 1].t;
+    const double cycle = quantile(scratch, cycles - 1, 0.5);
+    *period = (struct period){.level = o.mean, .how = "up-crossings"};
+    if (!fit_beat(crossing, cycles, cycle, scratch, true, period, &used))
+        return false;
+    if (first > 0)
+        snprintf(period->warning, sizeof period->warning,
+                 "the period settles: it is read from t = %.6g s on, where it repeats to 1 %%",
+                 crossing[0].t);
+    return true;
+}
+
+bool wave_period(const struct series *series, bool exact, struct arena *arena,
+                 struct period *period)
+{
+    return regular_period(series, NAN, exact ? regular_exact : regular_noisy, exact, WAVE_CROSSINGS,
+                          arena, period);
+}
+
+bool series_clean_period(const struct series *series, double centre, struct arena *arena,
+                         struct period *period)
+{
+    return regular_period(series, centre, regular_exact, false, series->n / 2 + 1, arena, period) &&
+           period->period.value * (double)(series->n - 1) >=
+               smooth_samples * (series->t[series->n - 1] - series->t[0]);
+}

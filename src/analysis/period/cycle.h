@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The period of a wave of any shape in two stages: the shift at which the series is most like
+ * itself, tested against its multiples and parts, and then the times of its cycles.
+ */
+#ifndef HOOKE_ANALYSIS_PERIOD_CYCLE_H
+#define HOOKE_ANALYSIS_PERIOD_CYCLE_H
+
+#include "analysis/internal.h"
+
+/* ---- crossing_period.c ---- */
+
+/* Returns false with the reason if there are fewer than two up-crossings of the mean. */
+bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
+                     struct period *period, struct error *error);
+
+/*
+ * Fits the weighted line t = start + n T through times that are about `guess` apart; those far off
+ * it are left out. scratch [count]. exact: the uncertainties of the times are rounding only. Sets
+ * *used to the number of times on the line. Returns false if fewer than two are.
+ */
+bool fit_beat(const struct crossing *time, size_t count, double guess, double *scratch, bool exact,
+              struct period *period, size_t *used);
+
+/*
+ * Reads the period of a wave of any shape that has no noise: the pattern of its up-crossings of the
+ * middle between its extremes repeats. exact: to 1 %, else to 1e-4, as noise never does. Where it
+ * settles only in the course of the series, the period is that of the end, with a warning. Returns
+ * false if nothing repeats or if out of memory.
+ */
+bool wave_period(const struct series *series, bool exact, struct arena *arena,
+                 struct period *period);
+
+/* ---- cycle.c ---- */
+
+struct lags {
+    double *correlation; /* [n] of the series with itself, by shift */
+    double *y;           /* [n] its values at equal times, a straight line taken off */
+    size_t n;
+    double dt; /* [s] */
+};
+
+/* Tabulates the correlation at all shifts. Returns false if out of memory. */
+bool lags_init(const struct series *series, struct arena *arena, struct lags *lags);
+
+/* Returns the shortest shift at which the series is as much like itself as at any, up to half its
+ * length [s]; NAN if it is like itself at none. */
+double lags_period(const struct lags *lags);
+
+/* Returns true if the series is much like itself after a period, more than a little earlier. */
+bool lags_support(const struct lags *lags, double period);
+
+/* Returns the whole number of periods, or one over such a number, after which the series is clearly
+ * more like itself than after one, or as much; 1 if it is the period itself. */
+double lags_multiple(const struct lags *lags, double period);
+
+/*
+ * Reads the period from the times of whole cycles of about `guess` [s], each placed against the
+ * mean of all. Returns false if the cycles are not alike, or too few, or if out of memory.
+ */
+bool cycle_period(const struct series *series, double guess, struct arena *arena,
+                  struct period *period);
+
+#endif

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The period of what is no single damped sine: waves of any shape, step responses, swings with a
+ * knock before or a hand after them. The truth is a closed form, or crossings by another
+ * integration.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include "long_form.h"
+#include "unit/detect_recordings.h"
+
+#include <gsl/gsl_sf_ellint.h>
+#include <gsl/gsl_sf_elljac.h>
+
+static int cases(int quick)
+{
+    return is_long() ? 10 * quick : quick;
+}
+
+struct tally {
+    int wrong, silent, refused, all;
+};
+
+/* Reads the period and counts it as wrong where it is off by more than `tolerance`, silent where
+ * nothing is said about that. */
+static void count_period(struct drawn *d, double tolerance, const char *name, struct tally *tally)
+{
+    const struct series series = {.t = d->t, .y = d->y, .n = d->n, .quantity = QUANTITY_LENGTH};
+    struct period p = {.period = {NAN, NAN}};
+    struct arena arena = {0};
+    struct error error = {0};
+    tally->all++;
+    if (!series_period(&series, &arena, &p, &error)) {
+        tally->refused++;
+        print_message("%s T %g (%g periods, %zu samples): %s\n", name, d->period,
+                      d->span / d->period, d->n, error.text);
+    } else if (!(fabs(p.period.value / d->period - 1) <= tolerance)) {
+        tally->wrong++;
+        tally->silent += !p.warning[0];
+        print_message("%s T %.8g read as %.8g +- %.2g (%g periods, %zu samples, %s) %s\n", name,
+                      d->period, p.period.value, p.period.uncertainty, d->span / d->period, d->n,
+                      p.how, p.warning);
+    }
+    arena_reset(&arena);
+    free(d->t);
+    free(d->y);
+}
+
+/* Nothing is wrong without a word, and hardly anything wrong or refused. */
+static void assert_tally(const char *name, const struct tally *t)
+{
+    print_message("%s: %d of %d wrong (%d silent), %d refused\n", name, t->wrong, t->all, t->silent,
+                  t->refused);
+    assert_int_equal(t->silent, 0);
+    assert_true(50 * (t->wrong + t->refused) <= t->all + 25);
+}
+
+/* ---- pendulums: theta = 2 asin(k sn(K - omega0 t, k)), T = 4 K(k)/omega0 ---- */
+
+static struct drawn pendulum(double amplitude, double periods, double samples, double sigma)
+{
+    const double omega0 = sqrt(9.81), k = sin(0.5 * amplitude),
+                 quarter = gsl_sf_ellint_Kcomp(k, GSL_PREC_DOUBLE), period = 4 * quarter / omega0;
+    struct drawn d = draw((size_t)(periods * samples), samples / period);
+    d.period = period;
+    for (size_t i = 0; i < d.n; i++) {
+        double sn, cn, dn;
+        gsl_sf_elljac_e(quarter - omega0 * d.t[i], k * k, &sn, &cn, &dn);
+        d.y[i] = 2 * asin(k * sn);
+    }
+    add_noise(&d, sigma);
+    return d;
+}
+
+static void pendulums_up_to_the_top(void **state)
+{
+    (void)state;
+    struct tally clean = {0}, noisy = {0};
+    random_state = 171;
+    for (int i = 0; i < cases(30); i++) {
+        const double degrees = i % 2 ? 180 - of_random_size(0.01, 20) : random_between(1, 179);
+        struct drawn d =
+            pendulum(degrees * PI / 180, random_between(3.2, 25), of_random_size(60, 1500), 0);
+        char name[40];
+        snprintf(name, sizeof name, "pendulum %.5g", degrees);
+        count_period(&d, 1e-5, name, &clean);
+        d = pendulum(degrees * PI / 180, random_between(3.2, 25), of_random_size(60, 500),
+                     of_random_size(1e-3, 0.05) * degrees * PI / 180);
+        count_period(&d, 0.01, name, &noisy);
+    }
+    assert_tally("pendulums", &clean);
+    assert_tally("noisy pendulums", &noisy);
+}
+
+/* ---- pulse trains and other shapes ---- */
+
+static double wave_shape(int shape, double phase, double sharp)
+{
+    const double x = phase - floor(phase);
+    switch (shape) {
+    case 0:
+        return exp(10 * sharp * (cos(2 * PI * x) - 1)); /* narrow pulses */
+    case 1:
+        return x; /* a sawtooth */
+    case 2:
+        return x < 0.2 + 0.3 * sharp / 6 ? 1 : 0; /* rectangles */
+    case 3:
+        return exp(-x * sharp); /* loaded at once, drained slowly */
+    case 4:
+        return fmax(sin(2 * PI * x), 0); /* half a wave */
+    case 5:
+        return tanh(sharp * sin(2 * PI * x)) + 0.3 * cos(2 * PI * x); /* relaxation */
+    case 6: /* two pulses a period, of different height */
+        return exp(10 * sharp * (cos(2 * PI * x) - 1)) +
+               0.7 * exp(10 * sharp * (cos(2 * PI * (x - 0.5)) - 1));
+    case 7: /* a strong third harmonic */
+        return 0.5 * cos(2 * PI * x) + cos(6 * PI * x) + 0.2 * sin(10 * PI * x);
+    default: /* pulse, undershoot, wave: a heart beat */
+        return exp(-0.5 * pow((x - 0.3) / 0.015, 2)) -
+               0.25 * exp(-0.5 * pow((x - 0.34) / 0.02, 2)) +
+               0.25 * exp(-0.5 * pow((x - 0.6) / 0.05, 2));
+    }
+}
+
+enum { SHAPES = 9 };
+
+static void waves_of_any_shape(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 172;
+    for (int i = 0; i < cases(63); i++) {
+        const double periods = random_between(4, 40),
+                     samples = of_random_size(i % SHAPES == 8 ? 60 : 30, 200),
+                     sharp = random_between(1, 6), phase = random_uniform(),
+                     sigma = i % 3 ? of_random_size(1e-3, 0.1) : 0;
+        struct drawn d = draw((size_t)(periods * samples), 50);
+        d.period = samples / 50;
+        for (size_t k = 0; k < d.n; k++)
+            d.y[k] = wave_shape(i % SHAPES, d.t[k] / d.period + phase, sharp);
+        add_noise(&d, sigma);
+        char name[60];
+        snprintf(name, sizeof name, "shape %d sharp %.3g noise %.2g", i % SHAPES, sharp, sigma);
+        count_period(&d, 0.005, name, &tally);
+    }
+    assert_tally("waves", &tally);
+}
+
+/* ---- a part that swings ---- */
+
+static struct drawn ring_down(double before, double swings, double after, double zeta,
+                              double samples, double level, double sigma)
+{
+    const size_t n = (size_t)((before + swings + after) * samples);
+    struct drawn d = draw(n, 50);
+    d.period = samples / 50;
+    const double omega = 2 * PI / d.period, start = before * d.period,
+                 end = (before + swings) * d.period, decay = zeta / sqrt(1 - zeta * zeta) * omega;
+    for (size_t i = 0; i < n; i++) {
+        const double s = d.t[i] - start;
+        if (d.t[i] < start)
+            d.y[i] = level;
+        else if (d.t[i] < end)
+            d.y[i] = exp(-decay * s) * (cos(omega * s) + decay / omega * sin(omega * s));
+    }
+    add_noise(&d, sigma);
+    return d;
+}
+
+static void step_responses(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 173;
+    for (int i = 0; i < cases(40); i++) {
+        const double zeta = of_random_size(0.02, 0.4), lasts = fmin(2.3 / (2 * PI * zeta), 20);
+        struct drawn d = ring_down(random_between(0.5, 15), fmax(3 * lasts, 3), 0, zeta,
+                                   of_random_size(25, 150), 1, of_random_size(2e-4, 0.02));
+        char name[60];
+        snprintf(name, sizeof name, "step zeta %.3g", zeta);
+        count_period(&d, 0.02, name, &tally);
+    }
+    assert_tally("steps", &tally);
+}
+
+static void knocks_and_hands(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 174;
+    for (int i = 0; i < cases(40); i++) {
+        const double before = random_between(1, 6), swings = random_between(5, 25),
+                     after = random_between(1, 5), loud = of_random_size(0.5, 5);
+        struct drawn d = ring_down(before, swings, after, of_random_size(0.002, 0.04),
+                                   of_random_size(25, 100), 0, of_random_size(2e-3, 0.02));
+        const double t0 = i % 2 ? 0 : (before + swings) * d.period,
+                     t1 = i % 2 ? before * d.period : HUGE_VAL;
+        double at = 0;
+        for (size_t k = 0; k < d.n; k++) /* a hand: smooth noise */
+            if (d.t[k] >= t0 && d.t[k] < t1) {
+                at += 0.1 * (random_normal() - at);
+                d.y[k] += 4 * loud * at;
+            }
+        char name[60];
+        snprintf(name, sizeof name, "%s %.3g", i % 2 ? "knock before" : "hand after", loud);
+        count_period(&d, 0.02, name, &tally);
+    }
+    assert_tally("knocks", &tally);
+}
+
+/* ---- coarse sensors ---- */
+
+static void coarse_sensors(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 175;
+    for (int i = 0; i < cases(20); i++) {
+        const double quantum = 3, amplitude = of_random_size(4, 40), sigma = random_between(0, 0.5),
+                     zeta = of_random_size(1e-4, 0.01), middle = random_between(200, 203);
+        struct drawn d = ring_down(0, random_between(8, 40), 0, zeta, of_random_size(20, 80), 0, 0);
+        for (size_t k = 0; k < d.n; k++)
+            d.y[k] = quantum *
+                     nearbyint((middle + amplitude * d.y[k] + sigma * random_normal()) / quantum);
+        char name[60];
+        snprintf(name, sizeof name, "3 mm, A %.3g noise %.2g zeta %.2g", amplitude, sigma, zeta);
+        count_period(&d, 0.02, name, &tally);
+    }
+    assert_tally("coarse", &tally);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pendulums_up_to_the_top), cmocka_unit_test(waves_of_any_shape),
+        cmocka_unit_test(step_responses), cmocka_unit_test(knocks_and_hands),
+        cmocka_unit_test(coarse_sensors)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
