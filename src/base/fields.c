@@ -139,6 +139,75 @@ bool fields_get(struct text in, const struct field *field, size_t count, void *o
     return all;
 }
 
+bool fields_get_known(struct text in, const struct field *field, size_t count, void *of)
+{
+    struct text value;
+    bool fine = true;
+    for (size_t i = 0; i < count; i++) {
+        if (!field_find(in, field[i].name, &value) || value.len != field[i].bytes)
+            continue;
+        if (can_be(&field[i], value))
+            memcpy((char *)of + field[i].offset, value.at, value.len);
+        else
+            fine = false;
+    }
+    return fine;
+}
+
+/* ---- arrays that are counted by names ---- */
+
+void field_put_names(struct buffer *to, const char *name, const struct catalog *catalog)
+{
+    const size_t begun = field_begin(to, name);
+    for (size_t i = 0; i < catalog->count; i++) {
+        buffer_put(to, text_of(catalog_row(catalog, i)->name));
+        buffer_char(to, '\0');
+    }
+    field_end(to, begun);
+}
+
+bool field_find_places(struct text names, const struct catalog *catalog,
+                       struct field_places *places)
+{
+    *places = (struct field_places){.rows = (int)catalog->count};
+    for (int i = 0; i < places->rows; i++)
+        places->at[i] = -1;
+    while (names.len > 0) {
+        const char *end = memchr(names.at, 0, names.len);
+        if (!end || places->count == LIMIT_PARAMETERS)
+            return false;
+        const struct text name = {names.at, (size_t)(end - names.at)};
+        int row = -1;
+        for (int i = 0; i < places->rows && row < 0; i++)
+            if (text_is(name, catalog_row(catalog, (size_t)i)->name))
+                row = i;
+        if (row >= 0)
+            places->at[row] = places->count;
+        places->row[places->count++] = row;
+        names = (struct text){end + 1, names.len - name.len - 1};
+    }
+    return true;
+}
+
+void field_same_places(const struct catalog *catalog, struct field_places *places)
+{
+    places->rows = places->count = (int)catalog->count;
+    for (int i = 0; i < places->rows; i++)
+        places->at[i] = places->row[i] = i;
+}
+
+bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,
+                      size_t item)
+{
+    struct text value;
+    if (!field_find(in, name, &value) || value.len != (size_t)places->count * item)
+        return false;
+    for (int i = 0; i < places->rows; i++)
+        if (places->at[i] >= 0)
+            memcpy((char *)to + (size_t)i * item, value.at + (size_t)places->at[i] * item, item);
+    return true;
+}
+
 /* ---- checksums ---- */
 
 /* Two odd constants with no pattern in their bits: the golden ratio's, and one of splitmix64

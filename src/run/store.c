@@ -158,19 +158,18 @@ static bool get_array(struct text in, const char *name, size_t bytes, void *arra
     return true;
 }
 
-static bool get_epoch(struct run *run, struct text in)
+static bool get_epoch(struct run *run, const struct field_places *places, struct text in)
 {
     struct epoch epoch = {0};
     struct scene scene = run->scene;
     struct error ignored;
-    struct text start, value;
+    struct text start;
+    memcpy(epoch.value, scene.value, sizeof epoch.value);
     if (!fields_get(in, epoch_fields, COUNT_OF(epoch_fields), &epoch) ||
         !field_find(in, "start", &start) || start.len > sizeof epoch.start ||
-        !field_find(in, "value", &value) || value.len > sizeof epoch.value)
+        !field_get_placed(in, "value", places, epoch.value, sizeof *epoch.value))
         return false;
     memcpy(epoch.start, start.at, start.len);
-    memcpy(epoch.value, scene.value, sizeof epoch.value);
-    memcpy(epoch.value, value.at, value.len);
     memcpy(scene.value, epoch.value, sizeof scene.value);
     struct scene same = scene; /* takes its values */
     for (size_t i = 0; i < scene_params(&scene)->count; i++)
@@ -179,7 +178,7 @@ static bool get_epoch(struct run *run, struct text in)
     return scene_bind(&scene, &epoch.system, &ignored) && run_push_epoch(run, &epoch);
 }
 
-static bool get_epochs(struct run *run, struct text in)
+static bool get_epochs(struct run *run, const struct field_places *places, struct text in)
 {
     struct run_private *p = run->private_state;
     struct text name, value;
@@ -187,7 +186,7 @@ static bool get_epochs(struct run *run, struct text in)
     p->epochs = 0;
     while (ok && field_next(&in, &name, &value))
         if (text_is(name, "epoch"))
-            ok = get_epoch(run, value);
+            ok = get_epoch(run, places, value);
     return ok && p->epochs > 0;
 }
 
@@ -295,7 +294,8 @@ static bool get_work(struct run *run, struct text in)
 }
 
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text in,
-                        const struct stored_rows *piece, size_t pieces, struct error *error)
+                        const struct field_places *places, const struct stored_rows *piece,
+                        size_t pieces, struct error *error)
 {
     struct run_settings settings;
     if (!run_settings_take(in, &settings)) {
@@ -303,8 +303,9 @@ struct run *run_restore(const struct scene *scene, const struct method *method, 
         return NULL;
     }
     struct run *run = run_create(scene, method, &settings, HUGE_VAL, error);
-    if (run && fields_get(in, run_fields, COUNT_OF(run_fields), run) && get_epochs(run, in) &&
-        get_private(run, in) && get_trace(run->trace, run->system.n, in) && run_is_sound(run) &&
+    if (run && fields_get(in, run_fields, COUNT_OF(run_fields), run) &&
+        get_epochs(run, places, in) && get_private(run, in) &&
+        get_trace(run->trace, run->system.n, in) && run_is_sound(run) &&
         get_rows(run, piece, pieces) && get_work(run, in))
         return run;
     run_destroy(run);

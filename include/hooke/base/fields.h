@@ -66,8 +66,33 @@ bool field_next(struct text *in, struct text *name, struct text *value);
 bool field_get(struct text in, const char *name, void *to, size_t bytes);
 /* All of them, each as it may be, or false. */
 bool fields_get(struct text in, const struct field *field, size_t count, void *of);
+/* Reads those that the file has in this length, each as it may be; others keep their values.
+ * Returns false if one that it has cannot be. */
+bool fields_get_known(struct text in, const struct field *field, size_t count, void *of);
 /* Whether each of what has been read is as it may be. */
 bool fields_sound(const struct field *field, size_t count, const void *of);
+
+/*
+ * Where the rows of a catalog stand in arrays of a file that has one item a row: a program whose
+ * catalog has grown, or has another order, finds its own by their names.
+ */
+struct field_places {
+    int rows, count;           /* of the catalog; of the items in the file */
+    int at[LIMIT_PARAMETERS];  /* [rows] -1: the file has none */
+    int row[LIMIT_PARAMETERS]; /* [count] of an item in the file; -1: there is no such row */
+};
+
+/* Writes the names that arrays are counted by, as a field of that name. */
+void field_put_names(struct buffer *to, const char *name, const struct catalog *catalog);
+/* Finds the rows among names that end with a NUL each. Returns false if these are damaged. */
+bool field_find_places(struct text names, const struct catalog *catalog,
+                       struct field_places *places);
+/* Finds each row where it is. */
+void field_same_places(const struct catalog *catalog, struct field_places *places);
+/* Copies the items that the file has to the rows [rows], others keep their values. Returns false,
+ * and copies nothing, if the array is missing or has another length. */
+bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,
+                      size_t item);
 
 /* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
  */

@@ -3,6 +3,7 @@
 #ifndef HOOKE_RUN_STORE_H
 #define HOOKE_RUN_STORE_H
 
+#include <hooke/base/fields.h>
 #include <hooke/run.h>
 
 struct stored_rows { /* consecutive rows, as run_store_rows() gives them */
@@ -23,9 +24,11 @@ bool run_settings_take(struct text fields, struct run_settings *settings);
 /*
  * The run again, bit for bit, and it goes on as it would have (an external solver, which keeps what
  * it knows to itself, begins anew there); nothing of it is computed. scene: as it was at the start;
- * piece [pieces]: all its rows, in order. NULL: not so, and why.
+ * places: of its parameters in the file; piece [pieces]: all its rows, in order. NULL: not so, and
+ * why.
  */
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
-                        const struct stored_rows *piece, size_t pieces, struct error *error);
+                        const struct field_places *places, const struct stored_rows *piece,
+                        size_t pieces, struct error *error);
 
 #endif

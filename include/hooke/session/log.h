@@ -156,6 +156,7 @@ void scene_kind_script(const struct scene *scene, struct buffer *text);
 
 #define RECORDING_FIELDS 5
 struct recording_field {
+    const char *name;
     size_t offset, bytes; /* in struct recording */
     /* Its command, where there is something to say; NULL: it needs the other recordings. */
     void (*save)(const struct recording *recording, struct buffer *text);

@@ -31,7 +31,9 @@
  *        what stands after the last one was being written when the program ended.
  *
  * Fields are those of hooke/base/fields.h: one that is missing, or has another size than this
- * program's, is left out, and what needs it is named.
+ * program's, is left out, and what needs it is named. Beside arrays that have an item a parameter
+ * stand the names of the parameters; beside elements that are structs, where each member is in
+ * them: a program that has more of either, or in another order, reads them.
  */
 #ifndef HOOKE_SESSION_STORE_H
 #define HOOKE_SESSION_STORE_H

@@ -144,7 +144,7 @@ static void save_mass(const struct recording *recording, struct buffer *text)
     buffer_char(text, '\n');
 }
 
-#define FIELD(name) offsetof(struct recording, name), sizeof((struct recording *)0)->name
+#define FIELD(name) #name, offsetof(struct recording, name), sizeof((struct recording *)0)->name
 const struct recording_field recording_fields[RECORDING_FIELDS] = {
     {FIELD(cleaned), save_cleaned}, {FIELD(window), save_window}, {FIELD(zero), save_zero},
     {FIELD(mass), save_mass},       {FIELD(velocity), NULL},

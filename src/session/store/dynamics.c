@@ -219,7 +219,8 @@ static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
     return ok;
 }
 
-static bool get_branch(struct dynamics *d, struct text in, uint64_t id, double *value)
+static bool get_branch(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id,
+                       double *value)
 {
     struct kept_branch *b = calloc(1, sizeof *b);
     struct text of, end[2];
@@ -236,6 +237,10 @@ static bool get_branch(struct dynamics *d, struct text in, uint64_t id, double *
               field_find(in, "end0", &end[0]) && field_find(in, "end1", &end[1]) &&
               end[0].len < sizeof b->branch.ends[0] && end[1].len < sizeof b->branch.ends[1] &&
               b->branch.count >= 0 && d->branches < LIMIT_BRANCHES;
+    for (int j = 0; j < 2 && ok; j++) {
+        const int at = b->param[j];
+        b->param[j] = at >= 0 && at < reader->places.count ? reader->places.row[at] : -1;
+    }
     b->branch.point = NULL;
     if (ok) {
         b->branch.point = get_array(in, "points", &b->branch.count, sizeof *b->branch.point);
@@ -256,15 +261,26 @@ static bool get_branch(struct dynamics *d, struct text in, uint64_t id, double *
     return true;
 }
 
-static bool get_one(struct dynamics *d, struct text in, uint64_t id)
+/* The values of the scene's parameters in the file; those that it has none of are the scene's. */
+static double *get_values(const struct reader *reader, const struct dynamics *d, struct text in)
+{
+    double *value = malloc(((size_t)d->params + 1) * sizeof *value);
+    if (value)
+        memcpy(value, reader->session->setup.scene.value, (size_t)d->params * sizeof *value);
+    if (value && field_get_placed(in, "value", &reader->places, value, sizeof *value))
+        return value;
+    free(value);
+    return NULL;
+}
+
+static bool get_one(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id)
 {
     struct text kind;
-    int params = d->params;
-    double *value = get_array(in, "value", &params, sizeof *value);
+    double *value = get_values(reader, d, in);
     const bool ok = value && field_find(in, "kind", &kind) &&
                     (text_is(kind, "equilibria") ? get_equilibria(d, in, id, value)
                      : text_is(kind, "orbit")    ? get_orbit(d, in, id, value)
-                                                 : get_branch(d, in, id, value));
+                                                 : get_branch(reader, d, in, id, value));
     if (!ok)
         free(value);
     return ok;
@@ -302,7 +318,15 @@ void reader_dynamics(struct reader *reader)
     if (!field_find(reader->state, "dynamics", &in))
         return;
     struct dynamics *d = get_head(in, &ids);
+    struct field_places *places = &reader->places;
     size_t lost = 0;
+    if (d && d->params != places->count) { /* of another scene than the present one */
+        places->rows = places->count = d->params;
+        for (int i = 0; i < d->params; i++)
+            places->at[i] = places->row[i] = i;
+    }
+    if (d)
+        d->params = places->rows;
     for (uint64_t id; d && ids.len >= sizeof id; ids.at += sizeof id, ids.len -= sizeof id) {
         bool ok = false;
         memcpy(&id, ids.at, sizeof id);
@@ -311,7 +335,7 @@ void reader_dynamics(struct reader *reader)
             const struct read_record *record = &reader->record[i];
             ok = record->kind == RECORD_FOUND &&
                  field_get(record->content, "id", &own, sizeof own) && own == id &&
-                 get_one(d, record->content, id);
+                 get_one(reader, d, record->content, id);
         }
         lost += !ok;
     }

@@ -51,16 +51,66 @@ const struct field store_view[] = {
 };
 const size_t store_view_count = COUNT_OF(store_view);
 
-#define ARRAY_OF(array, counted, limit)                                                            \
+#define OF_VALUE(member) FIELD_OF(struct named_value, member)
+static const struct field named_value_members[] = {
+    OF_VALUE(name), OF_VALUE(value), OF_VALUE(uncertainty), OF_VALUE(quantity), OF_VALUE(below),
+};
+
+#define OF_MEASUREMENT(member) FIELD_OF(struct measurement, member)
+static const struct field measurement_members[] = {
+    OF_MEASUREMENT(quantity), OF_MEASUREMENT(exact),     OF_MEASUREMENT(value),
+    OF_MEASUREMENT(unit),     OF_MEASUREMENT(periods),   OF_MEASUREMENT(at),
+    OF_MEASUREMENT(energy),   OF_MEASUREMENT(statement), OF_MEASUREMENT(of),
+};
+
+#define OF_FIT(member) FIELD_OF(struct stored_fit, member)
+static const struct field stored_fit_members[] = {
+    OF_FIT(fit.period),
+    OF_FIT(fit.omega),
+    OF_FIT(fit.gamma),
+    OF_FIT(fit.amplitude),
+    OF_FIT(fit.phase),
+    OF_FIT(fit.offset),
+    OF_FIT(fit.rms),
+    OF_FIT(fit.used),
+    OF_FIT(fit.rejected),
+    OF_FIT(fit.window),
+    OF_FIT(fit.halves),
+    OF_FIT(fit.half_periods),
+    OF_FIT(fit.preferred),
+    OF_FIT(fit.converged),
+    OF_FIT(fit.iterations),
+    OF_FIT(fit.autocorrelation),
+    OF_FIT(fit.warning),
+    OF_FIT(fit.warnings),
+    OF_FIT(fit.t0),
+    OF_FIT(fit.drift),
+    OF_FIT(fit.drag),
+    OF_FIT(fit.covariance),
+    OF_FIT(quantity),
+    OF_FIT(k),
+    OF_FIT(exact),
+    OF_FIT(statement),
+    OF_FIT(of),
+};
+
+#define OF_ENTRY(member) FIELD_OF(struct entry, member)
+const struct field store_entry[] = {
+    OF_ENTRY(text),     OF_ENTRY(len),    OF_ENTRY(full),
+    OF_ENTRY(full_len), OF_ENTRY(output), OF_ENTRY(flags),
+};
+const size_t store_entry_count = COUNT_OF(store_entry);
+
+#define ARRAY_OF(array, counted, limit, members)                                                   \
     {                                                                                              \
 #array, offsetof(struct session, array), sizeof *((struct session *)0)->array,             \
-            offsetof(struct session, counted), limit                                               \
+            offsetof(struct session, counted), limit, members, COUNT_OF(members)                   \
     }
 const struct store_array store_arrays[] = {
-    ARRAY_OF(setup.let, setup.lets, LIMIT_LET),
-    ARRAY_OF(result, results, LIMIT_RESULTS),
-    ARRAY_OF(measurement, measurements, 0),
-    ARRAY_OF(stored_fit, stored_fits, 0),
+    [STORE_LETS] = ARRAY_OF(setup.let, setup.lets, LIMIT_LET, named_value_members),
+    [STORE_RESULTS] = ARRAY_OF(result, results, LIMIT_RESULTS, named_value_members),
+    [STORE_MEASUREMENTS] = ARRAY_OF(measurement, measurements, 0, measurement_members),
+    [STORE_FITS] = ARRAY_OF(stored_fit, stored_fits, 0, stored_fit_members),
 };
 const size_t store_array_count = COUNT_OF(store_arrays);
 

@@ -56,24 +56,42 @@ static bool make(struct reader *reader, struct text script, struct scene *scene,
     return true;
 }
 
-bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
-                  struct error *error)
+/* Names what the file has of a scene and this program has not. */
+static void note_unknown(struct reader *reader, struct text of, const struct field_places *places)
 {
+    struct text names;
+    if (!field_find(of, "names", &names))
+        return;
+    for (int i = 0; i < places->count; i++) {
+        const struct text name = text_of(names.at);
+        if (places->row[i] < 0)
+            reader_note(reader, "the parameter %s is left out: this version has none", names.at);
+        names = (struct text){name.at + name.len + 1, names.len - name.len - 1};
+    }
+}
+
+bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+                  struct field_places *places, struct error *error)
+{
+    struct field_places found;
     struct text of, script;
     if (!field_find(in, name, &of) || !field_find(of, "script", &script))
         return error_set(error, ERROR_IO, "it has no scene");
     if (!make(reader, script, scene, error))
         return false;
-    const size_t params = scene_params(scene)->count;
     struct scene read = *scene;
-    if (!field_get(of, "value", read.value, params * sizeof *read.value) ||
-        !field_get(of, "uncertainty", read.uncertainty, params * sizeof *read.uncertainty) ||
-        !field_get(of, "chosen", read.chosen, params * sizeof *read.chosen) ||
+    if (!reader_places(of, scene, &found) ||
+        !field_get_placed(of, "value", &found, read.value, sizeof *read.value) ||
+        !field_get_placed(of, "uncertainty", &found, read.uncertainty, sizeof *read.uncertainty) ||
+        !field_get_placed(of, "chosen", &found, read.chosen, sizeof *read.chosen) ||
         !field_get(of, "across", &read.across, sizeof read.across) ||
         !field_get(of, "atol", read.atol, sizeof read.atol))
         return error_set(error, ERROR_IO, "its scene has other parameters in this version");
     if (!sound_scene(&read))
         return error_set(error, ERROR_IO, "its scene has values that no scene can have");
+    note_unknown(reader, of, &found);
+    if (places)
+        *places = found;
     *scene = read;
     return true;
 }
@@ -104,7 +122,8 @@ static void get_flag(struct text in, const char *name, bool *flag)
 }
 
 /* What was asked of it, in order; false: damaged, or no memory. */
-static bool add_asked(struct run_slot *slot, struct text in, struct error *error)
+static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text in,
+                      struct error *error)
 {
     const struct scene *scene = &slot->run->scene;
     while (in.len > 0) {
@@ -121,6 +140,8 @@ static bool add_asked(struct run_slot *slot, struct text in, struct error *error
             condition = (struct text){in.at, (size_t)(end - in.at)};
             in = (struct text){end + 1, in.len - condition.len - 1};
         }
+        if (asked.kind == REQUEST_SET && asked.param >= 0 && asked.param < places->count)
+            asked.param = places->row[asked.param];
         const struct request request = {.kind = (enum request_kind)asked.kind,
                                         .param = asked.param,
                                         .by_event = asked.by_event,
@@ -176,6 +197,7 @@ static bool replay(struct reader *reader, struct run_slot *slot, struct text sta
 struct run_parts {
     struct text in, state, asked, note;
     struct scene scene;
+    struct field_places places;
     const struct events *events;
     const struct method *method;
     int number;
@@ -198,7 +220,7 @@ static bool read_parts(struct reader *reader, const struct read_run *of, struct 
         parts->note = TEXT("");
     if (!row)
         return error_set(error, ERROR_IO, "its method is not there");
-    if (!reader_scene(reader, parts->in, "scene", &parts->scene, error))
+    if (!reader_scene(reader, parts->in, "scene", &parts->scene, &parts->places, error))
         return false;
     reader->session->setup.scene = parts->scene; /* events are read in it */
     return reader_events(reader, parts->in, &parts->events, error);
@@ -213,8 +235,8 @@ static bool read_run(struct reader *reader, const struct read_run *of, struct ru
     const int next = session->next_run;
     const uint64_t next_id = session->next_id;
     bool computed = false;
-    struct run *run =
-        run_restore(&parts->scene, parts->method, parts->state, of->piece, of->pieces, why);
+    struct run *run = run_restore(&parts->scene, parts->method, parts->state, &parts->places,
+                                  of->piece, of->pieces, why);
     if (!run && (run = compute(reader, parts->state, &parts->scene, parts->method, why)))
         computed = true;
     if (!run)
@@ -233,14 +255,15 @@ static bool read_run(struct reader *reader, const struct read_run *of, struct ru
     slot->events = parts->events;
     slot->id = of->id;
     field_get(parts->in, "statement", &slot->statement, sizeof slot->statement);
-    field_get(parts->in, "origin", slot->origin, sizeof slot->origin);
+    if (field_get(parts->in, "origin", slot->origin, sizeof slot->origin))
+        reader_move(&parts->places, slot->origin, sizeof *slot->origin);
     run->number = parts->number;
     session->next_run = next;
     session->next_id = next_id;
     if (parts->note.len > 0)
         slot->note = strndup(parts->note.at, parts->note.len);
-    bool ok =
-        add_asked(slot, parts->asked, why) && (!computed || replay(reader, slot, parts->state));
+    bool ok = add_asked(slot, &parts->places, parts->asked, why) &&
+              (!computed || replay(reader, slot, parts->state));
     if (!ok)
         session_drop_run(session, session->runs - 1);
     else if (computed)
@@ -369,6 +392,14 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
     return copy && !slot->content.failed ? true : error_memory(error);
 }
 
+/* Until November 2026 they were counted: field0 to field4. */
+static bool find_recording_field(struct text in, int i, struct text *value)
+{
+    char counted[] = "field0";
+    counted[5] = (char)('0' + i);
+    return field_find(in, recording_fields[i].name, value) || field_find(in, counted, value);
+}
+
 static bool read_recording(struct reader *reader, struct text in, struct error *error)
 {
     struct session *session = reader->session;
@@ -384,10 +415,8 @@ static bool read_recording(struct reader *reader, struct text in, struct error *
     if (recording->rows != rows)
         return true; /* another file: its window and the like are not this one's */
     for (int i = 0; i < RECORDING_FIELDS; i++) {
-        char name[] = "field0";
-        name[5] = (char)('0' + i);
         struct text value;
-        if (!field_find(in, name, &value) || value.len != recording_fields[i].bytes)
+        if (!find_recording_field(in, i, &value) || value.len != recording_fields[i].bytes)
             continue;
         if (recording_fields[i].offset == offsetof(struct recording, cleaned))
             cleaned = value.at[0] == 1;
@@ -396,10 +425,8 @@ static bool read_recording(struct reader *reader, struct text in, struct error *
                                               TEXT("data clean apply"), error))
         return false;
     for (int i = 0; i < RECORDING_FIELDS; i++) {
-        char name[] = "field0";
-        name[5] = (char)('0' + i);
         struct text value;
-        if (field_find(in, name, &value) && sound_field(&recording_fields[i], value))
+        if (find_recording_field(in, i, &value) && sound_field(&recording_fields[i], value))
             memcpy((char *)recording + recording_fields[i].offset, value.at, value.len);
     }
     return true;

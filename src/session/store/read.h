@@ -38,6 +38,7 @@ struct reader {
     struct read_run *run;
     size_t runs, run_capacity;
     struct text state; /* the last S */
+    struct field_places places; /* of the parameters of its scene */
     struct made *made;
     size_t mades, made_capacity;
     size_t damaged, unknown;
@@ -50,9 +51,22 @@ void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 
 bool reader_scan(struct reader *reader, struct text content, struct error *error);
 struct read_run *reader_run(struct reader *reader, uint64_t id); /* NULL: not there */
 
+/* places.c */
+/* Finds where the file has the parameters of a scene that it calls `of`. */
+bool reader_places(struct text of, const struct scene *scene, struct field_places *places);
+/* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has them. */
+void reader_move(const struct field_places *places, void *array, size_t item);
+/* Returns the bytes of an element of an array in the file. */
+size_t reader_item(struct text in, size_t item);
+/* Reads an element by its members; others are 0. Returns false if the file does not say which it
+ * has, and has another number of bytes. */
+bool reader_members(struct text in, const struct field *member, size_t members,
+                    struct text stored, size_t item, void *to);
+
 /* pieces.c */
+/* Reads a scene; places: of its parameters in the file, or NULL. */
 bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
-                  struct error *error);
+                  struct field_places *places, struct error *error);
 /* So that the next one that reads the same is this one. */
 void reader_made(struct reader *reader, struct text script, const struct scene *scene);
 bool reader_events(struct reader *reader, struct text in, const struct events **events,

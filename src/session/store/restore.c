@@ -54,46 +54,51 @@ static void read_settings(struct reader *reader, struct settings *settings)
             read_setting(reader, setting_at(i), value, settings);
 }
 
+/* Reads the elements into `made`; false: one cannot be. */
+static bool read_elements(const struct store_array *array, struct text in, struct text items,
+                          size_t count, char *made)
+{
+    const size_t stored = reader_item(in, array->item);
+    for (size_t i = 0; i < count; i++) {
+        char *to = made + i * array->item;
+        if (!reader_members(in, array->member, array->members,
+                            (struct text){items.at + i * stored, stored}, array->item, to) ||
+            !sound_item(array, to))
+            return false;
+    }
+    return true;
+}
+
 static void read_array(struct reader *reader, const struct store_array *array)
 {
     struct session *session = reader->session;
     struct text in, items;
-    char *at = (char *)session + array->offset, *made = NULL;
-    size_t item;
+    char *at = (char *)session + array->offset;
     if (!field_find(reader->state, array->name, &in) || !field_find(in, "items", &items))
         return;
-    const size_t count = items.len / array->item;
-    if (!field_get(in, "item", &item, sizeof item) || item != array->item ||
-        (array->max > 0 && count > (size_t)array->max)) {
+    const size_t stored = reader_item(in, array->item), count = stored ? items.len / stored : 0;
+    if (stored == 0 || (array->max > 0 && count > (size_t)array->max)) {
         reader_note(reader, "%s: left out, another version wrote it", array->name);
-        return;
-    }
-    bool sound = true;
-    for (size_t i = 0; i < count && sound; i++) {
-        union {
-            struct named_value value;
-            struct measurement measurement;
-            struct stored_fit fit;
-        } one; /* aligned */
-        memcpy(&one, items.at + i * item, item);
-        sound = sound_item(array, &one);
-    }
-    if (!sound) {
-        reader_note(reader, "%s: left out, damaged", array->name);
         return;
     }
     size_t room = 1; /* as these arrays grow: full at every power of two */
     while (room < count)
         room *= 2;
-    if (array->max == 0 && count > 0 && !(made = malloc(room * item)))
+    char *made = malloc(room * array->item);
+    if (!made)
         return;
+    if (!read_elements(array, in, items, count, made)) {
+        reader_note(reader, "%s: left out, damaged or of another version", array->name);
+        free(made);
+        return;
+    }
     if (array->max == 0) {
         free(*(void **)(void *)at);
         *(void **)(void *)at = made;
-        at = made;
+    } else {
+        memcpy(at, made, count * array->item);
+        free(made);
     }
-    if (count > 0)
-        memcpy(at, items.at, count * item);
     *(int *)(void *)((char *)session + array->count) = (int)count;
 }
 
@@ -140,13 +145,39 @@ static void read_curve(const struct reader *reader)
     session->fit_curve_sum = sum;
 }
 
+/* The parameters that are known of what was adopted; none, if one is not there. */
+static void move_adopted(const struct field_places *places, struct adopted_fit *adopted)
+{
+    for (int i = 0; i < adopted->known.count; i++) {
+        const int old = adopted->known.index[i], row = old < places->count ? places->row[old] : -1;
+        adopted->known.index[i] = row;
+        if (row < 0)
+            adopted->known.count = 0;
+    }
+}
+
+/* Until November 2026 it was the bytes of a struct fit. */
+static bool read_last_fit(const struct reader *reader, struct fit *fit)
+{
+    const struct store_array *like = &store_arrays[STORE_FITS];
+    struct text in, items;
+    struct stored_fit last;
+    if (!field_find(reader->state, "last_fit", &in))
+        return field_get(reader->state, "fit", fit, sizeof *fit);
+    if (!field_find(in, "items", &items) ||
+        !reader_members(in, like->member, like->members, items, sizeof last, &last))
+        return false;
+    memcpy(fit, &last.fit, sizeof *fit);
+    return true;
+}
+
 static void read_fits(struct reader *reader)
 {
     struct session *session = reader->session;
     struct text in = reader->state, name, value;
     struct error why = {0};
     int stored = 0;
-    session->has_fit &= field_get(in, "fit", &session->fit, sizeof session->fit);
+    session->has_fit &= read_last_fit(reader, &session->fit);
     if (!sound_fit(&session->fit)) {
         reader_note(reader, "the last fit is left out: damaged");
         session->has_fit = false;
@@ -162,11 +193,21 @@ static void read_fits(struct reader *reader)
             session->stored_fit[stored++].fit.model = model_name(value);
     read_curve(reader);
     struct setup setup;
+    struct field_places places;
     memcpy(&setup, &session->setup, sizeof setup);
-    if ((field_find(reader->state, "fit_scene", &value) &&
-         !reader_scene(reader, reader->state, "fit_scene", &session->fit_scene, &why)) ||
-        (field_find(reader->state, "adopted_scene", &value) &&
-         !reader_scene(reader, reader->state, "adopted_scene", &session->adopted.scene, &why)))
+    bool fine = true;
+    if (field_find(reader->state, "fit_scene", &value)) {
+        fine = reader_scene(reader, reader->state, "fit_scene", &session->fit_scene, &places, &why);
+        if (fine)
+            reader_move(&places, session->fit_free, sizeof *session->fit_free);
+    }
+    if (fine && field_find(reader->state, "adopted_scene", &value)) {
+        fine = reader_scene(reader, reader->state, "adopted_scene", &session->adopted.scene,
+                            &places, &why);
+        if (fine)
+            move_adopted(&places, &session->adopted);
+    }
+    if (!fine)
         reader_note(reader, "the scene of the last fit is left out: %s", why.text);
     memcpy(&session->setup, &setup, sizeof setup);
     if (!sound_adopted(&session->adopted)) {
@@ -227,7 +268,8 @@ static void read_lines(struct history *history, struct text in)
     }
     from -= history->first;
     text_from -= history->text_first;
-    const size_t more = entries.len / sizeof *history->entry, count = from + more;
+    const size_t stored = reader_item(in, sizeof *history->entry);
+    const size_t more = stored ? entries.len / stored : 0, count = from + more;
     if (count > history->capacity) {
         struct entry *larger = realloc(history->entry, 2 * count * sizeof *larger);
         if (!larger)
@@ -235,8 +277,11 @@ static void read_lines(struct history *history, struct text in)
         history->entry = larger;
         history->capacity = 2 * count;
     }
-    if (more > 0)
-        memcpy(history->entry + from, entries.at, more * sizeof *history->entry);
+    for (size_t i = 0; i < more; i++)
+        if (!reader_members(in, store_entry, store_entry_count,
+                            (struct text){entries.at + i * stored, stored}, sizeof *history->entry,
+                            &history->entry[from + i]))
+            return;
     history->text.len = text_from;
     buffer_put(&history->text, text);
     history->count = history->first + count;
@@ -302,9 +347,10 @@ static void read_setup(struct reader *reader)
     struct error why = {0};
     struct scene scene;
     struct text name;
-    if (!reader_scene(reader, reader->state, "scene", &scene, &why)) {
+    if (!reader_scene(reader, reader->state, "scene", &scene, &reader->places, &why)) {
         reader_note(reader, "the scene is left out: %s", why.text);
         scene = setup->scene;
+        field_same_places(scene_params(&scene), &reader->places);
     }
     const struct preset *own[LIMIT_OWN];
     const int owns = setup->owns;
@@ -342,10 +388,10 @@ static void read_view(struct reader *reader)
     struct view view = session->view;
     view.focus =
         field_find(in, "focus", &focus) ? catalog_find(reader->restorer->panes, focus) : NULL;
-    if (fields_get(in, store_view, store_view_count, &view) && sound_view(&view))
+    if (fields_get_known(in, store_view, store_view_count, &view) && sound_view(&view))
         session->view = view;
     else
-        reader_note(reader, "the view is left out: damaged, or of another version");
+        reader_note(reader, "the view is left out: damaged");
 }
 
 static void read_lesson(struct reader *reader)
@@ -397,14 +443,15 @@ static void read_all(struct reader *reader)
     struct session *session = reader->session;
     struct text ids;
     uint64_t current = UINT64_MAX;
-    read_array(reader, &store_arrays[0]); /* variables may stand in formulas */
+    read_array(reader, &store_arrays[STORE_LETS]); /* variables may stand in formulas */
     reader_recordings(reader);
     read_owns(reader);
     for (size_t i = 1; i < store_array_count; i++)
         read_array(reader, &store_arrays[i]);
     read_setup(reader);
-    if (!fields_get(reader->state, store_session, store_session_count, session))
-        reader_note(reader, "some values are left out: another version wrote them");
+    if (!fields_get_known(reader->state, store_session, store_session_count, session))
+        reader_note(reader, "some values are left out: they are damaged");
+    reader_move(&reader->places, session->setup.origin, sizeof *session->setup.origin);
     const int at = session->current_run;
     if (field_find(reader->state, "runs", &ids) && at >= 0 &&
         ((size_t)at + 1) * sizeof current <= ids.len)

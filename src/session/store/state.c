@@ -15,6 +15,7 @@ void store_put_scene(const struct scene *scene, const char *name, struct buffer 
     const size_t script = field_begin(to, "script");
     scene_kind_script(scene, to);
     field_end(to, script);
+    field_put_names(to, "names", scene_params(scene));
     field_put(to, "value", scene->value, params * sizeof *scene->value);
     field_put(to, "uncertainty", scene->uncertainty, params * sizeof *scene->uncertainty);
     field_put(to, "chosen", scene->chosen, params * sizeof *scene->chosen);
@@ -42,12 +43,9 @@ static void put_loaded(const struct recording_slot *slot, struct buffer *to)
     field_text(to, "options", text_of(slot->options));
     field_put(to, "sum", &slot->sum, sizeof slot->sum);
     field_put(to, "rows", &recording->rows, sizeof recording->rows);
-    for (int i = 0; i < RECORDING_FIELDS; i++) {
-        char name[] = "field0";
-        name[5] = (char)('0' + i);
-        field_put(to, name, (const char *)recording + recording_fields[i].offset,
-                  recording_fields[i].bytes);
-    }
+    for (int i = 0; i < RECORDING_FIELDS; i++)
+        field_put(to, recording_fields[i].name,
+                  (const char *)recording + recording_fields[i].offset, recording_fields[i].bytes);
     field_end(to, begun);
     free(path);
 }
@@ -94,6 +92,7 @@ static void put_arrays(const struct session *session, struct buffer *to)
             at = *(char *const *)(const void *)at;
         const size_t begun = field_begin(to, array->name);
         field_put(to, "item", &item, sizeof item);
+        store_put_members(array->member, array->members, to);
         const size_t items = field_begin(to, "items");
         for (int k = 0; k < count; k++)
             put_item(array, at + (size_t)k * item, to);
@@ -106,10 +105,15 @@ static void put_fit(const struct session *session, struct buffer *to)
 {
     if (session->has_fit)
         field_text(to, "fit_model", text_of(session->fit.model));
-    struct fit fit;
-    memcpy(&fit, &session->fit, sizeof fit);
-    fit.model = NULL;
-    field_put(to, "fit", &fit, sizeof fit);
+    const struct store_array *like = &store_arrays[STORE_FITS];
+    struct stored_fit last = {.quantity = QUANTITY_NUMBER};
+    memcpy(&last.fit, &session->fit, sizeof last.fit);
+    const size_t begun = field_begin(to, "last_fit");
+    store_put_members(like->member, like->members, to);
+    const size_t item = field_begin(to, "items");
+    put_item(like, &last, to);
+    field_end(to, item);
+    field_end(to, begun);
     for (int i = 0; i < session->stored_fits; i++)
         field_text(to, "stored_model", text_of(session->stored_fit[i].fit.model));
     if (session->fit_samples > 0)

@@ -45,7 +45,15 @@ struct store_array {
     size_t offset, item; /* of the array, bytes of an element */
     size_t count;        /* offset of the int */
     int max;             /* 0: the array is allocated */
+    const struct field *member; /* [members] of an element, all of them */
+    size_t members;
 };
+
+extern const struct field store_entry[]; /* of struct entry */
+extern const size_t store_entry_count;
+
+/* Writes which bytes of an element each member has, as a field. */
+void store_put_members(const struct field *member, size_t count, struct buffer *to);
 
 /* dynamics.c: what was found of the equations; NULL: nothing. */
 void dynamics_put_head(const struct dynamics *dynamics, struct buffer *to);
@@ -54,6 +62,7 @@ bool dynamics_put_next(const struct dynamics *dynamics, struct stored *stored, i
 /* Those that are gone are live no more. */
 void dynamics_forget(const struct dynamics *dynamics, struct stored *stored);
 
+enum { STORE_LETS, STORE_RESULTS, STORE_MEASUREMENTS, STORE_FITS };
 extern const struct store_array store_arrays[];
 extern const size_t store_array_count;
 

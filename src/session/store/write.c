@@ -397,6 +397,9 @@ static bool put_lines(struct output *out, const struct session *session)
     field_put(to, "text_from", &stored->text, sizeof stored->text);
     if (stored->entries == history->first)
         field_put(to, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
+    const size_t item = sizeof *history->entry;
+    field_put(to, "item", &item, sizeof item);
+    store_put_members(store_entry, store_entry_count, to);
     field_put(to, "entries", history_entry(session, stored->entries),
               (history->count - stored->entries) * sizeof *history->entry);
     field_put(to, "text", history->text.data + there, history->text.len - there);
