@@ -34,7 +34,7 @@ struct session *session_create(const struct front *front)
     session->record_fd = -1;
     session->live.speed = 1;
     session->view = (struct view){
-        .x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true, .cursors = {.periods = NAN}};
+        .x = {NAN, NAN}, .y = {NAN, NAN}, .trail = VIEW_TRAIL_PERIODS, .paging = true, .cursors = {.periods = NAN}};
     return session;
 }
 

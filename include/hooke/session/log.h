@@ -154,6 +154,9 @@ void scene_kind_script(const struct scene *scene, struct buffer *text);
 
 /* ---- what a user changes of a recording (save.c): undo brings it back ---- */
 
+/* Periods that the phase plot shows in a new session; another number is saved. */
+#define VIEW_TRAIL_PERIODS 2
+
 #define RECORDING_FIELDS 5
 struct recording_field {
     const char *name;

@@ -351,6 +351,12 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
                 struct recording *recording, struct error *error)
 {
     struct row_reader reader = {.recording = recording, .layout = layout};
+    if (layout->columns == 0 || !layout->begin) { /* a format that was sure without a table */
+        *error = text->problem;
+        if (*error->text == '\0')
+            error_set(error, ERROR_IO, "%s: there is no table of numbers", text->name);
+        return false;
+    }
     const char *end = text->text.at + text->text.len, *next;
     struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
     if (!table_columns(layout, recording, error))
@@ -408,9 +414,5 @@ bool table_read(const struct table_text *text, const struct load_options *option
                 struct recording *recording, struct error *error)
 {
     (void)options;
-    if (text->layout.columns == 0) {
-        *error = text->problem;
-        return false;
-    }
     return table_rows(text, &text->layout, recording, error);
 }

@@ -4,11 +4,11 @@
 
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>
+#include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 
 #include <math.h>
 
-#define TRAIL_PERIODS 2   /* of the phase plot */
 #define GROWING_LEAST 2.0 /* [s] that are shown of what is being collected */
 
 int plot_coordinates(const struct model *model)
@@ -75,7 +75,7 @@ static double longest_window(const struct drawing *d)
 
 double drawing_trail(const struct drawing *d)
 {
-    return d->request->trail > 0 ? d->request->trail : TRAIL_PERIODS;
+    return d->request->trail > 0 ? d->request->trail : VIEW_TRAIL_PERIODS;
 }
 
 void axis_suit(struct axis *axis, enum quantity quantity, double size)

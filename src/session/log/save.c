@@ -181,7 +181,7 @@ static void save_view(const struct view *view, struct buffer *text)
         buffer_exact(text, (struct measured){view->window, 0}, QUANTITY_TIME);
         buffer_char(text, '\n');
     }
-    if (view->trail != 2) {
+    if (view->trail != VIEW_TRAIL_PERIODS) {
         buffer_put(text, TEXT("trail "));
         buffer_put(text, isinf(view->trail) ? TEXT("all") : TEXT(""));
         if (isfinite(view->trail))

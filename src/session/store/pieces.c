@@ -56,7 +56,7 @@ static bool make(struct reader *reader, struct text script, struct scene *scene,
     return true;
 }
 
-/* Names what the file has of a scene and this program has not. */
+/* Names what the file has of a scene and this program has not, once. */
 static void note_unknown(struct reader *reader, struct text of, const struct field_places *places)
 {
     struct text names;
@@ -64,8 +64,11 @@ static void note_unknown(struct reader *reader, struct text of, const struct fie
         return;
     for (int i = 0; i < places->count; i++) {
         const struct text name = text_of(names.at);
-        if (places->row[i] < 0)
-            reader_note(reader, "the parameter %s is left out: this version has none", names.at);
+        char line[LIMIT_NAME + 64];
+        snprintf(line, sizeof line, "the parameter %s is left out: this version has none",
+                 names.at);
+        if (places->row[i] < 0 && !strstr(buffer_view(reader->notes), line))
+            reader_note(reader, "%s", line);
         names = (struct text){name.at + name.len + 1, names.len - name.len - 1};
     }
 }

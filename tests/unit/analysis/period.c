@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -216,6 +217,8 @@ static void period_covers_the_truth(void **state)
         struct error error = {0};
         assert_true(series_period(&s.series, &arena, &period, &error));
         inside += close_to(period.period.value, truth.period, 1.96 * period.period.uncertainty);
+        if (strcmp(period.how, "phases") == 0)
+            assert_true(close_to(period.level, truth.offset, 0.1 * truth.amplitude));
         arena_reset(&arena);
         synthetic_free(&s);
     }
