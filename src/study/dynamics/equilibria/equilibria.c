@@ -36,20 +36,34 @@ struct equilibria_search {
 
 /* ---- where bounds do not decide ---- */
 
-/* Returns true if every derivative is 0 at y [n] but for the rounding of y and of its parts. */
+/* Returns true if every derivative is 0 at y [n] but for the rounding of y and of its parts, and
+ * has finite slopes there. */
 static bool rests_at(const struct zero_search *s, const double *y)
 {
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    by[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++) {
         const double rounding = 4 * DBL_EPSILON * fabs(y[i]);
         at[i] = (struct interval){y[i] - rounding, y[i] + rounding};
     }
-    system_bounds(&s->bounded, at, rate, NULL);
+    system_bounds(&s->bounded, at, rate, by);
     bool zero = true;
     for (int i = 0; i < s->n; i++)
-        zero = zero && rate[i].lo <= 0 && rate[i].hi >= 0 && isfinite(rate[i].lo) &&
-               isfinite(rate[i].hi);
-    return zero;
+        zero = zero && rate[i].lo <= 0 && rate[i].hi >= 0;
+    return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, by);
+}
+
+/* Where a variable may be 0 as well as nearly so, it is. */
+static void round_to_zero(const struct zero_search *s, double *y)
+{
+    for (int i = 0; i < s->n; i++) {
+        const double value = y[i];
+        if (fabs(value) >= doubtful_apart_min * s->width[i])
+            continue;
+        y[i] = 0;
+        if (!rests_at(s, y))
+            y[i] = value;
+    }
 }
 
 static bool is_listed(const struct zero_search *s, const double *y)
@@ -79,19 +93,20 @@ static bool list_doubtful(struct zero_search *s)
 {
     const size_t count = box_queue_count(&s->undecided);
     const int proven = s->found->count;
-    bool few = true;
+    size_t smallest = 0;
+    for (size_t b = 0; b < count; b++)
+        smallest += s->undecided.box[s->undecided.first + b].is_smallest;
+    bool few = smallest <= UNDECIDED_LISTED_MAX;
     for (size_t b = 0; b < count && few; b++) {
         double y[FIELD_VARIABLES];
         if (!s->undecided.box[s->undecided.first + b].is_smallest)
             continue;
         middle_of(s, b, y);
         zeros_correct(s, y);
-        for (int i = 0; i < s->n; i++)
-            if (fabs(y[i]) < 1e-14 * s->width[i])
-                y[i] = 0;
+        round_to_zero(s, y);
         if (!zeros_in_range(s, y) || !rests_at(s, y) || is_listed(s, y))
             continue;
-        few = count <= UNDECIDED_LISTED_MAX && s->found->count < proven + DOUBTFUL_LISTED_MAX;
+        few = s->found->count < proven + DOUBTFUL_LISTED_MAX;
         if (few && !zeros_append(s, y, NULL))
             return false;
     }
@@ -107,6 +122,8 @@ static bool search_by_newton(struct zero_search *s)
     double y[FIELD_VARIABLES];
     const size_t count = box_queue_count(&s->undecided),
                  starts = count < NEWTON_STARTS_MAX ? count : NEWTON_STARTS_MAX;
+    if (s->found->count >= ZEROS_MAX)
+        return true;
     for (size_t k = 0; k < starts && !cancelled(s->request->cancel); k++) {
         middle_of(s, k * count / starts, y);
         if (!zeros_prove_from(s, y))
@@ -232,6 +249,8 @@ static void give_reason(struct equilibria_search *search)
         buffer_put(&text, TEXT("cancelled"));
     } else if (search->field.system.dry) {
         buffer_put(&text, TEXT("dry friction holds it at rest all over a stretch"));
+    } else if (found->count >= ZEROS_MAX) {
+        buffer_format(&text, "the search ended after %d of them", found->count);
     } else if (has_singular(&s->undecided)) {
         buffer_put(&text, TEXT("a pole, a jump or a vertical slope near "));
         put_place(search, &text);

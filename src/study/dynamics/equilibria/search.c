@@ -26,6 +26,7 @@ static const double cut_share = 0.4837;
 /* Relative to the range: regions around a box that are tried for one zero (epsilon inflation, Rump
  * 1983) are at most this wide. */
 static const double inflation_max = 1e-3;
+static const double comparisons_max = 2e7; /* of undecided boxes with zeros */
 /* Relative to the range: a zero this near to the edge is on it. */
 static const double edge_rounding = 1e-12;
 
@@ -196,6 +197,8 @@ bool zeros_prove_from(struct zero_search *s, const double *start)
 void zeros_drop_decided(struct zero_search *s)
 {
     struct box_queue *left = &s->undecided;
+    if ((double)box_queue_count(left) * s->found->count > comparisons_max)
+        return;
     size_t kept = left->first;
     for (size_t b = left->first; b < left->end; b++) {
         bool decided = false;
@@ -262,7 +265,7 @@ static bool excludes_zero(struct interval a)
     return a.lo > 0 || a.hi < 0 || isnan(a.lo);
 }
 
-static bool are_bounded(int n, const struct interval *bounds)
+bool zeros_are_bounded(int n, const struct interval *bounds)
 {
     bool bounded = true;
     for (int i = 0; i < n; i++)
@@ -293,7 +296,7 @@ static bool look(struct zero_search *s, struct state_box *box)
         bool empty = !meets_range(s, box->side);
         for (int i = 0; i < s->n; i++)
             empty = empty || excludes_zero(rate[i]);
-        box->is_singular = !are_bounded(s->n, rate) || !are_bounded(s->n * s->n, by);
+        box->is_singular = !zeros_are_bounded(s->n, rate) || !zeros_are_bounded(s->n * s->n, by);
         empty = empty || (box->is_singular && system_excludes_zero(&s->bounded, box->side));
         if (!empty && !box->is_singular)
             verdict = krawczyk(&s->bounded, box->side, by, rounding);
@@ -327,7 +330,7 @@ bool zeros_search(struct zero_search *s)
 {
     struct state_box box;
     int cuts = 0;
-    while (s->boxes < BOXES_MAX && !cancelled(s->request->cancel)) {
+    while (s->boxes < BOXES_MAX && s->found->count < ZEROS_MAX && !cancelled(s->request->cancel)) {
         if (box_queue_take(&s->waiting, &box)) {
             if (!look(s, &box))
                 return false;

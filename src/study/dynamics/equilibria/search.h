@@ -8,6 +8,9 @@
 #include "study/dynamics/equilibria/boxes.h"
 #include "study/dynamics/forms.h"
 
+/* The search ends when this many zeros are found: they may lie ever closer. */
+enum { ZEROS_MAX = 5000 };
+
 /* A zero lies in `tight`, and `unique` has no other. */
 struct zero_proof {
     struct interval unique[FIELD_VARIABLES], tight[FIELD_VARIABLES];
@@ -35,7 +38,8 @@ bool zeros_search(struct zero_search *search);
  * false if out of memory. */
 bool zeros_prove_from(struct zero_search *search, const double *y);
 
-/* Drops undecided boxes in which the only zero is one that is proven. */
+/* Drops undecided boxes in which the only zero is one that is proven, unless there are so many that
+ * it would take seconds. */
 void zeros_drop_decided(struct zero_search *search);
 
 /* Appends a solution, for which proof may be NULL; false if out of memory. */
@@ -47,5 +51,8 @@ void zeros_correct(const struct zero_search *search, double *y);
 
 /* Returns true if y [n] lies in the range or on its edge, but for rounding. */
 bool zeros_in_range(const struct zero_search *search, const double *y);
+
+/* Returns true if all bounds [n] are finite. */
+bool zeros_are_bounded(int n, const struct interval *bounds);
 
 #endif
