@@ -3,6 +3,8 @@
 #include "long_form.h"
 #include "unit/scene/testing.h"
 
+#include "scene/formula/outer.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,6 +76,27 @@ static void write_random(uint64_t *seed, int depth, struct buffer *text)
     }
 }
 
+/* Sums, products, quotients and powers of names and numbers. */
+static void write_rational(uint64_t *seed, int depth, struct buffer *text)
+{
+    const int kind = (int)((depth == 0 ? 4 : 9) * random_unit(seed));
+    if (depth == 0 && kind == 3) {
+        buffer_format(text, "(%.3g)", random_between(seed, -3, 3));
+    } else if (depth == 0) {
+        buffer_char(text, (char)('a' + kind));
+    } else {
+        buffer_char(text, '(');
+        write_rational(seed, depth - 1, text);
+        if (kind == 8) {
+            buffer_format(text, "^(%d)", (int)random_between(seed, -3, 4));
+        } else {
+            buffer_char(text, "+-*////"[kind % 7]);
+            write_rational(seed, depth - 1, text);
+        }
+        buffer_char(text, ')');
+    }
+}
+
 static const struct expr *random_expr(uint64_t *seed, struct arena *arena, struct buffer *text)
 {
     const struct expr_scope scope = {.find = find};
@@ -123,6 +146,60 @@ static bool inside(struct interval bounds, double value, double slack)
     return value != value || (bounds.lo - slack <= value && value <= bounds.hi + slack);
 }
 
+static bool in_outer(struct outer bounds, double value)
+{
+    if (!bounds.has_gap)
+        return inside(bounds.of, value, 0);
+    return value != value || value <= bounds.of.lo || value >= bounds.of.hi;
+}
+
+/* Near poles values are outside of the gap. */
+static void test_gaps(void **state)
+{
+    (void)state;
+    uint64_t seed = 9;
+    struct buffer text = {0};
+    const int count = is_long() ? 100000 : 5000;
+    long gaps = 0;
+    for (int k = 0; k < count; k++) {
+        const struct expr_scope scope = {.find = find};
+        struct arena arena = {0};
+        struct error error = {0};
+        size_t used;
+        double from[3], to[3];
+        struct jet jet[3];
+        buffer_clear(&text);
+        write_rational(&seed, 1 + (int)(3 * random_unit(&seed)), &text);
+        const struct expr *expr = expr_compile(buffer_text(&text), &scope, &arena, &used, &error);
+        if (!expr)
+            fail_msg("%s: %s", shown(&text), error.text);
+        for (int i = 0; i < 3; i++) {
+            from[i] = random_between(&seed, -2, 1);
+            to[i] = from[i] + pow(10, random_between(&seed, -3, 0.5));
+            jet[i] = jet_number(0);
+            jet[i].value = (struct interval){from[i], to[i]};
+            jet[i].slope = interval_point(1);
+        }
+        const struct outer bounds = expr_outer(expr, jet);
+        gaps += bounds.has_gap;
+        for (int point = 0; point < 20; point++) {
+            double value[3];
+            for (int i = 0; i < 3; i++)
+                value[i] = point < 8 ? (point >> i & 1 ? to : from)[i]
+                                     : random_between(&seed, from[i], to[i]);
+            const struct expr_scope at = {.context = value, .load = load};
+            const double f = expr_value(expr, &at);
+            if (!in_outer(bounds, f))
+                fail_msg("%s: %.17g is not in %s%.17g, %.17g", shown(&text), f,
+                         bounds.has_gap ? "all but " : "", bounds.of.lo, bounds.of.hi);
+        }
+        arena_reset(&arena);
+    }
+    buffer_free(&text);
+    print_message("%ld of %d have a gap\n", gaps, count);
+    assert_true(gaps > count / 20);
+}
+
 /* Values are inside; so are slopes between two points, which are a slope somewhere, and second
  * differences. */
 static void test_inclusion(void **state)
@@ -146,6 +223,7 @@ static void test_inclusion(void **state)
             centre[i] = name_jet(names.c[i], 0, 0);
         }
         const struct jet bounds = expr_jet(expr, jet), about = expr_jet_about(expr, jet, centre, b);
+        const struct outer outer = expr_outer(expr, jet);
         useful += bounds.bend.lo > -HUGE_VAL && bounds.bend.hi < HUGE_VAL;
         for (int point = 0; point < 5; point++) {
             const double x = random_between(&seed, a, b), y = random_between(&seed, a, b),
@@ -157,6 +235,9 @@ static void test_inclusion(void **state)
                 about.value.hi > bounds.value.hi)
                 fail_msg("%s: %.17g outside of %.17g .. %.17g about the centre", shown(&text), fx,
                          about.value.lo, about.value.hi);
+            if (!in_outer(outer, fx))
+                fail_msg("%s: %.17g in the gap or outside of %.17g .. %.17g", shown(&text), fx,
+                         outer.of.lo, outer.of.hi);
             if (!inside(bounds.value, fx, 0))
                 fail_msg("%s: %.17g outside of %.17g .. %.17g", shown(&text), fx, bounds.value.lo,
                          bounds.value.hi);
@@ -378,8 +459,8 @@ static void test_random(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_inclusion),
-                                       cmocka_unit_test(test_roots), cmocka_unit_test(test_unsure),
-                                       cmocka_unit_test(test_random)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_inclusion), cmocka_unit_test(test_gaps), cmocka_unit_test(test_roots),
+        cmocka_unit_test(test_unsure), cmocka_unit_test(test_random)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
