@@ -177,10 +177,12 @@ static struct piece number_piece(struct printer *p, double value)
 
 static struct piece sum_of(struct printer *p, const struct piece *a, struct piece b, bool minus)
 {
-    if (b.zero == ZERO_TERM)
+    /* What people read leaves out every 0; programs what does not change the sign of a 0. */
+    const bool reads = p->dialect == DIALECT_TEX || p->dialect == DIALECT_XPP;
+    if (b.zero == ZERO_TERM || (b.zero && (reads || (minus && !b.negative))))
         return *a;
     b.negative ^= minus;
-    if (a->zero == ZERO_TERM)
+    if (a->zero == ZERO_TERM || (a->zero && reads))
         return b;
     struct buffer text = {0};
     put_piece(p, &text, a, SUM);
