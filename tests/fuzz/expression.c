@@ -27,7 +27,14 @@ static double load(const void *context, int slot)
 }
 
 static const double x[NAMES] = {-0.7, 3, 0, 1e200};
-static const struct expr_scope scope = {.context = x, .find = find, .load = load};
+static enum quantity quantity(const void *context, int slot)
+{
+    (void)context;
+    return slot % 2 ? QUANTITY_LENGTH : QUANTITY_OTHER;
+}
+
+static const struct expr_scope scope = {
+    .context = x, .find = find, .load = load, .quantity = quantity};
 
 static void check(bool fine)
 {

@@ -274,7 +274,10 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
     while (next < rest.len && strchr(" \t", rest.at[next]))
         next++;
     const struct text other = {rest.at + next, rest.len - next};
-    const size_t word = peek_word(other, "+-*/^)<>=,:").len;
+    const size_t word = peek_word(other, "+-*/^()<>=,:").len;
+    const bool power = rest.at[sign] == '^';
+    if (!power && word < other.len && other.at[word] == '(')
+        return true; /* a call, as of min() */
     char whole[LIMIT_NAME];
     struct buffer name = {0};
     buffer_format(&name, "%s%c%.*s", unit->row.name, rest.at[sign], (int)(word < 16 ? word : 16),
@@ -283,9 +286,8 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
     memcpy(whole, buffer_view(&name), fits ? name.len + 1 : 1);
     whole[fits ? name.len : 0] = '\0';
     buffer_free(&name);
-    const bool power = glued && rest.at[sign] == '^';
-    if (!exists &&
-        !(glued && next == sign + 1 && (power || unit_match(other) || powered_unit(whole))))
+    if (!exists && !power &&
+        !(glued && next == sign + 1 && (unit_match(other) || powered_unit(whole))))
         return true;
     const struct typed_operand *operand = &c->operand[c->values - 1];
     const struct text typed = {rest.at, next + word};

@@ -352,6 +352,33 @@ static void test_uncertainties(void **state)
     bench_close(&b);
 }
 
+/* Whatever is typed is a value that is said or an error that is said. */
+static void test_token_soup(void **state)
+{
+    (void)state;
+    static const char *const token[] = {
+        "5", "0.25", "cm",  " m", "kg",  "1/s", "N/m", "s",   "*",     "/",  "^",   "+",
+        " ", "-",    "(",   ")",  "y0",  "m",   "pi",  "deg", "sqrt(", ",",  "T0",  "max(",
+        "<", "+-",   "foo", "'",  "m/s", "if(", "Hz",  "2",   "(1)",   "e3", "rad", "y0 + 1 cm"};
+    struct bench b;
+    bench_open(&b, false);
+    for (int round = 0; round < (is_long() ? 200000 : 10000); round++) {
+        struct buffer line = {0};
+        const int tokens = 1 + pick(9), kind = pick(4);
+        buffer_put(&line, text_of((const char *[]){"print ",
+                                                   "let q1 = ", "y0 = ", "event b when "}[kind]));
+        for (int i = 0; i < tokens; i++)
+            buffer_put(&line, text_of(token[pick((int)COUNT_OF(token))]));
+        if (kind == 3)
+            buffer_put(&line, TEXT(" do record"));
+        const bool done = type(&b, line.data);
+        if (done ? b.out.len == 0 : b.err.len == 0)
+            fail_msg("'%s' %s without a word", line.data, done ? "is taken" : "fails");
+        buffer_free(&line);
+    }
+    bench_close(&b);
+}
+
 /* A recording whose unit is unknown is adopted and compared as one that has none: what both say. */
 static void adopt_with(const char *header, double omega, double amplitude, double noise,
                        double *start, double *rms)
@@ -398,6 +425,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_unknown_units),
+        cmocka_unit_test(test_token_soup),
         cmocka_unit_test(test_random_expressions),
         cmocka_unit_test(test_uncertainties),
     };

@@ -157,7 +157,8 @@ static void save_recreates_the_setup_exactly(void **state)
         "method verlet drag=implicit; C = 0.5; duration = 2/3; set record every 7; tol = 1e-9; "
         "timing off; set digits "
         "12",
-        "method dopri5 tol=3e-5; let A = 5 cm +- (1/3) mm; let B = 0.1+0.2; set phase-axes raw; set "
+        "method dopri5 tol=3e-5; let A = 5 cm +- (1/3) mm; let B = 0.1+0.2; set phase-axes raw; "
+        "set "
         "record all; tol = "
         "off",
     };

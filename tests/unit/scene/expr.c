@@ -225,6 +225,8 @@ static void test_mistakes(void **state)
     expect_mistake("5 kg/m", "unknown unit 'kg/m': kg is one", "kg/m", "with blanks");
     expect_mistake("5 N / m", "the unit N/m is written without blanks", "N / m", "");
     expect_mistake("2 cm^3", "unknown unit 'cm^3': cm is one", "cm^3", "(2 cm)^3");
+    expect_mistake("2 cm ^ 3", "unknown unit 'cm^3': cm is one", "cm ^ 3", "(2 cm)^3");
+    expect_mistake("2 cm^(3)", "unknown unit 'cm^': cm is one", "cm^", "(2 cm)^");
     expect_mistake("9.81 m/s2", "unknown unit 'm/s2'", "m/s2", "the unit is written m/s^2");
     expect_mistake("sin(3 cm)", "sin takes a number, not '3 cm' (length)", "3 cm", "");
     expect_mistake("sin()", "sin takes 1 argument", "sin()", "");
