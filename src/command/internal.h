@@ -47,6 +47,16 @@
 #define COMMAND(...)
 #endif
 
+/*
+ * Finds how a value that is read depends on the state of the run and on time (slope [n + 1]), by
+ * reading it beside them. Returns false if it cannot be read there. (scene/slopes.c)
+ */
+bool find_slopes(const struct parser *value, struct run *run, const char *what,
+                 enum quantity quantity, double *slope);
+/* Returns true for a value that an event sets, and that depends on the state of the run. */
+bool value_depends(struct session *session, const struct parser *value);
+/* From here on it is not known how the run answers to another state. */
+void forget_jump_slopes(struct session *session);
 /* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (scene/scene.c). */
 struct parser value_parser(struct session *session, const struct arguments *args);
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,

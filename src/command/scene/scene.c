@@ -5,7 +5,6 @@
 #include <hooke/scene/typed.h>
 #include "command/internal.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -211,36 +210,6 @@ static bool set_param(struct session *session, int param, const struct item *ite
     return true;
 }
 
-/*
- * Finds how the value that was read depends on the state and on time (slope [n + 1]), by reading it
- * again beside them. Returns false if it cannot be read there.
- */
-static bool find_slopes(const struct parser *before, struct run *run, const char *what,
-                        enum quantity quantity, double *slope)
-{
-    static const double difference = 6e-6; /* a compromise of rounding and curvature */
-    const double t = run->t;
-    bool ok = true;
-    for (int i = 0; i <= run->system.n; i++) {
-        double *moving = i < run->system.n ? &run->y[i] : &run->t, value[2] = {0, 0};
-        const double was = *moving,
-                     natural = i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
-                     by = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
-        for (int side = 0; side < 2 && ok; side++) {
-            struct parser parser = *before;
-            struct item item = {0};
-            struct error ignored;
-            *moving = side ? was + by : was - by;
-            ok = read_value(&parser, what, quantity, &item, &ignored);
-            value[side] = item.value.value;
-        }
-        *moving = was;
-        slope[i] = (value[1] - value[0]) / (2 * by);
-    }
-    run->t = t;
-    return ok;
-}
-
 /* What moves: a jump of the current run. */
 static bool set_state(struct session *session, int variable, struct parser *parser,
                       struct reply *reply, struct error *error)
@@ -358,6 +327,7 @@ HANDLER(set)
     struct item item = {0};
     const struct row *row;
     const int variable = state_named(session, name, argument_value(args, "VALUE")->item->text);
+    const bool depends = variable < 0 && value_depends(session, &parser);
     bool ok;
     if (variable >= 0) {
         ok = set_state(session, variable, &parser, reply, error);
@@ -393,6 +363,8 @@ HANDLER(set)
                                                set_let(session, name, &item, reply, error)
                                          : unknown_parameter(session, name, parser.rest, error);
     }
+    if (ok && depends)
+        forget_jump_slopes(session);
     if (ok)
         session_changed(session);
     return ok;
@@ -457,8 +429,12 @@ HANDLER(let)
     }
     struct parser parser = value_parser(session, args);
     struct item item = {0};
-    return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) &&
-           set_let(session, name, &item, reply, error);
+    const bool depends = value_depends(session, &parser);
+    const bool ok = read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) &&
+                    set_let(session, name, &item, reply, error);
+    if (ok && depends)
+        forget_jump_slopes(session);
+    return ok;
 }
 #endif
 

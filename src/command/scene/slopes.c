@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How values that events set depend on the state of the run: see run_set_jump_slopes(). */
+#include "command/internal.h"
+
+#include <float.h>
+#include <math.h>
+
+bool find_slopes(const struct parser *before, struct run *run, const char *what,
+                        enum quantity quantity, double *slope)
+{
+    static const double difference = 6e-6; /* a compromise of rounding and curvature */
+    const double t = run->t;
+    bool ok = true;
+    for (int i = 0; i <= run->system.n; i++) {
+        double *moving = i < run->system.n ? &run->y[i] : &run->t, value[2] = {0, 0};
+        const double was = *moving,
+                     natural = i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
+                     by = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
+        for (int side = 0; side < 2 && ok; side++) {
+            struct parser parser = *before;
+            struct item item = {0};
+            struct error ignored;
+            *moving = side ? was + by : was - by;
+            ok = read_value(&parser, what, quantity, &item, &ignored);
+            value[side] = item.value.value;
+        }
+        *moving = was;
+        slope[i] = (value[1] - value[0]) / (2 * by);
+    }
+    run->t = t;
+    return ok;
+}
+
+bool value_depends(struct session *session, const struct parser *value)
+{
+    struct run *run = session_run(session);
+    double slope[LIMIT_VARIABLES + 1];
+    if (!session->reacting || !run || !run->plan.adaptive ||
+        !find_slopes(value, run, "value", QUANTITY_OTHER, slope))
+        return false;
+    bool depends = false;
+    for (int i = 0; i <= run->system.n; i++)
+        depends = depends || slope[i] != 0;
+    return depends;
+}
+
+void forget_jump_slopes(struct session *session)
+{
+    double slope[LIMIT_VARIABLES + 1];
+    for (int i = 0; i <= LIMIT_VARIABLES; i++)
+        slope[i] = NAN;
+    run_set_jump_slopes(session_run(session), slope);
+}
