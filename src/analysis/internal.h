@@ -174,6 +174,8 @@ struct swing {
  * if out of memory.
  */
 bool find_swing(const struct series *series, struct swing *swing);
+/* The same for the first swings after rest, however few, where offset or damping change later. */
+bool find_first_swing(const struct series *series, struct swing *swing);
 
 /* ---- robust.c ---- */
 

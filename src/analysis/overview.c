@@ -405,7 +405,7 @@ bool motion_refuse(const struct motion *m, const struct series *series, struct e
         error_set(error, ERROR_COMMAND,
                   "only a part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
                   swing.period, swing.window[0], swing.window[1]);
-        return error_hint(error, "add: window=%.9g..%.9g", swing.window[0], swing.window[1]);
+        return error_hint(error, "add: window=%.9g:%.9g", swing.window[0], swing.window[1]);
     }
     error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
     return error_hint(error, "choose another window or column; at least two periods are needed");

@@ -127,11 +127,14 @@ static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
 }
 
 /* Names the window that one damped sine describes, where there is one. Returns false. */
-static bool hint_swing(const struct series *series, struct error *error)
+static bool hint_swing(const struct motion *m, const struct series *series, struct error *error)
 {
+    static const double same_period_log = 0.2;
     struct swing swing;
-    if (find_swing(series, &swing))
-        return error_hint(error, "one damped sine follows a part of it: add window=%.9g..%.9g",
+    if (find_swing(series, &swing) ||
+        (find_first_swing(series, &swing) &&
+         fabs(log(swing.period / m->overview.period)) < same_period_log))
+        return error_hint(error, "one damped sine follows a part of it: add window=%.9g:%.9g",
                           swing.window[0], swing.window[1]);
     return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
 }
@@ -145,7 +148,7 @@ static bool refuse_laws(const struct motion *m, const struct series *series, str
     error_set(error, ERROR_NUMERICAL,
               "it oscillates, every %.4g s on average, but no law of damping follows it%s",
               m->overview.period, without);
-    return hint_swing(series, error);
+    return hint_swing(m, series, error);
 }
 
 /* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force.
@@ -194,14 +197,15 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         if (two_lines(&m.samples, &pair))
             return error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
                               pair.period[0], pair.period[1]);
-        return hint_swing(series, error);
+        return hint_swing(&m, series, error);
     }
     const bool determined =
         isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
     if ((!fit->converged || !determined) && !drag) {
         fit->converged = false;
-        return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations",
-                         fit->model, fit->iterations);
+        error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations",
+                  fit->model, fit->iterations);
+        return hint_swing(&m, series, error);
     }
     double sway = NAN;
     if (unknowns == FREE_GAMMA) {

@@ -165,19 +165,24 @@ static size_t leaves_rest(const struct series *s, struct arena *arena)
     return off < NEIGHBOURS ? s->n : i - NEIGHBOURS;
 }
 
-/* Tries what comes after the rest at the beginning, however soon that dies out. */
-static bool after_rest(const struct series *s, struct swing *swing)
+/* Tries what comes after the rest at the beginning, however soon that dies out: all of it, then its
+ * first half, quarter and so on. */
+static bool after_rest(const struct series *s, size_t halvings, struct swing *swing)
 {
     struct arena arena = {0};
-    struct motion m;
-    const size_t first = leaves_rest(s, &arena), window[2] = {first, s->n};
+    const size_t first = leaves_rest(s, &arena);
     bool found = false;
-    if (first + SWING_SAMPLES_MIN < s->n) {
-        const struct series part = part_of(s, first, s->n);
+    for (size_t i = 0; i <= halvings && !found && !cancelled(s->cancel); i++) {
+        const size_t window[2] = {first, first + ((s->n - first) >> i)};
+        struct motion m;
+        if (window[1] - first < SWING_SAMPLES_MIN)
+            break;
+        const struct series part = part_of(s, first, window[1]);
         found = motion_init(&m, &part, &arena, NULL) && !m.tracked && describes(&m);
+        if (found)
+            set_swing(s, window, &m, swing);
+        arena_reset(&arena);
     }
-    if (found)
-        set_swing(s, window, &m, swing);
     arena_reset(&arena);
     return found;
 }
@@ -186,10 +191,16 @@ bool find_swing(const struct series *series, struct swing *swing)
 {
     if (series->n < 2 * SWING_SAMPLES_MIN)
         return false;
-    if (after_rest(series, swing))
+    if (after_rest(series, 0, swing))
         return true;
     for (size_t trim = 1; trim <= GRID_TRIM_MAX && !cancelled(series->cancel); trim++)
         if (best_of_length(series, GRID_PARTS - trim, swing))
             return swing->to - swing->from < series->n;
     return false;
+}
+
+bool find_first_swing(const struct series *series, struct swing *swing)
+{
+    enum { HALVINGS = 4 };
+    return series->n >= 2 * SWING_SAMPLES_MIN && after_rest(series, HALVINGS, swing);
 }

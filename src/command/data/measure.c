@@ -78,6 +78,14 @@ static struct measured inverse(struct measured x)
     return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
 }
 
+/* Returns the part of a series that its period was read from, the whole where that is most of it. */
+static struct series swinging_part(const struct series *s, const struct period *p)
+{
+    static const double most = 0.8;
+    const double span = s->t[s->n - 1] - s->t[0];
+    return p->last - p->first < most * span ? series_window(*s, p->first, p->last) : *s;
+}
+
 static bool measure_period(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -97,8 +105,8 @@ static bool measure_period(struct measuring *m)
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
-    if (m->subject.recording &&
-        series_correlation_period(&m->subject.series, &p, m->args->arena, &alike))
+    const struct series swing = swinging_part(&m->subject.series, &p);
+    if (m->subject.recording && series_correlation_period(&swing, &p, m->args->arena, &alike))
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
     put_pace(&m->subject.series, &text);
     begin(m, p.period, QUANTITY_TIME, p.periods);
