@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plan: what a scene and a method really need, and what is refused before anything starts. */
+#include <hooke/run/step_limit.h>
 #include "run/private.h"
 
+#include <float.h>
 #include <math.h>
 
 static const struct row kernels[] = {
@@ -84,13 +86,37 @@ static bool oscillation(const struct system *system, double *omega0, double *zet
     return system->linear && o->whole && *omega0 > 0 && isfinite(*zeta);
 }
 
+double plan_step_limit(const struct system *system, const struct method *method, enum drag drag)
+{
+    struct error ignored;
+    double low = log(DBL_MIN), high = log(DBL_MAX);
+    /* This resolves the default, too. */
+    if (!method_applies(method, system, &drag, &ignored))
+        return HUGE_VAL;
+    if (method_fits(method, system, drag, exp(high), &ignored))
+        return HUGE_VAL;
+    if (!method_fits(method, system, drag, exp(low), &ignored))
+        return 0;
+    while (high - low > 1e-14 * fmax(1, fabs(low))) {
+        const double middle = (low + high) / 2;
+        if (middle <= low || middle >= high)
+            break;
+        if (method_fits(method, system, drag, exp(middle), &ignored))
+            low = middle;
+        else
+            high = middle;
+    }
+    return exp(low);
+}
+
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag)
 {
     double omega0, zeta;
     if (!oscillation(system, &omega0, &zeta) ||
         zeta < 0) /* with negative damping the true motion grows */
         return NAN;
-    return method_stable_limit(method, drag, zeta) / omega0;
+    return fmin(method_stable_limit(method, drag, zeta) / omega0,
+                plan_step_limit(system, method, drag));
 }
 
 static double predicted_growth(const struct system *system, const struct method *method,

@@ -47,6 +47,8 @@ struct lyapunov {
     bool cancelled;
     const char *reason; /* why it is not determined, or ends early; NULL: it does not */
     int64_t evals;
+    const char *method; /* by which the motion and its tangents were solved, */
+    double tol;         /* and the tolerance */
     double seconds;
 };
 

@@ -88,7 +88,10 @@ static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chos
     }
     if (f->reason)
         buffer_format(out, "%s: %s\n", f->determined ? "ends early" : "not determined", f->reason);
-    buffer_format(out, "%lld evaluations, ", (long long)f->evals);
+    buffer_format(out,
+                  "%lld evaluations by %s at tol = %.0e ('method', 'dt' and 'tol' do not matter "
+                  "here), ",
+                  (long long)f->evals, f->method, f->tol);
     buffer_quantity(out, f->seconds, QUANTITY_TIME, 3);
 }
 

@@ -27,6 +27,11 @@ static void put_checks(struct buffer *out, const struct stability *s)
 
 static void put_weakness(struct buffer *out, const struct stability *s)
 {
+    if (s->refused)
+        buffer_format(out,
+                      "  dt_max is the longest step that %s takes here: a longer one is refused, "
+                      "stable or not\n",
+                      s->by.method->row.name);
     if (!isnan(s->weak[1])) {
         buffer_format(out, "  weak instability: growth 1 + %.3g (omega dt)^%.3g, ", s->weak[0],
                       s->weak[1]);

@@ -333,6 +333,8 @@ bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *foun
         found->determined = false;
     found->cancelled = s->end == TANGENTS_CANCELLED;
     found->reason = reason_of(s);
+    found->method = s->t.method ? s->t.method->row.name : "";
+    found->tol = s->t.controller.tol;
     found->evals = tangents_evals(&s->t) + s->t.field.evals;
     found->seconds = clock_seconds(since);
     report(s, 2);

@@ -105,6 +105,7 @@ static const struct result_column of_method[] = {
     {.name = "omega", .real = omega_of, .quantity = QUANTITY_ANGULAR_FREQUENCY},
     {.name = "zeta", .real = zeta_of},
     {.name = "doubling_steps", AT(doubling)},
+    {.name = "refused_above", .kind = COLUMN_BOOL, AT(refused)},
 };
 /* clang-format on */
 

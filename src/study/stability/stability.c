@@ -3,6 +3,8 @@
  * verified by running. */
 #include "study/compare/verify.h"
 
+#include <hooke/run/step_limit.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -310,6 +312,16 @@ static void find_limit(struct stability *s)
     }
 }
 
+/* Lowers dt_max to the longest step that the method takes: beyond it a run is refused. */
+static void bound_limit(const struct system *system, struct stability *s)
+{
+    const double longest = plan_step_limit(system, s->by.method, s->by.drag);
+    if (!(longest < s->dt_max))
+        return;
+    s->dt_max = longest;
+    s->refused = true;
+}
+
 static void find_growth(struct stability *s)
 {
     s->growth_predicted = s->modes ? 0 : NAN;
@@ -339,7 +351,7 @@ static void name_weakness(struct stability *s)
         s->weak[1] = less > ROUNDING / 10 ? log2(g / less) : NAN;
         s->weak[0] = g / pow(x, s->weak[1]);
     }
-    if (!(s->dt_max > 0) || isinf(s->dt_max))
+    if (!(s->dt_max > 0) || isinf(s->dt_max) || s->refused)
         return;
     double max = 0;
     for (double part = 0; part < WINDOW_MAX; part += WINDOW_MAX / 2000) {
@@ -359,7 +371,8 @@ static void verify(struct stability *s)
     mode_check(&s->by, &s->worst, s->dt, &s->check[s->checks++]);
     s->growth_measured = s->check[0].measured;
     const double aside = mode_aside(&s->by, &s->tightest, s->dt_max);
-    for (int side = -1; side <= 1 && s->dt_max > 0 && isfinite(s->dt_max); side += 2)
+    for (int side = -1; side <= (s->refused ? -1 : 1) && s->dt_max > 0 && isfinite(s->dt_max);
+         side += 2)
         mode_check(&s->by, &s->tightest, s->dt_max * (1 + side * aside), &s->check[s->checks++]);
     for (int i = 0; i < s->checks; i++)
         s->agrees &= s->check[i].agrees;
@@ -447,6 +460,7 @@ bool study_stability(const struct stability_request *request, struct stability *
     if (!s->linear)
         modes_along(&system, request, s);
     find_limit(s);
+    bound_limit(&system, s);
     find_growth(s);
     s->verdict = judge_all(s);
     s->agrees = true;
