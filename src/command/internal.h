@@ -89,6 +89,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
 /* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of
  * a double. */
 void reply_growth(struct run *run, struct reply *reply);
+/* Warns where fixed steps do not see how the force changes in time. */
+void reply_unresolved(const struct run *run, struct reply *reply);
 /* Warns once if a step was nonsense. */
 void reply_unsound(struct run *run, struct reply *reply);
 /* along switches, or these pile up; once */

@@ -215,6 +215,7 @@ static bool arrive(struct session *session, const struct advance *advance,
     reply_run(session, run, reply);
     reply_event(advance->slot, pass->count > 0 ? pass->stopped[0] : NULL, reply);
     reply_growth(run, reply);
+    reply_unresolved(run, reply);
     reply_unsound(run, reply);
     reply_vanished(run, reply);
     struct error lost = {0};

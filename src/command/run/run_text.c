@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said about a run: how it went, and what is wrong with its step. */
 #include <hooke/report.h>
+#include <hooke/run/unresolved.h>
 #include <hooke/scene/typed.h>
 #include "command/internal.h"
 
@@ -147,6 +148,25 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     say_apart(session, run, reply);
     if (reply_wants_records(reply))
         reply_run_record(&record, reply);
+}
+
+void reply_unresolved(const struct run *run, struct reply *reply)
+{
+    double dt;
+    if (stop_is_failure(run->stop) || !run_force_unresolved(run, &dt))
+        return;
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("the force changes in time faster than steps of dt = "));
+    buffer_quantity(&text, run->settings.dt, QUANTITY_TIME, 3);
+    buffer_put(&text, TEXT(" can show: this run is not one of that force; try "));
+    if (isfinite(dt)) {
+        buffer_put(&text, TEXT("dt <= "));
+        buffer_quantity(&text, dt, QUANTITY_TIME, 2);
+        buffer_put(&text, TEXT(", or "));
+    }
+    buffer_put(&text, TEXT("an adaptive method"));
+    reply_warning(reply, "%s", text.data ? text.data : "");
+    buffer_free(&text);
 }
 
 void reply_growth(struct run *run, struct reply *reply)

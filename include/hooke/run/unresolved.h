@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Fixed steps that do not see how a force changes in time. */
+#ifndef HOOKE_RUN_UNRESOLVED_H
+#define HOOKE_RUN_UNRESOLVED_H
+
+#include <hooke/run.h>
+
+/* Relative size below which changes of a force in time are of no interest. */
+#define FORCE_VARIES_MIN 1e-3
+/* Share of the force's changes in time, as a root mean square, that steps may miss. */
+#define FORCE_MISSED_SHARE 0.5
+
+/* Returns true if inside of the steps of a run the force changes in time by other values than the
+ * beginning, middle and end of each step show: the steps are too long for it, or a multiple of its
+ * period, so that every step sees the same. Then *dt [s] is a step that sees it, NAN if none was
+ * found. False for adaptive runs, for exact solutions and where steps end at the jumps of a force.
+ */
+bool run_force_unresolved(const struct run *run, double *dt);
+
+#endif
