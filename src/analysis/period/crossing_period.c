@@ -100,6 +100,29 @@ static size_t up_crossings(const struct series *series, const struct overview *o
     return up;
 }
 
+/*
+ * Returns the uncertainty of a crossing [s] that lies in an edge: somewhere between two samples, as
+ * much of the swing is passed between them. 0 if the series passes the level smoothly.
+ */
+static double edge_uncertainty(const struct series *s, const struct overview *o, double t)
+{
+    static const double edge_share = 0.3;
+    const struct samples all = {.t = s->t, .n = s->n};
+    const size_t after = samples_index(&all, t);
+    if (after == 0 || after >= s->n)
+        return 0;
+    const double jump = fabs(s->y[after] - s->y[after - 1]);
+    return jump > edge_share * (o->high - o->low) ? (s->t[after] - s->t[after - 1]) / sqrt(12) : 0;
+}
+
+/* Adds what equal errors of all edges do to the period, as they do not show in their scatter. */
+static void widen_by_edges(const struct series *s, const struct overview *o, struct period *period)
+{
+    const double edge = edge_uncertainty(s, o, period->first);
+    period->period.uncertainty =
+        hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
+}
+
 bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
                      struct period *period, struct error *error)
 {
@@ -110,8 +133,11 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
         return error_memory(error);
     const size_t up = up_crossings(series, o, o->mean, crossing, capacity);
     *period = (struct period){.level = o->mean, .how = "up-crossings"};
-    if (up >= 2 && fit_beat(crossing, up, o->period, scratch, overview_is_exact(o), period, &used))
+    if (up >= 2 &&
+        fit_beat(crossing, up, o->period, scratch, overview_is_exact(o), period, &used)) {
+        widen_by_edges(series, o, period);
         return true;
+    }
     error_set(error, ERROR_COMMAND,
               "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
     return error_hint(error, "fit finds the period of such a signal");
@@ -178,6 +204,7 @@ static bool regular_period(const struct series *series, double level, double reg
     *period = (struct period){.level = o.mean, .how = "up-crossings"};
     if (!fit_beat(crossing, cycles, cycle, scratch, true, period, &used))
         return false;
+    widen_by_edges(series, &o, period);
     if (first > 0)
         snprintf(period->warning, sizeof period->warning,
                  "the period settles: it is read from t = %.6g s on, where it repeats to 1 %%",
