@@ -20,6 +20,11 @@ static void put_time(struct buffer *text, double seconds, int digits)
     buffer_format(text, " s");
 }
 
+#define STEP_HOPELESS 1e-6 /* of the step in use: nobody wants one that short */
+#define GROWN 1e-30        /* of the largest state: linear growth got there, not a method */
+#define T0_LARGE 1e6       /* times the way: t0 takes its digits from t */
+#define TOL_SMALL 1e-11    /* below it rounding may be what step control sees */
+
 #define SOUND 2 /* natural sizes: what is larger may be the method's doing */
 
 /* The last recorded state before it blew up, or the start. What a blown-up state says of rates
@@ -62,18 +67,95 @@ static double fastest_rate(const struct run *run)
     return max;
 }
 
-static void explain_divergence(const struct run *run, struct buffer *text)
+static enum solution_fate fate_of(const struct run *run)
+{
+    return run->private_state ? run->private_state->fate : SOLUTION_UNKNOWN;
+}
+
+/* What is wrong with the state that no step leads on from. Returns false if nothing is. */
+static bool explain_state(const struct run *run, struct buffer *text)
+{
+    static const double ahead[] = {0, 0.5, 1}; /* of a fixed step, where its stages are */
+    const struct system *system = &run->system;
+    for (int i = 0; i < system->n; i++) {
+        if (fabs(run->y[i]) <= run_bound(system, i))
+            continue;
+        buffer_format(text, "%s = ", system_variable(system, i).name);
+        buffer_short(text, run->y[i], 3);
+        buffer_put(text, TEXT(" is beyond "));
+        buffer_short(text, run_bound(system, i), 1);
+        buffer_put(text, TEXT(", where runs end; count in larger units"));
+        return true;
+    }
+    for (size_t k = 0; k < (run->plan.adaptive ? 1 : COUNT_OF(ahead)); k++) {
+        const double t = run->t + ahead[k] * (run->plan.adaptive ? 0 : run->settings.dt);
+        double slope[LIMIT_VARIABLES];
+        system_derivative(system, t, run->y, slope);
+        for (int i = 0; i < system->n; i++) {
+            if (isfinite(slope[i]))
+                continue;
+            buffer_format(text,
+                          "%s' is not a finite number at t = ", system_variable(system, i).name);
+            put_time(text, t, 6);
+            buffer_put(text, system->autonomous ? TEXT(", in the state reached there")
+                             : run->plan.adaptive
+                                 ? TEXT("; no step begins there, a run can begin behind it")
+                                 : TEXT("; choose dt so that no step ends there, or a method that "
+                                        "adapts"));
+            return true;
+        }
+    }
+    return false;
+}
+
+static void put_shorter_step(const struct run *run, double dt, bool implicit_helps,
+                             struct buffer *text)
+{
+    const bool hopeless = dt < STEP_HOPELESS * run->settings.dt;
+    buffer_put(text, TEXT("; try "));
+    if (!hopeless || !implicit_helps) {
+        buffer_put(text, TEXT("dt <= "));
+        put_time(text, one_digit(dt), 1);
+    }
+    if (implicit_helps)
+        buffer_put(text, hopeless ? TEXT("an implicit method") : TEXT(" or an implicit method"));
+}
+
+static void explain_adaptive_divergence(const struct run *run, struct buffer *text)
+{
+    const double rate = fastest_rate(run);
+    if (fate_of(run) == SOLUTION_GOES_ON) {
+        buffer_put(text, TEXT("errors of steps have led out of the range of numbers, the solution "
+                              "goes on; try a smaller tol"));
+    } else if (!(run->method->flags & METHOD_IMPLICIT) && !run->method->rosenbrock &&
+               rate * run->settings.dt * STEP_HOPELESS > 1) {
+        buffer_put(text, TEXT("the scene's fastest rate is about "));
+        buffer_short(text, rate, 2);
+        buffer_format(text, " 1/s, too fast for %s; try an implicit method", run->method->row.name);
+    } else {
+        buffer_put(text, TEXT("no step, however short, gives a state within the range of numbers; "
+                              "it is not known why"));
+    }
+}
+
+/* Does the solution itself leave the range of numbers, with an infinite time to infinity? */
+static bool solution_grows(const struct run *run)
+{
+    double largest = 0;
+    for (int i = 0; i < run->system.n; i++)
+        largest = fmax(largest, fabs(run->y[i]) / run_bound(&run->system, i));
+    return fate_of(run) == SOLUTION_GROWS ||
+           (run->plan.adaptive && run->system.linear && largest > GROWN);
+}
+
+static void explain_fixed_divergence(const struct run *run, struct buffer *text)
 {
     const struct oscillator *o = &run->system.oscillator;
     const char *name = run->method->row.name;
     double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth,
            rate = fastest_rate(run);
     bool implicit = run->method->flags & METHOD_IMPLICIT;
-    if (run->plan.adaptive) {
-        buffer_format(text, "no step, however short, gives a state within the range of numbers: "
-                            "the solution itself "
-                            "seems to leave it");
-    } else if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
+    if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
         buffer_format(text, "the scene itself grows (%s < 0)", o->stiffness < 0 ? "k" : "gamma");
     } else if (limit == 0 && o->damping == 0) {
         buffer_format(text, "%s is unstable on an undamped oscillator for every dt (growth ", name);
@@ -84,8 +166,8 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         put_time(text, dt, 6);
         buffer_format(text, " is above the stability limit ");
         put_time(text, limit, 3);
-        buffer_format(text, " of %s; try dt <= ", name);
-        put_time(text, one_digit(limit / 10), 1);
+        buffer_format(text, " of %s", name);
+        put_shorter_step(run, limit / 10, limit < STEP_HOPELESS * dt, text);
     } else if (growth > 1) {
         buffer_format(text, "%s grows by ", name);
         buffer_short(text, growth, 5);
@@ -95,13 +177,75 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         buffer_short(text, rate, 2);
         buffer_format(text, " 1/s, too fast for %s at dt = ", name);
         put_time(text, dt, 6);
-        buffer_format(text, "; try dt <= ");
-        put_time(text, one_digit(1 / rate), 1);
-        buffer_format(text, " or an implicit method");
+        put_shorter_step(run, 1 / rate, true, text);
     } else {
-        buffer_format(text, "the state left the range of numbers; try dt <= ");
-        put_time(text, one_digit(dt / 10), 1);
+        buffer_put(text, fate_of(run) == SOLUTION_GOES_ON
+                             ? TEXT("steps of this size lead out of the range of numbers, the "
+                                    "solution goes on")
+                             : TEXT("the state left the range of numbers; it is not known whether "
+                                    "the solution does"));
+        put_shorter_step(run, dt / 10, false, text);
     }
+}
+
+static void explain_divergence(const struct run *run, struct buffer *text)
+{
+    if (explain_state(run, text))
+        return;
+    if (solution_grows(run))
+        buffer_put(text, TEXT("the solution itself grows beyond the range of numbers"));
+    else if (run->plan.adaptive)
+        explain_adaptive_divergence(run, text);
+    else
+        explain_fixed_divergence(run, text);
+}
+
+static void explain_no_solution(const struct run *run, struct buffer *text)
+{
+    if (explain_state(run, text))
+        return;
+    buffer_format(text, "the implicit equation of %s was not solved", run->method->row.name);
+    if (run->plan.adaptive) {
+        buffer_format(text, " by any step, however short%s",
+                      fate_of(run) == SOLUTION_GOES_ON
+                          ? ", where the solution goes on; try a smaller tol"
+                          : "");
+    } else {
+        put_shorter_step(run, run->settings.dt / 2, false, text);
+    }
+}
+
+static void explain_stall(const struct run *run, struct buffer *text)
+{
+    const double way = fabs(run->t - run->system.t0);
+    if (explain_state(run, text))
+        return;
+    buffer_put(text, TEXT("the step for tol = "));
+    buffer_short(text, run->settings.tol, 3);
+    buffer_put(text, TEXT(" is below the rounding of t"));
+    if (fabs(run->system.t0) > T0_LARGE * way)
+        buffer_put(text, TEXT(", which is large; let time begin near 0 (t0)"));
+    else if (run->settings.tol < TOL_SMALL)
+        buffer_put(text, TEXT("; try a larger tol"));
+    else if (fate_of(run) == SOLUTION_GOES_ON)
+        buffer_put(text, TEXT(", where the solution goes on; try a smaller tol"));
+    else
+        buffer_put(text, TEXT(": the equations may jump there, or have a singularity"));
+}
+
+static void explain_singularity(const struct run *run, struct buffer *text)
+{
+    const bool beyond =
+        fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0);
+    buffer_format(text, "the solution itself %s at t = ", singularity_text(&run->singular));
+    put_time(text, run->singular.t, 6);
+    buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
+    if (beyond)
+        buffer_put(text, TEXT("what the method gives beyond means nothing"));
+    else if (run->singular.finite && !run->system.autonomous)
+        buffer_put(text, TEXT("it may go on beyond, but no step gets past it"));
+    else
+        buffer_put(text, TEXT("no method and no step gets past it"));
 }
 
 void run_explain(const struct run *run, struct buffer *text)
@@ -123,24 +267,16 @@ void run_explain(const struct run *run, struct buffer *text)
     buffer_format(text, " (step %lld)", (long long)run->steps);
     switch (run->stop) {
     case STOP_DIVERGED:
-        buffer_format(text, ": ");
+        buffer_put(text, TEXT(": "));
         explain_divergence(run, text);
         break;
     case STOP_NO_SOLUTION:
-        buffer_format(text, ": the implicit equation of %s was not solved", run->method->row.name);
-        if (run->plan.adaptive) {
-            buffer_format(text, " by any step, however short");
-        } else {
-            buffer_format(text, "; try dt <= ");
-            put_time(text, one_digit(run->settings.dt / 2), 1);
-        }
+        buffer_put(text, TEXT(": "));
+        explain_no_solution(run, text);
         break;
     case STOP_STALLED:
-        buffer_format(text, ": the step for tol = ");
-        buffer_short(text, run->settings.tol, 3);
-        buffer_format(text, " is below the rounding of t; try a larger tol");
-        if (!(run->method->flags & METHOD_IMPLICIT))
-            buffer_format(text, " or an implicit method");
+        buffer_put(text, TEXT(": "));
+        explain_stall(run, text);
         break;
     case STOP_FULL:
         if (run_event_records(run) == LIMIT_EVENT_RECORDS) {
@@ -155,13 +291,8 @@ void run_explain(const struct run *run, struct buffer *text)
             trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
         break;
     case STOP_SINGULAR:
-        buffer_format(text, ": the solution itself %s at t = ", singularity_text(&run->singular));
-        put_time(text, run->singular.t, 6);
-        buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
-        buffer_put(text,
-                   fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0)
-                       ? TEXT("what the method gives beyond means nothing")
-                       : TEXT("no method and no step gets past it"));
+        buffer_put(text, TEXT(": "));
+        explain_singularity(run, text);
         break;
     case STOP_NONE:
     case STOP_END:

@@ -17,7 +17,7 @@
 #define CHECKS 64      /* of steps one by one */
 
 bool run_solve(const struct system *system, double t, const double *y, double end, const char *by,
-               double tol, double *to)
+               double tol, double *to, const struct cancel *cancel)
 {
     const struct method *method = method_find(by);
     double state[LIMIT_VARIABLES],
@@ -29,27 +29,29 @@ bool run_solve(const struct system *system, double t, const double *y, double en
     copy_state(state, y, system->n);
     int64_t steps = 0;
     const int64_t max = method->flags & METHOD_IMPLICIT ? STEPS_MOST : STEPS_SMOOTH;
-    while (step.t != end && steps++ < max &&
+    while (step.t != end && steps++ < max && !cancelled(cancel) &&
            method_adapt(method, &step, &controller, end) == STEP_OK) {
     }
     free(work);
-    if (to)
+    if (to && step.t == end)
         copy_state(to, state, system->n);
     return step.t == end;
 }
 
 /* What the values are like before and after a step of h, by the solution: the largest, so that what
  * has just begun at 0 is not taken for 0. False: that is not known. */
-static bool sizes(const struct system *system, double t, double h, const double *y,
-                  double *solution, double *size)
+static bool sizes(const struct run *run, double t, double h, const double *y, double *solution,
+                  double *size)
 {
+    const struct system *system = &run->system;
     double next[LIMIT_VARIABLES];
-    if (!run_solve(system, t, y, t + h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution))
+    if (!run_solve(system, t, y, t + h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution, run->cancel))
         return false;
     for (int k = 0; k < system->n; k++)
         size[k] = fmax(fabs(y[k]), fabs(solution[k]));
-    for (double ahead = 2; ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h,
-                                                             RUN_SOLVE_STIFF, RUN_SOLVE_TOL, next);
+    for (double ahead = 2;
+         ahead <= STEPS_AHEAD &&
+         run_solve(system, t, y, t + ahead * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, next, run->cancel);
          ahead *= 4)
         for (int k = 0; k < system->n; k++)
             size[k] = fmax(size[k], fabs(next[k]));
@@ -66,7 +68,7 @@ void run_check_step(struct run *run, size_t i)
     p->unchecked = i + 1; /* and after many, fewer and fewer: a share of the run */
     if (++p->checks > CHECKS)
         p->unchecked += (size_t)ldexp(1, (int)fmin(40, (double)(p->checks - CHECKS) / 8));
-    if (run->plan.adaptive || !sizes(&run->system, t, t_end - t, y, solution, size))
+    if (run->plan.adaptive || !sizes(run, t, t_end - t, y, solution, size))
         return;
     for (int k = 0; k < run->system.n; k++) {
         const double times = fabs(end[k] - solution[k]) / size[k];

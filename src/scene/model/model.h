@@ -81,10 +81,15 @@ static inline double dry_acceleration(double f, double v, double a)
  */
 void oscillator_scale(struct system *system, double cubic, double mu, double width);
 
+/* Its reciprocal is a finite number, as are those of sums of tolerances of it. */
+#define SCALE_MIN 1e-290
+
 /* A natural size that error norms can divide by. */
 static inline double scale_clamp(double scale)
 {
-    return scale > DBL_MAX ? DBL_MAX : scale > 0 ? scale : 1; /* nothing moves: any scale will do */
+    if (!(scale > 0))
+        return 1; /* nothing moves: any scale will do */
+    return fmin(fmax(scale, SCALE_MIN), DBL_MAX);
 }
 
 #endif

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Fixed steps that got across the end of a solution, and go on where there is none. */
+#include "run/private.h"
+
+#include <math.h>
+
+/* of the accurate method, where a step looks strange */
+#define STEPS_FIRST 2000
+/* evaluations of an explicit method for each row that is looked at, which takes 3 */
+#define EVALS_A_ROW 150
+#define ROWS_LOOKED_MIN 1024
+#define LOOK_SHARE 16   /* rows for each step of the accurate method where a step looks strange */
+#define CHANGE_MIN 0.1  /* of y in a step: less is passed over */
+#define STEEPER 8       /* times: the slope after a step that grows without bound */
+#define OFF 0.1         /* of y: what a step and the mean of its slopes, or these, may differ by */
+#define STEPS_BEYOND 16 /* where a step looks strange: a method may pass too early, or soon */
+#define LOOK_EACH 512   /* rows between two looks at the flag of Ctrl-C */
+
+/*
+ * Does what happened to a variable in a step of h look as if a singularity lay there? Where it
+ * passed through infinity it changed against its slope at both ends, or far less than these want,
+ * or its sign and that of its slope; where it did not yet, it has grown, and its slope far more.
+ */
+static bool looks_across(double h, double y, double slope, double middle_slope, double end,
+                         double end_slope)
+{
+    const double change = end - y, size = fmax(fabs(y), fabs(end)),
+                 wanted = slope * end_slope > 0 ? h * slope : 0;
+    const double min = fmin(fabs(h * slope), fabs(h * end_slope));
+    if (!(fabs(change - h * (slope + end_slope) / 2) <= OFF * size) ||
+        !(fabs(h * (middle_slope - (slope + end_slope) / 2)) <=
+          OFF * size)) /* which a trapezoid does not see */
+        return true;
+    if (change * wanted < 0 && fabs(change) > CHANGE_MIN * size)
+        return true;
+    if (wanted != 0 && min > size && fabs(change) < CHANGE_MIN * min)
+        return true;
+    return fabs(change) > CHANGE_MIN * size &&
+           ((y * end < 0 && slope * end_slope < 0) ||
+            (fabs(end) > 2 * fabs(y) && fabs(end_slope) > STEEPER * fabs(slope)));
+}
+
+/* Rows i and i + 1. */
+static bool row_across(const struct run *run, size_t i)
+{
+    const struct trace *trace = run->trace;
+    const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
+    const double t = trace_time(trace, i), t_end = trace_time(trace, i + 1);
+    double slope[LIMIT_VARIABLES], end_slope[LIMIT_VARIABLES], middle[LIMIT_VARIABLES],
+        middle_slope[LIMIT_VARIABLES];
+    if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || t_end == t)
+        return false;
+    system_derivative(&run->system, t, y, slope);
+    system_derivative(&run->system, t_end, end, end_slope);
+    for (int k = 0; k < run->system.n; k++)
+        middle[k] = hermite(0.5, t_end - t, y[k], slope[k], end[k], end_slope[k]);
+    system_derivative(&run->system, t + (t_end - t) / 2, middle, middle_slope);
+    for (int k = 0; k < run->system.n; k++)
+        if (looks_across(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k]))
+            return true;
+    return false;
+}
+
+/* Whether the solution ends before `end`, next to the strange step from row i. */
+static bool ended_across(struct run *run, size_t i, double end)
+{
+    const struct singularity found = run_singular_before(run, trace_time(run->trace, i), end,
+                                                         STEPS_FIRST + (int64_t)i / LOOK_SHARE);
+    /* Past an integrable singularity in t the solution goes on. */
+    return !(found.finite && !run->system.autonomous) && run_end_singular(run, found);
+}
+
+/* The row before the largest relative change in a block of rows: that takes a small part of what
+ * steps of typed equations do. */
+static size_t largest_change(const struct trace *trace, size_t block, size_t count)
+{
+    size_t row = block;
+    double max = 0;
+    const size_t end = block + count < trace_count(trace) ? block + count : trace_count(trace) - 1;
+    for (size_t i = block; i < end; i++) {
+        const double *y = trace_state(trace, i), *next = trace_state(trace, i + 1);
+        for (int k = 0; k < trace->n; k++)
+            if (fabs(next[k] - y[k]) > max * (fabs(y[k]) + fabs(next[k]))) {
+                max = fabs(next[k] - y[k]) / (fabs(y[k]) + fabs(next[k]));
+                row = i;
+            }
+    }
+    return row;
+}
+
+/* Looks at the rows since the last call: at all of them where a step is dear, else at so few that
+ * it takes 2 % of the evaluations. */
+bool run_went_across(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    const size_t rows = trace_count(run->trace), first = run_own_start(run);
+    if (p->looked >= rows) /* it went back */
+        p->looked = p->across = p->unchecked = p->checks = 0;
+    size_t i = p->looked > first ? p->looked : first, passed = rows;
+    const size_t share = (size_t)run->cost.evals / EVALS_A_ROW,
+                 max = share > ROWS_LOOKED_MIN ? share : ROWS_LOOKED_MIN;
+    const bool dear = run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock;
+    const size_t by = dear ? 1 : 1 + (rows - i) / max;
+    p->looked = rows - 1;
+    for (size_t block = i; block + 1 < rows; block += by) {
+        if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
+            p->looked = block; /* the rest next time */
+            return false;
+        }
+        i = by > 1 && run->system.model->typed ? largest_change(run->trace, block, by) : block;
+        if ((i < p->across && i < p->unchecked && passed < rows) || !row_across(run, i))
+            continue;
+        if (i >= p->unchecked)
+            run_check_step(run, i);
+        if (i < p->across) {
+            passed = i;
+            continue;
+        }
+        p->across = 2 * i + 1; /* the next look goes as far as all before together */
+        passed = rows;
+        const double t = trace_time(run->trace, i + 1);
+        const double beyond = t + STEPS_BEYOND * (t - trace_time(run->trace, i));
+        if (ended_across(run, i, fabs(run->t - t) < fabs(beyond - t) ? run->t : beyond))
+            return true;
+    }
+    return passed < rows && ended_across(run, passed, run->t);
+}
