@@ -84,7 +84,7 @@ static double seconds(const void *row)
 
 static double opinion_error(const void *row)
 {
-    return run_opinion_known(of(row)) ? of(row)->opinion.error : NAN;
+    return run_opinion_error(of(row));
 }
 
 static double opinion_max(const void *row)
@@ -99,7 +99,8 @@ static double opinion_t(const void *row)
 
 static double opinion_lost(const void *row)
 {
-    return run_opinion_known(of(row)) ? of(row)->opinion.lost : NAN;
+    const struct opinion *opinion = &of(row)->opinion;
+    return run_opinion_known(of(row)) || !isnan(opinion->sunk) ? opinion->lost : NAN;
 }
 
 static void put_state(struct reply *reply, const char *key, const void *row)

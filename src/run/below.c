@@ -10,8 +10,8 @@
 /* of the run: what would be above the tolerance within so long passes through 0 */
 #define PASSING 0.01
 
-/* What the error of variable i is known to be at the present state, or would be by its growth; 0:
- * nothing. */
+/* Returns the estimated error of variable i where the second opinion last looked, or 0 if no
+ * estimate is available. */
 static double known_error(const struct run *run, int i)
 {
     const struct opinion *opinion = &run->opinion;

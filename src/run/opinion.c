@@ -34,7 +34,6 @@
 #define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
 #define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
-#define LOST_LATER 3    /* times the motion: an error that its growth makes as large as that */
 /* of the time until a run was lost: after that much more it is certain, and followed no more */
 #define CERTAIN 0.2
 #define LOOK_EACH 64 /* steps between looks at the budget */
@@ -62,10 +61,9 @@ struct second {
     struct step step;
     struct controller controller;
     double y[LIMIT_VARIABLES];
-    size_t epoch, kick;          /* the next ones */
+    size_t epoch, kick; /* the next ones */
     struct saltation saltation;
-    double error;                /* as struct opinion's, so far, */
-    double end[LIMIT_VARIABLES]; /* and its distances */
+    double error; /* struct opinion's, so far */
     struct {
         double t, error;
     } past[PAST];
@@ -80,7 +78,7 @@ static double work_of(const struct cost *cost)
 void opinion_forget(struct run *run)
 {
     struct second *second = run->private_state->second;
-    run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN};
+    run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN, .sunk = NAN};
     if (!second)
         return;
     if (second->method)
@@ -263,6 +261,7 @@ static bool second_begin(struct run *run, bool other)
                                     .max = NAN,
                                     .t = NAN,
                                     .lost = NAN,
+                                    .sunk = NAN,
                                     .by = method,
                                     .tol = second->controller.tol};
     method_begin(method, &second->step);
@@ -363,7 +362,6 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
             return false;
         second->at = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->y);
-        copy_state(second->end, run->opinion.end, run->system.n);
         remember(second, t, run->opinion.error);
         if (lost && is_lost(run))
             return false;
@@ -386,7 +384,8 @@ static struct growth growth_of(const struct run *run, const struct second *secon
     return (struct growth){ratio, log2(fmax(ratio, 1))};
 }
 
-/* The error at the end by its growth up to where the second solution came. */
+/* Predicts the error at the end from its growth so far. Only decides whether the second solution
+ * is worth more work; no user sees it. */
 static double extrapolated(const struct run *run, const struct second *second)
 {
     const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
@@ -394,17 +393,6 @@ static double extrapolated(const struct run *run, const struct second *second)
     return second->error * (growth.power > POWER_MAX
                                 ? fixed_exp(fixed_log(growth.ratio) * (whole - way) / (way / 2))
                                 : fixed_pow(whole / way, fmax(growth.power, 1)));
-}
-
-/* [s] Where it has grown to the size of the motion. */
-static double lost_at(const struct run *run, const struct second *second)
-{
-    const double t0 = run->system.t0, way = run->opinion.t - t0, times = 1 / second->error;
-    const struct growth growth = growth_of(run, second);
-    if (!(times > 1))
-        return run->opinion.t;
-    return t0 + way * (growth.power > POWER_MAX ? 1 + fixed_log(times) / fixed_log(growth.ratio) / 2
-                                                : fixed_pow(times, 1 / fmax(growth.power, 1)));
 }
 
 /* As far as it may go, anew by the other method where it fails at first. False: not to the end. */
@@ -429,25 +417,13 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
     const double own = work_of(&run->cost);
     const double max = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
     const struct run_private *p = run->private_state;
-    if (p->second && p->second->count > 0) { /* not what was extrapolated */
-        run->opinion.error = p->second->error;
-        copy_state(run->opinion.end, p->second->end, run->system.n);
-        if (fabs(run->opinion.lost - run->system.t0) > fabs(run->opinion.t - run->system.t0))
-            run->opinion.lost = NAN;
-    }
     if (second_try(run, max, cancel) || isnan(run->opinion.t))
         return;
     const double wrong = OPINION_WRONG * run->controller.tol;
     const bool spent = work_of(&p->second->step.cost) > max;
-    if (spent && extrapolated(run, p->second) > wrong &&
+    if (spent && extrapolated(run, p->second) > wrong)
         second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true,
-                      cancel))
-        return;
-    run->opinion.error = extrapolated(run, p->second);
-    for (int i = 0; i < run->system.n && p->second->error > 0; i++)
-        run->opinion.end[i] = p->second->end[i] * (run->opinion.error / p->second->error);
-    if (isnan(run->opinion.lost) && run->opinion.error > LOST_LATER)
-        run->opinion.lost = lost_at(run, p->second);
+                      cancel);
 }
 
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel)
@@ -465,6 +441,7 @@ void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel
     }
     against_second(run, whole, cancel);
     run->opinion.work = p->second ? work_of(&p->second->step.cost) : 0;
+    regrowth_look(run, cancel);
 }
 
 bool run_opinion_known(const struct run *run)
@@ -476,5 +453,10 @@ bool run_opinion_known(const struct run *run)
         missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
     const bool blind =
         opinion->by && passed && !(opinion->error > OPINION_WRONG * run->controller.tol);
-    return known && !blind;
+    return known && !blind && isnan(opinion->sunk);
+}
+
+double run_opinion_error(const struct run *run)
+{
+    return run_opinion_known(run) && run->opinion.t == run->t ? run->opinion.error : NAN;
 }

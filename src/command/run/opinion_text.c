@@ -55,34 +55,35 @@ static void put_witness(const struct run *run, struct buffer *text)
         return;
     buffer_put(text, TEXT(" up to t = "));
     buffer_measured(text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
-    buffer_put(text, TEXT(", by its growth from there on"));
+    buffer_put(text, TEXT(", not known beyond ('set opinion full' goes to the end)"));
 }
 
-/* Where it was seen, or will be by the growth of the error up to where the second solution came. */
+/* Where no digit is right any longer: by the second solution, or because variables fell below their
+ * tolerance, where neither solution knows them. */
 static void say_lost(const struct session *session, const struct run *run, struct reply *reply,
                      struct error *error, bool *ok)
 {
     const struct opinion *opinion = &run->opinion;
-    const double t0 = run->system.t0;
-    const bool seen = !opinion->by || fabs(opinion->lost - t0) <= fabs(opinion->t - t0);
     struct buffer text = {0};
     buffer_put(&text, TEXT("no digit is certain from t = "));
-    buffer_measured(&text, (struct measured){run->opinion.lost, 0}, QUANTITY_TIME, 4);
-    buffer_put(&text, seen ? TEXT(" on: there ") : TEXT(" on: by then "));
-    put_solution(opinion, &text);
-    if (!seen) {
-        buffer_put(&text, TEXT(", which was followed up to t = "));
-        buffer_measured(&text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
-        buffer_char(&text, ',');
+    buffer_measured(&text, (struct measured){opinion->lost, 0}, QUANTITY_TIME, 4);
+    buffer_put(&text, TEXT(" on: "));
+    if (isnan(opinion->sunk)) {
+        buffer_put(&text, TEXT("there "));
+        put_solution(opinion, &text);
+        buffer_format(&text, " is as far from run %d as the motion is large", run->number);
+    } else {
+        buffer_put(&text,
+                   TEXT("values that fell below the tolerance should have grown since t = "));
+        buffer_measured(&text, (struct measured){opinion->sunk, 0}, QUANTITY_TIME, 4);
+        buffer_put(&text, TEXT(", and have not"));
     }
-    buffer_format(&text, " is as far from run %d as the motion is large%s", run->number,
-                  seen ? "" : " if it goes on to depart as it does");
     if (session->setup.settings.opinion == OPINIONS_WARN) {
         reply_warning(reply, "%s", buffer_view(&text));
     } else {
         *ok = error_set(error, ERROR_NUMERICAL, "%s", buffer_view(&text));
         error_hint(error,
-                   "a smaller tol moves that time; where the motion is chaos 'set opinion warn' "
+                   "a smaller tol moves that time; where the motion is chaotic 'set opinion warn' "
                    "takes it as it "
                    "is; run %d is kept",
                    run->number);
@@ -109,6 +110,10 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     const struct opinion *opinion = &run->opinion;
     struct buffer by = {0};
     bool ok = true;
+    if (!isnan(opinion->sunk)) {
+        say_lost(session, run, reply, error, &ok);
+        return ok;
+    }
     if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;

@@ -35,6 +35,9 @@ static double tracked(double t)
 
 enum { STIFF = 1 };
 
+/* Errors that a value below its tolerance may have: its digits are withheld. */
+#define ABOVE_TOLERANCE 10
+
 static const struct problem {
     const char *name, *lines;
     double t;
@@ -257,6 +260,89 @@ static void test_what_sinks_beyond_it(void **state)
     typed_destroy(models);
 }
 
+/* Amplitude and phase of z' = ((t - a)/b + i w) z from 1: |z| falls until a and grows after it. */
+struct passage {
+    double a, b, w;
+};
+
+static double passage_x(const struct passage *p, double t)
+{
+    return exp(((t - p->a) * (t - p->a) - p->a * p->a) / (2 * p->b)) * cos(p->w * t);
+}
+
+/* Whether something was said of an end that is not right: no number for it, no digits, a lost run,
+ * an error of its size. */
+static bool is_said(struct run *run, double error)
+{
+    double below[LIMIT_VARIABLES];
+    const double said = run_opinion_error(run);
+    return isnan(said) || said > error / 10 || !isnan(run->opinion.lost) ||
+           (run_below_tolerance(run, below) > 0 && error <= ABOVE_TOLERANCE * run->controller.tol);
+}
+
+/*
+ * What falls below its tolerance and grows again. By the closed form, and where the values stay
+ * above the tolerance nothing is withheld that is right.
+ */
+static void test_slow_passages(void **state)
+{
+    (void)state;
+    static const struct passage passages[] = {
+        {30, 30, 5}, {30, 45, 5}, {30, 22, 2}, {40, 32, 0}, {40, 20, 1}, {20, 30, 3},
+    };
+    struct typed_models *models = typed_create(&(struct error){0});
+    int count = 0, lost = 0, right = 0, silent = 0, alarms = 0;
+    for (size_t i = 0; i < COUNT_OF(passages); i++) {
+        const struct passage *p = &passages[i];
+        char lines[300];
+        snprintf(lines, sizeof lines,
+                 "var x = 1;var y = 0;var z = 2;x' = (t - %g)/%g*x - %g*y;y' = %g*x + (t - "
+                 "%g)/%g*y;z' = cos(t)",
+                 p->a, p->b, p->w, p->w, p->a, p->b);
+        const struct scene scene = typed_scene(models, lines);
+        const double t = 2.2 * p->a, exact = passage_x(p, t),
+                     largest = fmax(1, fabs(exact / cos(p->w * t)));
+        for (size_t m = 0; m < (is_long() ? COUNT_OF(methods) : 4); m++)
+            for (double tol = 1e-3; tol > 0.9 * tightest(methods[m]); tol /= is_long() ? 10 : 100) {
+                struct run *run = reach(&scene, methods[m], tol, 1e-3, t);
+                run_second_opinion(run, false, NULL);
+                const double error = fabs(run->y[0] - exact) / largest;
+                const bool is_right = error < OPINION_WRONG * tol, said = is_said(run, error),
+                           is_lost = !isnan(run->opinion.lost);
+                count++;
+                lost += is_lost;
+                right += error < 1e-2;
+                alarms += is_lost && error < 1e-2;
+                silent += !is_right && !said;
+                if (!is_right && !said)
+                    print_message("%s by %s, tol %g: says %g by %s up to %g, is %g\n", lines,
+                                  methods[m], tol, run->opinion.error, run->opinion.by->row.name,
+                                  run->opinion.t, error);
+                run_destroy(run);
+            }
+    }
+    typed_destroy(models);
+    print_message("%d passages, %d right to 1 %%, %d lost, %d of them right, %d silent\n", count,
+                  right, lost, alarms, silent);
+    assert_int_equal(silent, 0);
+    assert_true(lost > count / 10 && right > count / 10 && alarms <= count / 20);
+}
+
+/* What ends before the second solution does is not known: no number stands for the rest. */
+static void test_no_extrapolation(void **state)
+{
+    (void)state;
+    struct typed_models *models = typed_create(&(struct error){0});
+    const struct scene scene = typed_scene(models, "var x = 0;x' = sin(91734.5*t)^2");
+    struct run *run = reach(&scene, "dop853", 1e-6, 1e-3, 30);
+    run_second_opinion(run, false, NULL);
+    assert_true(run->opinion.t < run->t);
+    assert_true(isnan(run_opinion_error(run)));
+    assert_true(isnan(run->opinion.lost));
+    run_destroy(run);
+    typed_destroy(models);
+}
+
 /* The closed form is asked at new rows only, and says what it says when it is asked once. */
 static void test_closed_form_on_the_way(void **state)
 {
@@ -289,7 +375,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_estimates_are_true),     cmocka_unit_test(test_what_it_can_afford),
         cmocka_unit_test(test_jumps_are_no_growth),    cmocka_unit_test(test_what_sinks_beyond_it),
-        cmocka_unit_test(test_closed_form_on_the_way),
+        cmocka_unit_test(test_closed_form_on_the_way), cmocka_unit_test(test_slow_passages),
+        cmocka_unit_test(test_no_extrapolation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
