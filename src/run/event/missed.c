@@ -2,10 +2,18 @@
 /* What happens in so short a time that no step of a run has seen it. */
 #include "run/private.h"
 
+#include <float.h>
 #include <math.h>
 
 #define WAYS 256 /* along which it is looked for in a run */
 #define BURSTS 16
+#define PIECES 4       /* of each part of a step that is solved again: none is passed over */
+#define SOLVE_TOL 1e-9 /* tolerance of that */
+#define EVEN_STEPS 256 /* or so many steps of each */
+#define ULPS 1000      /* of t: what is shorter is a point, as a singularity is */
+#define NEARER 4       /* times: a step across a jump is as far from either solution */
+#define SIZE_MIN 1e-6  /* of a variable's natural size: what is smaller counts as that large */
+#define BEFORE 1e-3    /* of its length before a burst the rates are what they are without it */
 
 /* The first row from `first` on whose time is beyond t, in the direction of the run. */
 static size_t row_beyond(const struct trace *trace, size_t first, double t)
@@ -25,9 +33,105 @@ static bool is_seen(const struct trace *trace, size_t first, const struct burst 
            trace_time(trace, row) < high;
 }
 
+/* ---- whether a step has seen it ---- */
+
+/* By the midpoint rule in many steps: across a jump, where step control does not get on. */
+static bool solve_evenly(const struct system *system, double t, double *y, double end)
+{
+    double slope[LIMIT_VARIABLES], middle[LIMIT_VARIABLES];
+    const double h = (end - t) / EVEN_STEPS;
+    for (int i = 0; i < EVEN_STEPS; i++) {
+        system_derivative(system, t + i * h, y, slope);
+        for (int k = 0; k < system->n; k++)
+            middle[k] = y[k] + h / 2 * slope[k];
+        system_derivative(system, t + (i + 0.5) * h, middle, slope);
+        for (int k = 0; k < system->n; k++)
+            y[k] += h * slope[k];
+    }
+    bool finite = true;
+    for (int k = 0; k < system->n; k++)
+        finite = finite && isfinite(y[k]);
+    return finite;
+}
+
+/* Goes on from y at t to `end` in even pieces, each by accurate methods. */
+static bool solve_pieces(const struct run *run, double t, double *y, double end)
+{
+    const struct system *system = &run->system;
+    for (int i = 1; i <= PIECES; i++) {
+        const double next = i < PIECES ? t + (end - t) * i / PIECES : end,
+                     from = t + (end - t) * (i - 1) / PIECES;
+        if (from != next &&
+            !run_solve(system, from, y, next, RUN_SOLVE_SMOOTH, SOLVE_TOL, y, run->cancel) &&
+            !run_solve(system, from, y, next, RUN_SOLVE_STIFF, SOLVE_TOL, y, run->cancel) &&
+            !solve_evenly(system, from, y, next))
+            return false;
+    }
+    return true;
+}
+
+/* How far the step from row i to the next is from y [n], in the sizes of the variables. */
+static double distance_of_step(const struct run *run, size_t i, const double *y)
+{
+    const double *from = trace_state(run->trace, i), *to = trace_state(run->trace, i + 1);
+    double max = 0;
+    for (int k = 0; k < run->system.n; k++) {
+        const double size = fmax(run->system.scale[k] * SIZE_MIN, fmax(fabs(from[k]), fabs(to[k])));
+        max = fmax(max, fabs(to[k] - y[k]) / size);
+    }
+    return max;
+}
+
+static int most_different(const struct system *system, const double *a, const double *b)
+{
+    int most = 0;
+    for (int k = 1; k < system->n; k++)
+        if (fabs(a[k] - b[k]) / system->scale[k] > fabs(a[most] - b[most]) / system->scale[most])
+            most = k;
+    return most;
+}
+
+/*
+ * Decides whether the step from row i passed over what happens in `burst`: the solution with it is
+ * compared with the one in which the rates stay what they were before it. A step that ends at a
+ * switch inside of itself is like the first, a step that has met nothing of it is like the second.
+ * Also true where this cannot be decided, but for singularities.
+ */
+static bool step_passed_over(const struct run *run, size_t i, const struct burst *burst)
+{
+    const int n = run->system.n;
+    const double t = trace_time(run->trace, i), end = trace_time(run->trace, i + 1),
+                 length = burst->to - burst->from;
+    double with[LIMIT_VARIABLES], without[LIMIT_VARIABLES], slope[LIMIT_VARIABLES],
+        after[LIMIT_VARIABLES];
+    system_derivative(&run->system, burst->from + length / 2, trace_state(run->trace, i), slope);
+    for (int k = 0; k < n; k++)
+        if (!isfinite(slope[k]))
+            return false;
+    if (fabs(length) < ULPS * DBL_EPSILON * fabs(burst->from))
+        return false;
+    copy_state(with, trace_state(run->trace, i), n);
+    if (!solve_pieces(run, t, with, burst->from))
+        return true;
+    copy_state(without, with, n);
+    const double before = burst->from - length * BEFORE;
+    system_derivative(&run->system, (before - t) * length > 0 ? before : t, without, slope);
+    for (int k = 0; k < n; k++)
+        without[k] += length * slope[k];
+    if (!solve_pieces(run, burst->from, with, burst->to) ||
+        !solve_pieces(run, burst->to, with, end) || !solve_pieces(run, burst->to, without, end))
+        return true;
+    if (!(distance_of_step(run, i, with) > NEARER * distance_of_step(run, i, without)))
+        return false;
+    /* A jump is no burst: the next steps see what it leads to. */
+    const int k = most_different(&run->system, with, without);
+    system_derivative(&run->system, burst->to + length * BEFORE, with, after);
+    return fabs(after[k] - slope[k]) <= fabs(with[k] - without[k]) / fabs(length) / 2;
+}
+
 /*
  * Is it there along the steps, too? A way over several of them crosses a switch at another time
- * than the step that ended there.
+ * than the step that ended there. What is found in one step is one burst.
  */
 static bool is_on_steps(const struct run *run, size_t first, const struct burst *found,
                         struct burst *there)
@@ -35,27 +139,32 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
     const struct trace *trace = run->trace;
     const size_t beyond = row_beyond(trace, first, found->from);
     const size_t end = row_beyond(trace, first, found->to);
-    struct burst burst[BURSTS];
-    int count = 0;
     for (size_t i = beyond > first ? beyond - 1 : first; i <= end && i + 1 < trace_count(trace);
          i++) {
         const double t[2] = {trace_time(trace, i), trace_time(trace, i + 1)};
-        if (t[0] != t[1])
-            count = system_bursts(&run->system, t, trace_state(trace, i), trace_state(trace, i + 1),
-                                  true, burst, count, BURSTS);
-    }
-    for (int i = 0; i < count; i++)
-        if (!is_seen(trace, first, &burst[i])) {
-            *there = burst[i];
-            return true;
+        struct burst burst[BURSTS];
+        if (t[0] == t[1] || cancelled(run->cancel))
+            continue;
+        const int count = system_bursts(&run->system, t, trace_state(trace, i),
+                                        trace_state(trace, i + 1), true, burst, 0, BURSTS);
+        if (count == 0)
+            continue;
+        *there = burst[0];
+        for (int k = 1; k < count; k++) {
+            const bool forward = t[1] > t[0];
+            there->from =
+                forward ? fmin(there->from, burst[k].from) : fmax(there->from, burst[k].from);
+            there->to = forward ? fmax(there->to, burst[k].to) : fmin(there->to, burst[k].to);
         }
+        if (!is_seen(trace, first, there) && step_passed_over(run, i, there))
+            return true;
+    }
     return false;
 }
 
 struct burst_search {
     const struct run *run;
     size_t first; /* row */
-    bool steps;   /* each way is one */
     struct burst burst[BURSTS];
     int count;
 };
@@ -72,8 +181,7 @@ static bool look_through(struct burst_search *search, double open, struct burst 
         if (burst.to == open) {
             search->burst[left++] = burst;
         } else if ((first == 0 || burst.from != trace_time(trace, first)) &&
-                   (search->steps ? !is_seen(trace, first, &burst)
-                                  : is_on_steps(search->run, first, &burst, &there))) {
+                   is_on_steps(search->run, first, &burst, &there)) {
             *missed = there;
             return true;
         }
@@ -94,9 +202,9 @@ bool run_missed_burst(struct run *run, struct burst *missed)
     const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
     const size_t even = (steps * WAYS + all - 1) / all, ways = steps < even ? steps : even;
-    struct burst_search search = {.run = run, .first = first, .steps = ways == steps};
+    struct burst_search search = {.run = run, .first = first};
     p->searched = all;
-    for (size_t k = 0; k < ways; k++) {
+    for (size_t k = 0; k < ways && !cancelled(run->cancel); k++) {
         const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;
         const double t[2] = {trace_time(trace, from), trace_time(trace, to)};
         if (t[0] == t[1])
