@@ -324,7 +324,7 @@ void run_set_jump_slopes(struct run *run, const double *slope);
 bool run_remembers(const struct run *run);
 /*
  * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
- * allocates. src/run/singular.c has the criterion.
+ * allocates. src/run/failure/singular.c has the criterion.
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel);

@@ -6,9 +6,10 @@
 #include <hooke/base/fields.h>
 #include <hooke/base/numeric.h>
 #include <hooke/run.h>
-#include "run/saltation.h"
-
 #include <string.h>
+
+#include "run/failure/failure.h"
+#include "run/saltation.h"
 
 /* Once or twice a step: most scenes have two variables, for which a call costs more than the copy.
  */
@@ -254,14 +255,6 @@ struct event_records {
     size_t count, capacity;
 };
 
-/* What an accurate solution from the start does at the time where a run failed. */
-enum solution_fate {
-    SOLUTION_UNKNOWN, /* nobody looked, or it took too long */
-    SOLUTION_ENDS,    /* it goes to infinity, or its slope does */
-    SOLUTION_GROWS,   /* it grows beyond what counts as diverged, at no finite time of its own */
-    SOLUTION_GOES_ON  /* it gets past that time */
-};
-
 struct run_private {
     struct step step;
     double *work;   /* of the method */
@@ -419,33 +412,6 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
 enum stop stop_of_step(enum step_status status);
 /* all finite, and not what counts as diverged */
 bool run_in_bounds(const struct run *run, const double *y);
-
-/* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is
- * STOP_SINGULAR. Looks at twice the step of its last look, so that it costs a share of the run. */
-bool run_creeps(struct run *run);
-/* The first recorded row since the equations or the state were last changed from outside. */
-size_t run_own_start(const struct run *run);
-/*
- * Looks for the end of the solution before `end`, in at most so many steps of an accurate method:
- * from the run's own start, whose solution it is about, and where that is too far away from shortly
- * before t. NAN where there is none; run_private.fate is what was found.
- */
-struct singularity run_singular_before(struct run *run, double t, double end, int64_t max);
-/* Makes a singularity the reason why the run stopped. Returns false if there is none. */
-bool run_end_singular(struct run *run, struct singularity found);
-/* across.c: whether steps since the last call look strange and the solution ends there: then stop
- * is STOP_SINGULAR. */
-bool run_went_across(struct run *run);
-
-/* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. Returns false if
- * it does not get there, would take too long, or is cancelled. */
-#define RUN_SOLVE_TOL 1e-7
-#define RUN_SOLVE_STIFF "radau5"
-#define RUN_SOLVE_SMOOTH "dop853" /* in a few steps, or not at all */
-bool run_solve(const struct system *system, double t, const double *y, double end, const char *by,
-               double tol, double *to, const struct cancel *cancel);
-/* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
-void run_check_step(struct run *run, size_t i);
 
 void opinion_forget(struct run *run); /* it starts anew */
 /*

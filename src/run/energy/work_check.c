@@ -70,8 +70,8 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                allowed = run->plan.adaptive || balance->solved++ < SOLVED_STEPS_MAX;
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
-    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to) ||
-                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to)))
+    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, run->cancel) ||
+                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, run->cancel)))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
     else if (done->jumps[k] ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))
