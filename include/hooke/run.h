@@ -161,17 +161,15 @@ struct unsound_step {
 #define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
-    /* at t, or in the mean over time if larger; NAN: there is no opinion */
+    /* at the end, or in the mean over time if larger; where t is not the run's, what its growth
+     * makes of it there. NAN: there is no opinion */
     double error;
     double max; /* the largest on the way: where values jump an error of time is one of them */
-    double t;   /* [s] compared up to there: of what comes later nothing is known */
-    /* [s] from there on it is as large as the motion; NAN: nowhere up to t */
+    double t;   /* [s] compared up to there */
+    /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
     double lost;
-    /* [s] From there on errors of the tolerance grow, and were 100 times as large at `lost`, where
-     * the variables are still below it: neither solution knows them. NAN: nowhere. */
-    double sunk;
     double work; /* evaluations and Jacobians of the second solution */
-    /* [n] distances at t [SI] */
+    /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
     double end[LIMIT_VARIABLES];
     const struct method *by; /* NULL: the closed form */
     double tol;              /* of it */
@@ -324,11 +322,11 @@ void run_set_jump_slopes(struct run *run, const double *slope);
 bool run_remembers(const struct run *run);
 /*
  * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
- * allocates. src/run/failure/singular.c has the criterion.
+ * allocates. src/run/singular.c has the criterion.
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel);
-/* "goes to infinity", "gets an infinite slope": follows "the solution" */
+/* "goes to infinity", "ends with an infinite slope": follows "the solution" */
 const char *singularity_text(const struct singularity *singularity);
 /* Whether a run has failed because its solution ends there, or has stepped over such an end: then
  * stop becomes STOP_SINGULAR. Looks at the rows since the last call. */
@@ -343,11 +341,9 @@ void run_explain(const struct run *run, struct buffer *text);
  * where the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
-/* Whether there is one, up to opinion.t, which has seen what the run may have missed: what no step
- * has seen the second solution has not seen either, unless they differ by much. */
+/* Whether there is one, which has seen what the run may have missed: what no step has seen the
+ * second solution has not seen either, unless they differ by much. */
 bool run_opinion_known(const struct run *run);
-/* The error at the run's present time; NAN if it is not known up to there. */
-double run_opinion_error(const struct run *run);
 /* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by
  * its second opinion, and not only because it passes through 0: none of its digits is certain, it
  * is less than that [SI]. 0: others. How many. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run as it is now, for programs and files. */
+#include <hooke/opinion.h>
 #include <hooke/report.h>
 
 #include <math.h>
@@ -99,8 +100,8 @@ static double opinion_t(const void *row)
 
 static double opinion_lost(const void *row)
 {
-    const struct opinion *opinion = &of(row)->opinion;
-    return run_opinion_known(of(row)) || !isnan(opinion->sunk) ? opinion->lost : NAN;
+    const struct run *run = of(row);
+    return run_opinion_known(run) || !isnan(run_opinion_sunk(run)) ? run->opinion.lost : NAN;
 }
 
 static void put_state(struct reply *reply, const char *key, const void *row)

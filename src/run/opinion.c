@@ -12,6 +12,7 @@
  * same opinion.
  */
 #include <hooke/base/elementary.h>
+#include <hooke/opinion.h>
 
 #include "run/private.h"
 
@@ -78,7 +79,8 @@ static double work_of(const struct cost *cost)
 void opinion_forget(struct run *run)
 {
     struct second *second = run->private_state->second;
-    run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN, .sunk = NAN};
+    run->private_state->sunk = NAN;
+    run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN};
     if (!second)
         return;
     if (second->method)
@@ -261,7 +263,6 @@ static bool second_begin(struct run *run, bool other)
                                     .max = NAN,
                                     .t = NAN,
                                     .lost = NAN,
-                                    .sunk = NAN,
                                     .by = method,
                                     .tol = second->controller.tol};
     method_begin(method, &second->step);
@@ -453,7 +454,12 @@ bool run_opinion_known(const struct run *run)
         missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
     const bool blind =
         opinion->by && passed && !(opinion->error > OPINION_WRONG * run->controller.tol);
-    return known && !blind && isnan(opinion->sunk);
+    return known && !blind && isnan(run_opinion_sunk(run));
+}
+
+double run_opinion_sunk(const struct run *run)
+{
+    return run->private_state->sunk;
 }
 
 double run_opinion_error(const struct run *run)

@@ -295,6 +295,7 @@ struct run_private {
     size_t kicks, kick_capacity;
     struct responses responses;
     enum solution_fate fate; /* by run_diagnose() */
+    double sunk;             /* run_opinion_sunk() */
 };
 
 /* The state is no longer what the compensated sums know about. */

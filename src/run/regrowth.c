@@ -234,7 +234,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
         look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel)) {
         if (isnan(growth.lost))
             return;
-        opinion->sunk = growth.began;
+        run->private_state->sunk = growth.began;
         opinion->lost = growth.lost;
     } else if (growth.log > DOUBTFUL && way < fabs(opinion->t - run->system.t0)) {
         opinion->t = sunk; /* what comes later is not known */

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said about the digits of an adaptive run: how far it may be from the solution. */
+#include <hooke/opinion.h>
+
 #include "command/internal.h"
 
 #include <math.h>
@@ -68,14 +70,14 @@ static void say_lost(const struct session *session, const struct run *run, struc
     buffer_put(&text, TEXT("no digit is certain from t = "));
     buffer_measured(&text, (struct measured){opinion->lost, 0}, QUANTITY_TIME, 4);
     buffer_put(&text, TEXT(" on: "));
-    if (isnan(opinion->sunk)) {
+    if (isnan(run_opinion_sunk(run))) {
         buffer_put(&text, TEXT("there "));
         put_solution(opinion, &text);
         buffer_format(&text, " is as far from run %d as the motion is large", run->number);
     } else {
         buffer_put(&text,
                    TEXT("values that fell below the tolerance should have grown since t = "));
-        buffer_measured(&text, (struct measured){opinion->sunk, 0}, QUANTITY_TIME, 4);
+        buffer_measured(&text, (struct measured){run_opinion_sunk(run), 0}, QUANTITY_TIME, 4);
         buffer_put(&text, TEXT(", and have not"));
     }
     if (session->setup.settings.opinion == OPINIONS_WARN) {
@@ -110,7 +112,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     const struct opinion *opinion = &run->opinion;
     struct buffer by = {0};
     bool ok = true;
-    if (!isnan(opinion->sunk)) {
+    if (!isnan(run_opinion_sunk(run))) {
         say_lost(session, run, reply, error, &ok);
         return ok;
     }
