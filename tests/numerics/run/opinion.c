@@ -278,7 +278,7 @@ static bool is_said(struct run *run, double error)
 {
     double below[LIMIT_VARIABLES];
     const double said = run_opinion_error(run);
-    return isnan(said) || said > error / 10 || !isnan(run->opinion.lost) ||
+    return isnan(said) || said > fmin(error / 10, 0.1) || !isnan(run->opinion.lost) ||
            (run_below_tolerance(run, below) > 0 && error <= ABOVE_TOLERANCE * run->controller.tol);
 }
 
