@@ -24,14 +24,31 @@ extern const struct catalog timing_catalog; /* struct row at the enum's place: o
 
 #define TIMING_SAMPLES 15
 
+/* Processor time of one solve, in seconds; NAN if it was not timed. */
 struct timing_result {
-    double minimum, median; /* [s] for one solve; NAN: not timed */
-    double spread;          /* median absolute deviation / median */
+    double minimum, median;
+    double spread; /* how far the second shortest sample is above the shortest, relative */
+    /* Mean number of other threads that ran meanwhile. Where some did, the time may be up to
+     * TIMING_CONTENTION times too long: processors share units, caches and memory. */
+    double others;
     int samples;
-    bool few; /* fewer than asked for: a solve takes too long */
+    bool few; /* fewer samples than asked for */
 };
 
-#define TIMING_SPREAD 0.1 /* above it a time is flagged */
+#define TIMING_SPREAD 0.1 /* above it a time is flagged and not ranked */
+
+/* Fewest samples that show whether a time is sound. */
+enum { TIMING_SAMPLES_MIN = 3 };
+
+/* What other threads beside it may do to a time, and how many of them are none. */
+#define TIMING_CONTENTION 2.2
+#define TIMING_OTHERS 0.25
+
+/* Adds a line that says how busy the machine was, if it was. */
+void timing_put_machine(double others, struct buffer *text);
+
+/* Returns true if at least three samples were taken and the two shortest agree. */
+bool timing_is_sound(const struct timing_result *time);
 
 /* [ns] of the minimum; NAN: not timed */
 double timing_step_ns(const struct timing_result *time, int64_t steps);
@@ -245,6 +262,7 @@ struct precision_cost {
     int curve;
     enum kernel path;
     double evals, minimum, median; /* [s], NAN without times */
+    bool timed;                    /* by sound times */
     /* Its minimum is inside of [minimum, median] of the fastest, or within PRECISION_TIE of its
      * minimum. */
     bool tied;

@@ -70,8 +70,10 @@ static void put_marks(struct buffer *text, const struct precision *precision)
 {
     bool few = false, spread = false, below = false, fit = false, lost = false, probed = false,
          scaled = false;
+    double others = 0;
     for (int i = 0; i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
+        others = fmax(others, point->time.others);
         few |= point->time.few;
         spread |= point->time.spread > TIMING_SPREAD;
         below |= point->below;
@@ -87,9 +89,9 @@ static void put_marks(struct buffer *text, const struct precision *precision)
             text,
             TEXT("<  below the accuracy of the reference: no better than the others there\n"));
     if (spread)
-        buffer_put(text, TEXT("~  the times scatter by more than 10 % (the machine is busy)\n"));
+        buffer_put(text, TEXT("~  the shortest times differ by more than 10 %: not ranked\n"));
     if (few)
-        buffer_put(text, TEXT("!  fewer samples than of the others: a solve takes long\n"));
+        buffer_put(text, TEXT("!  fewer samples than of the others, at least 3\n"));
     if (lost)
         buffer_put(text, precision->reference.against[0]
                              ? TEXT("apart: as far from the reference as the motion is large; "
@@ -100,6 +102,7 @@ static void put_marks(struct buffer *text, const struct precision *precision)
         buffer_put(
             text,
             TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
+    timing_put_machine(others, text);
     if (scaled)
         buffer_put(
             text,
@@ -207,7 +210,7 @@ COMMAND(
             "well; precision,\n"
             "compare and order find it once for each of the last four scenes and durations. Times\n"
             "(unless 'timing off') are of solves that record nothing, interleaved at random: with "
-            "'timing quick' 5 samples, of "
+            "'timing quick' 3 to 5 samples, of "
             "at most 30000 fixed steps\n"
             "scaled to all, with 'timing full' 15 of whole solves; ns/step is the shortest divided "
             "by the steps. Methods "

@@ -208,6 +208,26 @@ static bool choices_adapt(const struct compare_request *request)
     return false;
 }
 
+/* Says which times are not sound, and how busy the machine was. */
+static void reply_machine(const struct comparison *rows, int count, struct reply *reply)
+{
+    struct buffer text = {0};
+    double others = 0;
+    for (int i = 0; i < count; i++) {
+        const struct timing_result *time = &rows[i].time;
+        if (isnan(time->minimum))
+            continue;
+        others = time->others;
+        if (!timing_is_sound(time))
+            buffer_format(&text,
+                          "the time of %s is uncertain: its shortest samples differ by %.0f %%\n",
+                          rows[i].run->method->row.name, 100 * time->spread);
+    }
+    timing_put_machine(others, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
 HANDLER(compare)
 {
     const struct argument_value *methods = argument_value(args, "METHOD"),
@@ -270,6 +290,7 @@ HANDLER(compare)
         reply_comparison(session, compared, count, reply);
         for (int i = 0; i < count; i++)
             reply_unsound(rows[i].run, reply);
+        reply_machine(rows, count, reply);
         reply_saved(rows, count, reply);
     }
     if (!ok)

@@ -134,7 +134,7 @@ static void marks_cell(struct text_table *table, const void *row)
         buffer_char(&text, '*');
     if (point->below)
         buffer_char(&text, '<');
-    if (point->time.spread > TIMING_SPREAD)
+    if (point->time.spread > TIMING_SPREAD || point->time.others > TIMING_OTHERS)
         buffer_char(&text, '~');
     if (point->time.few)
         buffer_char(&text, '!');

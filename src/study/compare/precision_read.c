@@ -140,6 +140,7 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
                 .evals = between((double)coarse->cost.evals, (double)fine->cost.evals, part),
                 .minimum = between(coarse->time.minimum, fine->time.minimum, part),
                 .median = between(coarse->time.median, fine->time.median, part),
+                .timed = timing_is_sound(&coarse->time) && timing_is_sound(&fine->time),
             };
             return true;
         }
@@ -150,7 +151,9 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
 
 static bool cheaper(const struct precision_cost *a, const struct precision_cost *b)
 {
-    return isnan(a->minimum) || isnan(b->minimum) ? a->evals < b->evals : a->minimum < b->minimum;
+    return !a->timed && !b->timed ? a->evals < b->evals
+           : a->timed && b->timed ? a->minimum < b->minimum
+                                  : a->timed;
 }
 
 /* Those that cannot be ranked move behind the others; returns how many are left. */
@@ -161,12 +164,21 @@ static int set_apart(struct precision_cost *costs, int count)
     for (int i = 0; i < count; i++) {
         const struct precision_cost cost = costs[i];
         special |= cost.path == KERNEL_SPECIALISED;
-        if (special && cost.path == KERNEL_GENERAL)
+        if (!cost.timed || (special && cost.path == KERNEL_GENERAL))
             continue;
         memmove(&costs[ranked + 1], &costs[ranked], (size_t)(i - ranked) * sizeof cost);
         costs[ranked++] = cost;
     }
     return ranked;
+}
+
+/* Returns the ratio up to which two times tie. */
+static double tie_of(const struct precision *precision)
+{
+    for (int i = 0; i < precision->points; i++)
+        if (precision->point[i].time.others > TIMING_OTHERS)
+            return TIMING_CONTENTION;
+    return PRECISION_TIE;
 }
 
 int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
@@ -182,10 +194,11 @@ int precision_fastest(const struct precision *precision, double error, struct pr
             costs[index] = costs[index - 1];
         costs[index] = cost;
     }
-    const bool timed = count > 0 && !isnan(costs[0].minimum);
+    const bool timed = count > 0 && costs[0].timed;
     const int ranked = timed ? set_apart(costs, count) : count;
     for (int i = 1; i < ranked; i++)
-        costs[i].tied = costs[i].minimum <= fmax(costs[0].median, PRECISION_TIE * costs[0].minimum);
+        costs[i].tied =
+            costs[i].minimum <= fmax(costs[0].median, costs[0].minimum * tie_of(precision));
     if (others)
         *others = count - ranked;
     return ranked;

@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 
-#define LONG 0.02  /* [s] a solve; no second one is made for its time then */
 #define PART 30000 /* steps that are timed of a longer solve of fixed steps */
 #define PART_OFF 0.15
 
@@ -34,23 +33,14 @@ static double time_recording(const struct precision_request *request,
         if (!run)
             return NAN;
         const struct run_target target = {.t = run->system.t0 + precision->duration, .steps = -1};
-        const int64_t begin = clock_ns();
+        const int64_t begin = clock_cpu_ns();
         while (run_advance(run, &target, 0, request->cancel)) {
         }
         if (run->stop == STOP_END)
-            shortest = fmin(shortest, clock_seconds(begin));
+            shortest = fmin(shortest, (double)(clock_cpu_ns() - begin) * 1e-9);
         run_destroy(run);
     }
     return shortest;
-}
-
-/* One that takes long was timed well enough when its error was measured. */
-static bool taken_as_timed(struct precision_point *point)
-{
-    if (point->seconds < LONG || (point->tol == 0 && point->steps > PART))
-        return false;
-    point->time = (struct timing_result){point->seconds, point->seconds, 0, 1, true};
-    return true;
 }
 
 /* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
@@ -68,33 +58,53 @@ static void multiply(struct timing_result *time, double factor)
     time->median *= factor;
 }
 
-/*
- * Times of parts become those of whole solves, in proportion to what was evaluated. The first of
- * each curve is timed whole, too: where that differs by more than PART_OFF, the steps do not all
- * cost the same, and what it says holds.
- */
-static void scale_up(struct precision *precision, struct solver *solver, const int *index,
-                     int count, const struct cancel *cancel)
+/* The points of a study that are timed. */
+struct timed_points {
+    struct solver *solver;
+    struct timing_result *result;
+    int *index; /* of the point */
+    int count;
+};
+
+/* Turns the times of parts into those of whole solves, in proportion to what was evaluated. */
+static void scale_up(struct precision *precision, const struct timed_points *timed)
 {
-    double factor = 1;
-    int curve = -1;
-    for (int i = 0; i < count; i++) {
-        struct precision_point *point = &precision->point[index[i]];
-        const struct solver *s = &solver[i];
+    for (int i = 0; i < timed->count; i++) {
+        struct precision_point *point = &precision->point[timed->index[i]];
+        const struct solver *s = &timed->solver[i];
         if (s->part == 0 || isnan(point->time.minimum))
             continue;
         point->timed_steps = s->steps;
         multiply(&point->time,
                  solve_work(&point->cost, point->steps) / solve_work(&s->step.cost, s->steps));
-        if (point->curve != curve) {
-            struct timing_result whole;
-            solver[i].part = 0;
-            time_solvers(&solver[i], &whole, 1, TIMING_QUICK, LONG, cancel);
-            curve = point->curve;
-            factor = whole.minimum / point->time.minimum;
-            factor = factor > 1 + PART_OFF || factor < 1 - PART_OFF ? factor : 1;
+    }
+}
+
+/* Times the first shortened point of each curve whole, too. Where that differs by more than
+ * PART_OFF, the steps of the method do not all cost the same here, and each of its points is timed
+ * whole. */
+static void check_parts(struct precision *precision, const struct timed_points *timed,
+                        const struct cancel *cancel)
+{
+    int curve = -1;
+    bool differs = false;
+    for (int i = 0; i < timed->count && !cancelled(cancel); i++) {
+        struct precision_point *point = &precision->point[timed->index[i]];
+        struct timing_result whole;
+        if (timed->solver[i].part == 0 || isnan(point->time.minimum) ||
+            (point->curve == curve && !differs))
+            continue;
+        timed->solver[i].part = 0;
+        time_solvers(&timed->solver[i], &whole, 1, TIMING_QUICK, 1e-9, cancel);
+        if (isnan(whole.minimum))
+            continue;
+        differs = (point->curve == curve && differs) ||
+                  !(fabs(whole.minimum / point->time.minimum - 1) <= PART_OFF);
+        curve = point->curve;
+        if (differs) {
+            point->time = whole;
+            point->timed_steps = 0;
         }
-        multiply(&point->time, factor);
     }
 }
 
@@ -102,37 +112,36 @@ bool precision_time(const struct precision_request *request, struct precision *p
                     double seconds, struct error *error)
 {
     const size_t capacity = (size_t)precision->points + 1;
-    struct solver *solver = calloc(capacity, sizeof *solver);
-    struct timing_result *result = calloc(capacity, sizeof *result);
-    int *index = calloc(capacity, sizeof *index), count = 0;
-    bool ok = solver && result && index;
+    struct timed_points timed = {.solver = calloc(capacity, sizeof *timed.solver),
+                                 .result = calloc(capacity, sizeof *timed.result),
+                                 .index = calloc(capacity, sizeof *timed.index)};
+    const struct cancel *cancel = request->cancel;
+    bool ok = timed.solver && timed.result && timed.index;
     for (int i = 0; ok && i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         const struct run_settings settings = precision_settings(precision, point);
         if (!precision_meaningful(point))
             continue;
-        if (request->timing == TIMING_QUICK && taken_as_timed(&precision->point[i]))
-            continue;
-        ok = solver_init(&solver[count], &precision->system,
+        ok = solver_init(&timed.solver[timed.count], &precision->system,
                          precision->curve[point->curve].by.method, &settings, precision->duration);
-        index[count++] = i;
+        timed.index[timed.count++] = i;
     }
     if (ok) {
         if (request->timing == TIMING_QUICK)
-            shorten(precision, solver, index, count);
-        time_solvers(solver, result, count, request->timing, seconds, request->cancel);
-        for (int i = 0; i < count; i++)
-            precision->point[index[i]].time = result[i];
-        if (request->timing == TIMING_QUICK)
-            scale_up(precision, solver, index, count, request->cancel);
-        for (int i = 0; i < count && request->recording && !cancelled(request->cancel); i++)
-            precision->point[index[i]].recording =
-                time_recording(request, precision, &precision->point[index[i]]);
+            shorten(precision, timed.solver, timed.index, timed.count);
+        time_solvers(timed.solver, timed.result, timed.count, request->timing, seconds, cancel);
+        for (int i = 0; i < timed.count; i++)
+            precision->point[timed.index[i]].time = timed.result[i];
+        scale_up(precision, &timed);
+        check_parts(precision, &timed, cancel);
+        for (int i = 0; i < timed.count && request->recording && !cancelled(cancel); i++)
+            precision->point[timed.index[i]].recording =
+                time_recording(request, precision, &precision->point[timed.index[i]]);
     }
-    for (int i = 0; i < count; i++)
-        solver_free(&solver[i]);
-    free(solver);
-    free(result);
-    free(index);
+    for (int i = 0; i < timed.count; i++)
+        solver_free(&timed.solver[i]);
+    free(timed.solver);
+    free(timed.result);
+    free(timed.index);
     return ok || error_memory(error);
 }

@@ -418,9 +418,9 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
         bench.limit = limit;
         for (int m = 0; m < count && ok && !cancelled(cancel); m++) {
             struct stress_row row = {.index = c, .method = methods[m]};
-            const int64_t start = clock_ns();
+            const int64_t start = clock_cpu_ns();
             ok = run_case(&bench, m, &row);
-            row.seconds = clock_seconds(start);
+            row.seconds = (double)(clock_cpu_ns() - start) * 1e-9;
             if (!ok || cancelled(cancel))
                 break;
             stress->count_of[row.verdict]++;

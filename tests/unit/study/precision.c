@@ -437,7 +437,7 @@ static void test_times(void **state)
     run_study(&request, &precision);
     const struct precision_point *point = &precision.point[0];
     assert_true(point->time.minimum > 0 && point->time.minimum <= point->time.median);
-    assert_true(point->time.samples == TIMING_SAMPLES && !point->time.few);
+    assert_true(point->time.samples >= TIMING_SAMPLES && !point->time.few);
     assert_true(point->time.spread >= 0 && point->recording > 0);
     precision_free(&precision);
 }
