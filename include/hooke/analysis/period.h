@@ -93,6 +93,7 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
 
 struct decay {
     struct measured gamma;     /* [1/s] from the weighted line through ln(amplitude) */
+    /* tau and quality as measured_reciprocal() */
     struct measured tau;       /* [s] 1/e time of the amplitude: 2/gamma */
     struct measured decrement; /* ln of the ratio of successive amplitudes = gamma T / 2 */
     struct measured quality;   /* Q = omega/gamma */
@@ -101,6 +102,13 @@ struct decay {
     int readings;
     struct reading reading[64]; /* what the line was fitted to */
 };
+
+/*
+ * Returns top/rate (tau = 2/gamma, Q = omega/gamma) where the rate is positive by more than two
+ * standard deviations. Else its value is NAN, and *least is what top/rate exceeds with 97.5 %
+ * confidence; NAN where the rate is negative beyond doubt.
+ */
+struct measured measured_reciprocal(double top, struct measured rate, double *least);
 
 /* Of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all 0: of
  * a simulation. */
@@ -139,8 +147,8 @@ struct spectrum_peak {
 };
 /*
  * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares
- * sines with the uncertainty of a steady tone (Rife and Boorstyn 1974) in the noise around the
- * line.
+ * sines (damped ones where these describe the series better) with their uncertainty in the noise
+ * around the line. The amplitude is that of the best steady sine.
  */
 int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
                  int max);

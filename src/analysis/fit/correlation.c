@@ -3,6 +3,8 @@
  * their number. */
 #include "analysis/internal.h"
 
+#include <hooke/data/even_times.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -13,6 +15,8 @@ enum { PEAKS_MAX = 12, BLOCKS = 16, BLOCK_MIN = 4096, PERIODS_IN_BLOCK = 4 * PEA
 struct blocks {
     double *y;
     size_t count, length;
+    double period; /* [samples] */
+    double whole; /* [samples] of whole periods that the correlation sums over; 0: as many as fit */
     double *product, *squares; /* [length], [length + 1], by shift, of all of them; NULL: not yet */
     const struct cancel *cancel;
 };
@@ -41,9 +45,11 @@ static bool fill_blocks(const struct series *s, double dt, double period, struct
 {
     const double min = fmax(BLOCK_MIN, PERIODS_IN_BLOCK * period);
     double sum = 0;
-    *b = (struct blocks){.count = 1, .length = s->n, .cancel = s->cancel};
-    if (2 * BLOCKS * min < (double)s->n)
-        *b = (struct blocks){.count = BLOCKS, .length = (size_t)min, .cancel = s->cancel};
+    *b = (struct blocks){.count = 1, .length = s->n, .period = period, .cancel = s->cancel};
+    if (2 * BLOCKS * min < (double)s->n) {
+        b->count = BLOCKS;
+        b->length = (size_t)min;
+    }
     const size_t all = b->count * b->length;
     b->y = arena_array(arena, all, sizeof *b->y);
     if (!b->y)
@@ -57,14 +63,25 @@ static bool fill_blocks(const struct series *s, double dt, double period, struct
     return true;
 }
 
+/*
+ * Over whole periods: what is left of one would shift the peaks. The last sample counts by the part
+ * of it that belongs to them.
+ */
 static double correlation(const struct blocks *b, size_t shift)
 {
+    const double most = (double)(b->length - 1 - shift),
+                 whole = floor(most / b->period) * b->period,
+                 used = b->whole > 0 && b->whole <= most ? b->whole
+                        : whole > 0                      ? whole
+                                                         : most;
+    const size_t n = (size_t)used;
     double product = 0, first = 0, second = 0;
     for (const double *y = b->y; y < b->y + b->count * b->length; y += b->length)
-        for (size_t i = 0; i + shift < b->length; i++) {
-            product += y[i] * y[i + shift];
-            first += y[i] * y[i];
-            second += y[i + shift] * y[i + shift];
+        for (size_t i = 0; i <= n; i++) {
+            const double part = i < n ? 1 : used - (double)n;
+            product += part * y[i] * y[i + shift];
+            first += part * y[i] * y[i];
+            second += part * y[i + shift] * y[i + shift];
         }
     return product / sqrt(first * second);
 }
@@ -142,17 +159,20 @@ static bool climb(struct climb *c, const struct blocks *b, size_t most)
 
 /*
  * The shift of the highest correlation within a quarter of a period, uphill from where it is
- * expected, refined by a parabola; NAN: at the border. A long way goes by the table.
+ * expected; NAN: at the border. A long way goes by the table. Between the samples the peak of a
+ * cosine is taken; *doubt is how far off the peak of a parabola is.
  */
-static double peak_about(struct blocks *b, double shift, double period, struct arena *arena)
+static double peak_about(struct blocks *b, double shift, struct arena *arena, double *doubt)
 {
     enum { FEW_STEPS = 24 };
     struct climb c = {.of = correlation,
-                      .low = (size_t)fmax(shift - 0.25 * period, 1),
-                      .high = (size_t)fmin(shift + 0.25 * period, (double)b->length - 3)};
+                      .low = (size_t)fmax(shift - 0.25 * b->period, 1),
+                      .high = (size_t)fmin(shift + 0.25 * b->period, (double)b->length - 3)};
     if (c.low + 2 > c.high)
         return NAN;
     c.at = (size_t)fmin(fmax(nearbyint(shift), (double)c.low + 1), (double)c.high - 1);
+    /* the same samples at neighbouring shifts */
+    b->whole = floor(((double)b->length - 1 - shift - 0.25 * b->period) / b->period) * b->period;
     bool top = climb(&c, b, FEW_STEPS);
     const bool inside = c.at > c.low && c.at < c.high;
     if (!top && inside && !cancelled(b->cancel) && (b->product || tabulate(b, arena))) {
@@ -161,37 +181,67 @@ static double peak_about(struct blocks *b, double shift, double period, struct a
         c.of = correlation;
         top = top && climb(&c, b, SIZE_MAX);
     }
-    const double *v = c.value;
-    return top ? (double)c.at + 0.5 * (v[0] - v[2]) / (v[0] - 2 * v[1] + v[2]) : NAN;
+    if (!top)
+        return NAN;
+    const double *v = c.value, angle = TWO_PI / b->period,
+                 parabola = 0.5 * (v[0] - v[2]) / (v[0] - 2 * v[1] + v[2]),
+                 cosine = atan((v[2] - v[0]) / (2 * v[1] * sin(angle))) / angle;
+    *doubt = fabs(cosine - parabola);
+    return (double)c.at + cosine;
+}
+
+/*
+ * Variance of the period from the peaks over that of the line through all phases. In noise n about
+ * y the shift of peak k is off by the sum of n y' over the first k periods less that over the last
+ * ones: what lies between cancels. Peaks share these samples, blocks do not. samples: of the whole
+ * recording.
+ */
+static double variance_of_peaks(const struct blocks *b, double samples, int peaks)
+{
+    const double length = (double)b->length, period = b->period,
+                 of_line = 12 * period * period / (samples * samples * samples);
+    double sum = 0, kk = 0;
+    for (int k = 1; k <= peaks; k++) {
+        kk += (double)k * k;
+        for (int j = 1; j <= peaks; j++)
+            sum += (double)j * k * period * (j < k ? j : k) /
+                   ((length - j * period) * (length - k * period));
+    }
+    return 2 * sum / (kk * kk) / (double)b->count / of_line;
 }
 
 bool series_correlation_period(const struct series *series, const struct period *known,
                                struct arena *arena, struct measured *period)
 {
     *period = (struct measured){NAN, NAN};
-    const size_t n = series->n;
-    const double span = n > 1 ? series->t[n - 1] - series->t[0] : 0, dt = span / (double)(n - 1);
+    struct even_times even;
+    even_times_find(series->t, series->n, series->cancel, &even);
+    const double dt = even.step, span = dt * (double)(series->n - 1);
     const double expected = known->period.value / dt, periods = span / known->period.value;
-    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0;
+    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt;
     struct blocks blocks;
     if (!(dt > 0) || !(periods > 0) || !fill_blocks(series, dt, expected, arena, &blocks))
         return false;
     int peaks = 0;
     while (peaks < PEAKS_MAX && 2 * (peaks + 1) <= periods) {
-        const double shift = peak_about(&blocks, (peaks + 1) * expected, expected, arena);
+        const double shift = peak_about(&blocks, (peaks + 1) * expected, arena, &doubt);
         if (!isfinite(shift))
             break;
         at[peaks++] = shift * dt;
         kk += (double)peaks * peaks;
         kt += peaks * at[peaks - 1];
+        doubts += peaks * doubt * dt;
     }
     if (peaks < 2)
         return false;
     period->value = kt / kk;
     for (int k = 0; k < peaks; k++)
         square += (at[k] - (k + 1) * period->value) * (at[k] - (k + 1) * period->value);
-    period->uncertainty = sqrt(square / (peaks - 1) / kk);
-    *period = measured_at_pace(*period, series->pace);
+    const double scatter = sqrt(square / (peaks - 1) / kk),
+                 noise = known->period.uncertainty *
+                         sqrt(variance_of_peaks(&blocks, (double)series->n, peaks));
+    period->uncertainty = hypot(hypot(scatter, noise), doubts / kk);
+    *period = measured_at_pace(*period, hypot(series->pace, even.pace));
     return true;
 }
 

@@ -123,6 +123,31 @@ static void widen_by_edges(const struct series *s, const struct overview *o, str
         hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
 }
 
+/*
+ * Crossings of a series without noise are as good as the interpolation between its samples, which
+ * two or three of them do not show by their scatter. With every second sample the period is off by
+ * 2^6 as much: the interpolation is of the fifth degree. NAN where these samples are too few.
+ */
+static double interpolation_error(const struct series *series, const struct overview *o,
+                                  struct arena *arena, double period)
+{
+    struct crossing crossing[8];
+    double scratch[COUNT_OF(crossing)];
+    const size_t n = (series->n + 1) / 2;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    for (size_t i = 0; t && y && i < n; i++) {
+        t[i] = series->t[2 * i];
+        y[i] = series->y[2 * i];
+    }
+    const struct series half = {.t = t, .y = y, .n = t && y ? n : 0};
+    struct period coarse;
+    size_t used;
+    const size_t up = up_crossings(&half, o, o->mean, crossing, COUNT_OF(crossing));
+    return up >= 2 && fit_beat(crossing, up, period, scratch, true, &coarse, &used)
+               ? fabs(coarse.period.value - period) / 63
+               : NAN;
+}
+
 bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
                      struct period *period, struct error *error)
 {
@@ -136,6 +161,10 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
     if (up >= 2 &&
         fit_beat(crossing, up, o->period, scratch, overview_is_exact(o), period, &used)) {
         widen_by_edges(series, o, period);
+        if (up < 4 && overview_is_exact(o))
+            period->period.uncertainty =
+                hypot(period->period.uncertainty,
+                      interpolation_error(series, o, arena, period->period.value));
         return true;
     }
     error_set(error, ERROR_COMMAND,

@@ -131,10 +131,17 @@ static int read_amplitudes(const struct motion *m, int count, struct reading *ou
     return read;
 }
 
-/* value and uncertainty of top/x where x is known */
-static struct measured quotient(double top, struct measured x)
+struct measured measured_reciprocal(double top, struct measured rate, double *least)
 {
-    return (struct measured){top / x.value, fabs(top / (x.value * x.value)) * x.uncertainty};
+    static const double doubt = 2; /* standard deviations */
+    const double margin = doubt * rate.uncertainty;
+    *least = NAN;
+    if (rate.value > margin)
+        return (struct measured){top / rate.value,
+                                 top / (rate.value * rate.value) * rate.uncertainty};
+    if (rate.value + margin > 0)
+        *least = top / (fmax(rate.value, 0) + margin);
+    return (struct measured){NAN, NAN};
 }
 
 bool series_decay(const struct series *series, struct arena *arena,
@@ -182,8 +189,9 @@ bool series_decay(const struct series *series, struct arena *arena,
     const double initial =
         exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
     decay->initial = (struct measured){initial, initial * line.intercept_sigma};
-    decay->tau = quotient(2, decay->gamma);
-    decay->quality = quotient(omega, decay->gamma);
+    double least;
+    decay->tau = measured_reciprocal(2, decay->gamma, &least);
+    decay->quality = measured_reciprocal(omega, decay->gamma, &least);
     decay->decrement =
         (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};
     int middle = decay->readings / 2;

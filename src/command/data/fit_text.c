@@ -66,10 +66,17 @@ void put_value(struct buffer *text, const char *name, struct measured value, enu
         buffer_put(text, TEXT("unknown"));
 }
 
-static struct measured quotient(double numerator, struct measured x)
+void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
+                    enum quantity quantity, bool measured)
 {
-    return (struct measured){numerator / x.value,
-                             fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
+    double least;
+    const struct measured value = measured_reciprocal(top, rate, &least);
+    if (isfinite(least)) {
+        buffer_format(text, "%s > ", name);
+        buffer_quantity(text, least, quantity, 2);
+    } else if (isfinite(value.value)) {
+        put_value(text, name, value, quantity, measured);
+    }
 }
 
 void put_pace(const struct series *series, struct buffer *text)
@@ -78,12 +85,6 @@ void put_pace(const struct series *series, struct buffer *text)
     if (series->pace > pace_negligible)
         buffer_format(text, "\n  (with the sampling rate, which the times give to %.2g %%)",
                       100 * series->pace);
-}
-
-static struct measured quality(const struct fit *fit)
-{
-    const double q = fit->omega.value / fit->gamma.value;
-    return (struct measured){q, q * fabs(fit->gamma.uncertainty / fit->gamma.value)};
 }
 
 static void put_head(const struct fit_summary *summary, struct buffer *text)
@@ -187,10 +188,10 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
         put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
         buffer_put(text,
                    TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
-        if (fit->gamma.value > 0) {
-            put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME,
-                      summary->subject->recording);
-            put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, summary->subject->recording);
+        if (fit->gamma.value + fit->gamma.uncertainty > 0) {
+            put_reciprocal(text, "tau", 2, fit->gamma, QUANTITY_TIME, summary->subject->recording);
+            put_reciprocal(text, "   Q", fit->omega.value, fit->gamma, QUANTITY_NUMBER,
+                           summary->subject->recording);
         } else {
             const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
             buffer_put(text, decays ? TEXT("no linear damping: the law below has another term")

@@ -32,6 +32,10 @@ bool known_mass(const struct scene *scene, struct measured *mass);
 /* "name = value"; measured: an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured);
+/* "name = 40.0 +- 0.5 s" for top/rate, "name > 80 s" where the rate may be 0; nothing where it is
+ * negative beyond doubt. */
+void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
+                    enum quantity quantity, bool measured);
 /* How well the rate is known by which a recording without a clock got its times. */
 void put_pace(const struct series *series, struct buffer *text);
 void fit_add_warning(struct fit_summary *summary, const char *format, ...) PRINTF_LIKE(2, 3);

@@ -15,17 +15,17 @@
 
 /* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 
-static struct measurement *latest(const struct measuring *m)
+struct measurement *measure_latest(const struct measuring *m)
 {
     return &m->session->measurement[m->session->measurements - 1];
 }
 
-static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
-                 double periods)
+bool measure_keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
+                  double periods)
 {
     if (!session_add_measurement(m->session, name, m->subject.name, value, unit, periods, m->error))
         return false;
-    latest(m)->energy = m->subject.energy;
+    measure_latest(m)->energy = m->subject.energy;
     return true;
 }
 
@@ -39,7 +39,7 @@ static void put_inputs(struct measuring *m, const struct inputs *inputs, struct 
 {
     inputs_put(inputs, text);
     inputs_reply(inputs, m->reply);
-    inputs_keep(inputs, &latest(m)->exact);
+    inputs_keep(inputs, &measure_latest(m)->exact);
 }
 
 /* "   theory 1.9390 s (-0.09 %)" */
@@ -64,7 +64,7 @@ static double theory_period(const struct measuring *m)
     return known && !driven && !narrows ? scene_period(scene) : NAN;
 }
 
-static bool say(struct measuring *m, struct buffer *text)
+bool measure_say(struct measuring *m, struct buffer *text)
 {
     reply_text(m->reply, buffer_text(text));
     buffer_free(text);
@@ -78,12 +78,28 @@ static struct measured inverse(struct measured x)
     return (struct measured){1 / x.value, x.uncertainty / (x.value * x.value)};
 }
 
-/* Returns the part of a series that its period was read from, the whole where that is most of it. */
+/* Returns the part of a series that its period was read from, the whole where that is most of it.
+ */
 static struct series swinging_part(const struct series *s, const struct period *p)
 {
     static const double most = 0.8;
     const double span = s->t[s->n - 1] - s->t[0];
     return p->last - p->first < most * span ? series_window(*s, p->first, p->last) : *s;
+}
+
+/* Two ways to one period that do not agree: at least one of them takes the motion for what it is
+ * not. */
+static void warn_contradiction(struct measuring *m, struct measured period, struct measured alike)
+{
+    static const double doubtful = 4; /* standard deviations */
+    const double apart = alike.value - period.value,
+                 sigma = hypot(alike.uncertainty, period.uncertainty);
+    if (fabs(apart) > doubtful * sigma)
+        reply_warning(
+            m->reply,
+            "the autocorrelation contradicts T: it is %.2g s %s, %.2g standard deviations; "
+            "the motion is no single steady oscillation, or the window holds more than it",
+            fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
 }
 
 static bool measure_period(struct measuring *m)
@@ -94,12 +110,12 @@ static bool measure_period(struct measuring *m)
     struct buffer text = {0};
     if (windows->count) {
         if (measure_periods(m, (int)windows->item->value.value, &text))
-            return say(m, &text);
+            return measure_say(m, &text);
         buffer_free(&text);
         return false;
     }
     if (!series_period(&m->subject.series, m->args->arena, &p, m->error) ||
-        !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
+        !measure_keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
     put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
@@ -108,6 +124,7 @@ static bool measure_period(struct measuring *m)
     const struct series swing = swinging_part(&m->subject.series, &p);
     if (m->subject.recording && series_correlation_period(&swing, &p, m->args->arena, &alike))
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
+    warn_contradiction(m, p.period, alike);
     put_pace(&m->subject.series, &text);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
@@ -116,7 +133,7 @@ static bool measure_period(struct measuring *m)
     reply_end(m->reply);
     if (p.warning[0])
         reply_warning(m->reply, "%s", p.warning);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 static bool measure_frequency(struct measuring *m)
@@ -125,7 +142,7 @@ static bool measure_frequency(struct measuring *m)
     if (!series_period(&m->subject.series, m->args->arena, &p, m->error))
         return false;
     const struct measured f = inverse(p.period);
-    if (!keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
+    if (!measure_keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
         return false;
     struct buffer text = {0};
     put_measured(&text, "f", f, QUANTITY_FREQUENCY);
@@ -136,55 +153,7 @@ static bool measure_frequency(struct measuring *m)
         put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
     begin(m, f, QUANTITY_FREQUENCY, p.periods);
     reply_end(m->reply);
-    return say(m, &text);
-}
-
-/* Times to read at: those given, or the middles of so many equal parts, or the start. */
-static bool reading_times(struct measuring *m, double **at, int *count)
-{
-    const struct argument_value *times = argument_value(m->args, "at"),
-                                *windows = argument_value(m->args, "windows");
-    const struct series *s = &m->subject.series;
-    *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
-    if (*count > LIMIT_TOKENS)
-        return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
-    *at = arena_array(m->args->arena, (size_t)*count, sizeof **at);
-    if (!*at)
-        return error_memory(m->error);
-    const double from = s->t[0], width = s->t[s->n - 1] - from;
-    for (int i = 0; i < *count; i++)
-        (*at)[i] = times->count ? times->item[i].value.value
-                                : from + (windows->count ? (i + 0.5) / *count : 0) * width;
-    return true;
-}
-
-static bool measure_amplitude(struct measuring *m)
-{
-    const enum quantity unit = m->subject.series.quantity;
-    double *at = NULL;
-    int count;
-    if (!reading_times(m, &at, &count))
-        return false;
-    struct reading *readings = arena_array(m->args->arena, (size_t)count, sizeof *readings);
-    if (!readings)
-        return error_memory(m->error);
-    if (!series_amplitudes(&m->subject.series, m->args->arena, at, count, 0, readings, m->error))
-        return false;
-    struct buffer text = {0};
-    for (int i = 0; i < count; i++) {
-        if (!keep(m, m->quantity, readings[i].amplitude, unit, NAN)) {
-            buffer_free(&text);
-            return false;
-        }
-        latest(m)->at = readings[i].t;
-        put_measured(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
-        buffer_format(&text, " at t = %.6g s", readings[i].t);
-        begin(m, readings[i].amplitude, unit, NAN);
-        reply_real(m->reply, "t", readings[i].t);
-        reply_end(m->reply);
-    }
-    measure_fall(m, readings, count, &text);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 static bool measure_decay(struct measuring *m)
@@ -198,7 +167,7 @@ static bool measure_decay(struct measuring *m)
                         COUNT_OF(d.reading));
     if (!series_decay(&m->subject.series, m->args->arena,
                       m->subject.energy ? &m->subject.noise : NULL, readings, &d, m->error) ||
-        !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
+        !measure_keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
         return false;
     session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
     session_set_result(m->session, "measured_tau", d.tau, QUANTITY_TIME);
@@ -213,9 +182,10 @@ static bool measure_decay(struct measuring *m)
     const double gamma = scene ? param_value(scene, "gamma") : 0;
     if (gamma != 0) /* nothing is said where it is NAN */
         put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
-    put_measured(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
+    const bool measured = m->subject.recording;
+    put_reciprocal(&text, "\n1/e time of the amplitude tau", 2, d.gamma, QUANTITY_TIME, measured);
     put_measured(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
-    put_measured(&text, "   Q", d.quality, QUANTITY_NUMBER);
+    put_reciprocal(&text, "   Q", PI, d.decrement, QUANTITY_NUMBER, measured);
     put_measured(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial,
                  unit);
     if (isfinite(d.halves[0]) && isfinite(d.halves[1])) {
@@ -225,7 +195,10 @@ static bool measure_decay(struct measuring *m)
         buffer_quantity(&text, d.halves[1], QUANTITY_RATE, 3);
     }
     begin(m, d.gamma, QUANTITY_RATE, NAN);
+    double least;
+    measured_reciprocal(2, d.gamma, &least);
     reply_measured(m->reply, "tau", d.tau, QUANTITY_TIME);
+    reply_real(m->reply, "tau_min", least);
     reply_measured(m->reply, "decrement", d.decrement, QUANTITY_NUMBER);
     reply_measured(m->reply, "Q", d.quality, QUANTITY_NUMBER);
     reply_measured(m->reply, "initial", d.initial, unit);
@@ -246,14 +219,14 @@ static bool measure_decay(struct measuring *m)
         buffer_format(&text, "\n  t = %.6g s   ", d.reading[i].t);
         put_measured(&text, m->subject.energy ? "E" : "A", d.reading[i].amplitude, unit);
     }
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
     const struct measured mean = series_mean(s);
-    if (!keep(m, m->quantity, mean, s->quantity, NAN))
+    if (!measure_keep(m, m->quantity, mean, s->quantity, NAN))
         return false;
     const double first = s->y[0], last = s->y[s->n - 1];
     struct buffer text = {0};
@@ -278,7 +251,7 @@ static bool measure_energy(struct measuring *m)
     }
     put_inputs(m, &inputs, &text);
     reply_end(m->reply);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 static bool measure_drift(struct measuring *m)
@@ -291,7 +264,7 @@ static bool measure_drift(struct measuring *m)
     const struct measured drift = {ledger.error, 0};
     if (!isfinite(ledger.error))
         return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
-    if (!keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
+    if (!measure_keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
     const bool balanced = m->subject.run->plan.ledger;
@@ -303,7 +276,7 @@ static bool measure_drift(struct measuring *m)
     begin(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 /* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the
@@ -352,7 +325,7 @@ static bool measure_reynolds(struct measuring *m)
     const struct measured re =
         inputs_widen(&inputs, (struct measured){scene_reynolds(scene, speed.value),
                                                 scene_reynolds(scene, speed.uncertainty)});
-    if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
+    if (!measure_keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
     put_measured(&text, "Re", re, QUANTITY_NUMBER);
@@ -364,7 +337,7 @@ static bool measure_reynolds(struct measuring *m)
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
     put_inputs(m, &inputs, &text);
     reply_end(m->reply);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 /* k = m (omega^2 + gamma^2/4), gamma from the decay where it can be measured. */
@@ -391,7 +364,7 @@ static bool measure_k(struct measuring *m)
     inputs_use(&inputs, "m", (struct measured){mass, u});
     k.uncertainty = k.value * 2 * p.period.uncertainty / p.period.value;
     k = inputs_widen(&inputs, k);
-    if (!keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
+    if (!measure_keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
         return false;
     struct buffer text = {0};
     put_measured(&text, "k", k, QUANTITY_STIFFNESS);
@@ -407,7 +380,7 @@ static bool measure_k(struct measuring *m)
     begin(m, k, QUANTITY_STIFFNESS, p.periods);
     put_inputs(m, &inputs, &text);
     reply_end(m->reply);
-    return say(m, &text);
+    return measure_say(m, &text);
 }
 
 static bool measure_spectrum(struct measuring *m)
@@ -418,7 +391,7 @@ static bool measure_spectrum(struct measuring *m)
     if (count == 0)
         return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s",
                          m->subject.name);
-    if (!keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
+    if (!measure_keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
         return false;
     for (; peaks.count < count; peaks.count++)
         peaks.peak[peaks.count] =
@@ -478,8 +451,10 @@ COMMAND(
         "Acts on the position (or first value) of the most recent run or recording unless told; "
         "'period of "
         "NAME' on another column of a\n"
-        "run. The period comes from phases, crossings or whole cycles and is given with its standard "
-        "uncertainty; it is tested against its multiples and parts, so that a harmonic is not taken "
+        "run. The period comes from phases, crossings or whole cycles and is given with its "
+        "standard "
+        "uncertainty; it is tested against its multiples and parts, so that a harmonic is not "
+        "taken "
         "for it. "
         "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
         "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every "
@@ -493,7 +468,8 @@ COMMAND(
         "amplitude, decay, k) with what each states, and says what to quote.\n"
         "Records (--format json, csv) of a period also have how, the way it was found: "
         "'up-crossings', "
-        "'phases', 'cycles' or 'one damped sine'; and of a recording autocorrelation, the period by that "
+        "'phases', 'cycles' or 'one damped sine'; and of a recording autocorrelation, the period "
+        "by that "
         "alone.",
     .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure "
                 "repeat bare disk",

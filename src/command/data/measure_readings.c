@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Several readings together: how the amplitude falls, and whether the period depends on it. */
 #include "command/internal.h"
+#include "command/data/fit_text.h"
 #include "command/data/measuring.h"
 
 #include <math.h>
@@ -64,13 +65,15 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
         t[i] = reading[i].t;
         log_a[i] = (struct measured){log(a.value), a.uncertainty / a.value};
     }
-    if (!line_fit(t, log_a, count, &line) || !(line.slope.value < 0))
+    if (!line_fit(t, log_a, count, &line) || !(line.slope.value - line.slope.uncertainty < 0))
         return;
     const struct measured gamma = {-2 * line.slope.value, 2 * line.slope.uncertainty};
     const struct measured tau = fall_to_e(t, log_a, count), by_e = twice_over(tau);
     put_measured(text, "\ngamma", gamma, QUANTITY_RATE);
     buffer_put(text, TEXT(" from the line through ln A"));
-    put_measured(text, "   tau", twice_over(gamma), QUANTITY_TIME);
+    double least;
+    const struct measured of_line = measured_reciprocal(2, gamma, &least);
+    put_reciprocal(text, "   tau", 2, gamma, QUANTITY_TIME, m->subject.recording);
     if (isfinite(tau.value)) {
         put_measured(text, "\ngamma", by_e, QUANTITY_RATE);
         buffer_put(text, TEXT(" from the time to 1/e of the first reading"));
@@ -79,13 +82,62 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
         buffer_put(text, TEXT("\nA does not fall to 1/e of the first reading"));
     }
     session_set_result(m->session, "measured_gamma", gamma, QUANTITY_RATE);
-    session_set_result(m->session, "measured_tau", twice_over(gamma), QUANTITY_TIME);
+    session_set_result(m->session, "measured_tau", of_line, QUANTITY_TIME);
     measure_begin(m, "gamma", gamma, QUANTITY_RATE, NAN);
     reply_int(m->reply, "readings", count);
-    reply_measured(m->reply, "tau", twice_over(gamma), QUANTITY_TIME);
+    reply_measured(m->reply, "tau", of_line, QUANTITY_TIME);
+    reply_real(m->reply, "tau_min", least);
     reply_measured(m->reply, "time_to_1_e", tau, QUANTITY_TIME);
     reply_measured(m->reply, "gamma_of_1_e", by_e, QUANTITY_RATE);
     reply_end(m->reply);
+}
+
+/* Times to read at: those given, or the middles of so many equal parts, or the start. */
+static bool reading_times(struct measuring *m, double **at, int *count)
+{
+    const struct argument_value *times = argument_value(m->args, "at"),
+                                *windows = argument_value(m->args, "windows");
+    const struct series *s = &m->subject.series;
+    *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
+    if (*count > LIMIT_TOKENS)
+        return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
+    *at = arena_array(m->args->arena, (size_t)*count, sizeof **at);
+    if (!*at)
+        return error_memory(m->error);
+    const double from = s->t[0], width = s->t[s->n - 1] - from;
+    for (int i = 0; i < *count; i++)
+        (*at)[i] = times->count ? times->item[i].value.value
+                                : from + (windows->count ? (i + 0.5) / *count : 0) * width;
+    return true;
+}
+
+bool measure_amplitude(struct measuring *m)
+{
+    const enum quantity unit = m->subject.series.quantity;
+    double *at = NULL;
+    int count;
+    if (!reading_times(m, &at, &count))
+        return false;
+    struct reading *readings = arena_array(m->args->arena, (size_t)count, sizeof *readings);
+    if (!readings)
+        return error_memory(m->error);
+    if (!series_amplitudes(&m->subject.series, m->args->arena, at, count, 0, readings, m->error))
+        return false;
+    struct buffer text = {0};
+    for (int i = 0; i < count; i++) {
+        if (!measure_keep(m, m->quantity, readings[i].amplitude, unit, NAN)) {
+            buffer_free(&text);
+            return false;
+        }
+        measure_latest(m)->at = readings[i].t;
+        put_measured(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
+        buffer_format(&text, " at t = %.6g s", readings[i].t);
+        measure_begin(m, m->quantity, readings[i].amplitude, unit, NAN);
+        reply_real(m->reply, "t", readings[i].t);
+        reply_end(m->reply);
+    }
+    measure_fall(m, readings, count, &text);
+    return measure_say(m, &text);
 }
 
 /* ---- the period against the amplitude ---- */

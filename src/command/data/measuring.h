@@ -21,6 +21,15 @@ void put_measured(struct buffer *text, const char *name, struct measured value, 
 void measure_begin(struct measuring *m, const char *quantity, struct measured value,
                    enum quantity unit, double periods);
 
+/* Adds to the list of measurements; measure_latest() is then its row. */
+bool measure_keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
+                  double periods);
+struct measurement *measure_latest(const struct measuring *m);
+/* Gives the text out and frees it. Returns true. */
+bool measure_say(struct measuring *m, struct buffer *text);
+
+/* The amplitude at the times at=, or in the middles of windows=. */
+bool measure_amplitude(struct measuring *m);
 /* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their
  * logarithms, and the time in which the first falls to 1/e. Nothing is said where they do not fall.
  */

@@ -67,9 +67,8 @@ static struct measured times(double factor, struct measured x)
 /* The time in which the amplitude falls to 1/e. */
 static struct measured decay_time(struct measured gamma)
 {
-    if (!(gamma.value > 0))
-        return (struct measured){NAN, NAN};
-    return (struct measured){2 / gamma.value, 2 * gamma.uncertainty / (gamma.value * gamma.value)};
+    double least;
+    return measured_reciprocal(2, gamma, &least);
 }
 
 static void add_measurement(struct report *report, const struct measurement *m)
