@@ -15,7 +15,7 @@ struct samples {
     size_t n;
     double t0, dt; /* [s] where uniform: t = t0 + i dt */
     bool uniform;
-    double pace; /* relative standard uncertainty that all times have in common */
+    double pace;                 /* relative standard uncertainty that all times have in common */
     unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
@@ -163,9 +163,9 @@ bool motion_require(struct motion *motion, const struct series *series, struct a
 
 /* The longest part of a series that one damped sine describes. */
 struct swing {
-    double window[2];  /* [s] times of its first and last sample */
-    double period;     /* [s] */
-    size_t from, to;   /* samples [from, to) */
+    double window[2]; /* [s] times of its first and last sample */
+    double period;    /* [s] */
+    size_t from, to;  /* samples [from, to) */
 };
 
 /*

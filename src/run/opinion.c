@@ -8,8 +8,8 @@
  * The second solution is by dop853 where stability lets its steps be long, else by a Rosenbrock
  * method, or by radau5 where the run itself is by one. It ends steps at the recorded states that it
  * is compared with, so that nothing is interpolated, and follows changes of the scene and of the
- * state on the way; at events it has moments of its own (saltation.c). Its work is limited by counts, not by the clock: the same run always gets the
- * same opinion.
+ * state on the way; at events it has moments of its own (saltation.c). Its work is limited by
+ * counts, not by the clock: the same run always gets the same opinion.
  */
 #include <hooke/base/elementary.h>
 #include <hooke/opinion.h>

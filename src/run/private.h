@@ -232,7 +232,7 @@ struct work {
 struct work_done { /* in units of factor^2 J */
     /* in each step; drag is the part of it that drag did */
     double work[WORK_BLOCK], drag[WORK_BLOCK];
-    double energy[WORK_BLOCK];                         /* after it */
+    double energy[WORK_BLOCK]; /* after it */
     /* The force jumps inside the step or at one of its ends, so that the quintic does not hold; the
      * acceleration changes so much that it may not. */
     bool jumps[WORK_BLOCK], coarse[WORK_BLOCK];

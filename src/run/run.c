@@ -403,8 +403,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         return error_memory(error);
     run->y[i] = value;
     run->steps++;
-    if (!responses_add_jump(run, i, was) ||
-        !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (!responses_add_jump(run, i, was) || !trace_record(run->trace, run->steps, run->t, run->y)) {
         run->y[i] = was;
         run->steps--;
         responses_truncate(run);

@@ -69,16 +69,15 @@ bool responses_add_jump(struct run *run, int variable, double before)
         return true;
     copy_state(state, run->y, run->system.n);
     state[variable] = before;
-    return add_response(
-        run, &(struct response){run->steps, run->t, run->y[variable], variable}, state);
+    return add_response(run, &(struct response){run->steps, run->t, run->y[variable], variable},
+                        state);
 }
 
 void run_set_jump_slopes(struct run *run, const double *slope)
 {
     const struct responses *all = &run->private_state->responses;
     if (all->count > 0 && all->at[all->count - 1].step == run->steps)
-        memcpy(slopes_of(run, all->count - 1), slope,
-               ((size_t)run->system.n + 1) * sizeof *slope);
+        memcpy(slopes_of(run, all->count - 1), slope, ((size_t)run->system.n + 1) * sizeof *slope);
 }
 
 bool responses_add_moment(struct run *run, int event, double h)

@@ -33,8 +33,11 @@ struct session *session_create(const struct front *front)
     session->next_run = 1;
     session->record_fd = -1;
     session->live.speed = 1;
-    session->view = (struct view){
-        .x = {NAN, NAN}, .y = {NAN, NAN}, .trail = VIEW_TRAIL_PERIODS, .paging = true, .cursors = {.periods = NAN}};
+    session->view = (struct view){.x = {NAN, NAN},
+                                  .y = {NAN, NAN},
+                                  .trail = VIEW_TRAIL_PERIODS,
+                                  .paging = true,
+                                  .cursors = {.periods = NAN}};
     return session;
 }
 

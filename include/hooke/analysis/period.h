@@ -92,7 +92,7 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
                        int count, double width, struct reading *out, struct error *error);
 
 struct decay {
-    struct measured gamma;     /* [1/s] from the weighted line through ln(amplitude) */
+    struct measured gamma; /* [1/s] from the weighted line through ln(amplitude) */
     /* tau and quality as measured_reciprocal() */
     struct measured tau;       /* [s] 1/e time of the amplitude: 2/gamma */
     struct measured decrement; /* ln of the ratio of successive amplitudes = gamma T / 2 */

@@ -222,8 +222,8 @@ static bool set_state(struct session *session, int variable, struct parser *pars
     double slope[LIMIT_VARIABLES + 1];
     if (!read_value(parser, moving.name, moving.quantity, &item, error))
         return false;
-    const bool answers = run->plan.adaptive &&
-                         find_slopes(&before, run, moving.name, moving.quantity, slope);
+    const bool answers =
+        run->plan.adaptive && find_slopes(&before, run, moving.name, moving.quantity, slope);
     if (!live_kick(session, variable, item.value.value, error)) {
         error->where = item.text;
         return false;

@@ -6,7 +6,7 @@
 #include <math.h>
 
 bool find_slopes(const struct parser *before, struct run *run, const char *what,
-                        enum quantity quantity, double *slope)
+                 enum quantity quantity, double *slope)
 {
     static const double difference = 6e-6; /* a compromise of rounding and curvature */
     const double t = run->t;
@@ -14,7 +14,8 @@ bool find_slopes(const struct parser *before, struct run *run, const char *what,
     for (int i = 0; i <= run->system.n; i++) {
         double *moving = i < run->system.n ? &run->y[i] : &run->t, value[2] = {0, 0};
         const double was = *moving,
-                     natural = i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
+                     natural =
+                         i < run->system.n ? run->controller.scale[i] : fabs(run->controller.h),
                      by = fmax(difference * fmax(fabs(was), natural), DBL_MIN);
         for (int side = 0; side < 2 && ok; side++) {
             struct parser parser = *before;

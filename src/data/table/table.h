@@ -180,7 +180,7 @@ int recording_counter(struct recording *recording); /* column that counts the ro
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
 /* Sets dt from all stamps. */
 void recording_set_step(struct recording *recording);
-void recording_reverse(struct recording *recording);                      /* the last row first */
+void recording_reverse(struct recording *recording); /* the last row first */
 bool recording_time(struct recording *recording, const struct load_options *options,
                     struct error *error);
 

@@ -258,7 +258,7 @@ static void put_notes(struct report *report, const int *run, int runs)
 void put_runs(struct report *report, const int *run, int runs, bool distance)
 {
     static const char *const heads[] = {
-        "run",  "method",    "step",      "steps",  "to t",
+        "run",  "method",       "step",      "steps",  "to t",
         "E/E0", "energy error", "max error", "status", "rms from the data"};
     struct document *document = &report->document;
     bool filled[RUN_STATUS + 1] = {false};

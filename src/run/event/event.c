@@ -202,8 +202,8 @@ static bool look_found(void *context, double theta, int sign)
         return true;
     if (event->touching && is_same_touch(look, theta, error_fraction(path->inside.run)))
         return true;
-    if (sign == 0 && fabs(path_time(path, theta) - look->watched->passed) <=
-                         TOUCH * fabs(path->inside.h))
+    if (sign == 0 &&
+        fabs(path_time(path, theta) - look->watched->passed) <= TOUCH * fabs(path->inside.h))
         return true;
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
@@ -259,8 +259,8 @@ static int sign_beyond(const struct event_search *look, int before)
     if (jet.bend.lo > 0 || jet.bend.hi < 0)
         return jet.bend.lo > 0 ? 1 : -1;
     path_estimate(path, 1 + probe, y);
-    const int sign = sign_of(events_watch_value(look->watch, look->watched,
-                                                path->end_t + probe * path->inside.h, y));
+    const int sign = sign_of(
+        events_watch_value(look->watch, look->watched, path->end_t + probe * path->inside.h, y));
     return sign != 0 ? sign : before;
 }
 

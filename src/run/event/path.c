@@ -172,8 +172,7 @@ static bool through_middle(struct step_path *path)
         piece->c[0][i] += off;
         piece->c[2][i] -= 8 * off;
         piece->c[4][i] = 16 * off;
-        piece->error[i] =
-            fabs(off) + ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
+        piece->error[i] = fabs(off) + ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
     }
     return fine;
 }
@@ -201,8 +200,8 @@ static bool fit_piece(struct step_path *path, int k, int pieces)
                      motion = terms_size(piece, i, 1, DENSE_DEGREE, length / 2);
         const bool smooth = last <= resolved * motion;
         fine = fine && smooth;
-        piece->error[i] = (smooth ? left_out * last : TAIL * motion) +
-                          ROUNDING * (fabs(piece->c[0][i]) + motion);
+        piece->error[i] =
+            (smooth ? left_out * last : TAIL * motion) + ROUNDING * (fabs(piece->c[0][i]) + motion);
     }
     return fine;
 }

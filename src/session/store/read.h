@@ -37,7 +37,7 @@ struct reader {
     size_t records, record_capacity;
     struct read_run *run;
     size_t runs, run_capacity;
-    struct text state; /* the last S */
+    struct text state;          /* the last S */
     struct field_places places; /* of the parameters of its scene */
     struct made *made;
     size_t mades, made_capacity;
@@ -54,14 +54,15 @@ struct read_run *reader_run(struct reader *reader, uint64_t id); /* NULL: not th
 /* places.c */
 /* Finds where the file has the parameters of a scene that it calls `of`. */
 bool reader_places(struct text of, const struct scene *scene, struct field_places *places);
-/* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has them. */
+/* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has them.
+ */
 void reader_move(const struct field_places *places, void *array, size_t item);
 /* Returns the bytes of an element of an array in the file. */
 size_t reader_item(struct text in, size_t item);
 /* Reads an element by its members; others are 0. Returns false if the file does not say which it
  * has, and has another number of bytes. */
-bool reader_members(struct text in, const struct field *member, size_t members,
-                    struct text stored, size_t item, void *to);
+bool reader_members(struct text in, const struct field *member, size_t members, struct text stored,
+                    size_t item, void *to);
 
 /* pieces.c */
 /* Reads a scene; places: of its parameters in the file, or NULL. */

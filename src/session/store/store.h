@@ -42,9 +42,9 @@ extern const size_t store_session_count, store_view_count, store_lesson_count;
 /* Arrays of the session that have no pointers in them: a field each, and its count. */
 struct store_array {
     const char *name;
-    size_t offset, item; /* of the array, bytes of an element */
-    size_t count;        /* offset of the int */
-    int max;             /* 0: the array is allocated */
+    size_t offset, item;        /* of the array, bytes of an element */
+    size_t count;               /* offset of the int */
+    int max;                    /* 0: the array is allocated */
     const struct field *member; /* [members] of an element, all of them */
     size_t members;
 };

@@ -31,7 +31,7 @@ struct system_row {
     struct state (*start)(const double *p);
     struct {
         double low, high;
-    } range[5]; /* of the parameters */
+    } range[5];               /* of the parameters */
     double shortest, longest; /* [s] durations */
     double look;              /* [s] no event comes back within */
 };
@@ -190,16 +190,56 @@ static struct state thermostat_jump(const double *p, double t, struct state s)
 }
 
 static const struct system_row systems[] = {
-    {"fire", fire_text, fire_flow, below_one, fire_jump, fire_start,
-     {{2, 4}, {0.3, 1.5}, {-0.3, 0.3}}, 5, 20, 0},
-    {"growth", growth_text, growth_flow, below_one, growth_jump, half,
-     {{0.5, 2}, {1.5, 6}}, 5, 20, 0},
-    {"wall", wall_text, wall_flow, above_wall, wall_jump, at_one,
-     {{1, 9}, {0.7, 1}, {-0.5, -0.1}}, 3, 15, 1e-3},
-    {"table", table_text, table_flow, above_table, table_jump, at_one,
-     {{0.5, 0.9}, {0.01, 0.04}, {2, 5}, {5, 10}}, 0.7, 1.4, 1e-3},
-    {"thermostat", thermostat_text, thermostat_flow, thermostat_event, thermostat_jump, half,
-     {{0.5, 3}, {0.6, 0.8}, {0.2, 0.4}}, 5, 20, 0},
+    {"fire",
+     fire_text,
+     fire_flow,
+     below_one,
+     fire_jump,
+     fire_start,
+     {{2, 4}, {0.3, 1.5}, {-0.3, 0.3}},
+     5,
+     20,
+     0},
+    {"growth",
+     growth_text,
+     growth_flow,
+     below_one,
+     growth_jump,
+     half,
+     {{0.5, 2}, {1.5, 6}},
+     5,
+     20,
+     0},
+    {"wall",
+     wall_text,
+     wall_flow,
+     above_wall,
+     wall_jump,
+     at_one,
+     {{1, 9}, {0.7, 1}, {-0.5, -0.1}},
+     3,
+     15,
+     1e-3},
+    {"table",
+     table_text,
+     table_flow,
+     above_table,
+     table_jump,
+     at_one,
+     {{0.5, 0.9}, {0.01, 0.04}, {2, 5}, {5, 10}},
+     0.7,
+     1.4,
+     1e-3},
+    {"thermostat",
+     thermostat_text,
+     thermostat_flow,
+     thermostat_event,
+     thermostat_jump,
+     half,
+     {{0.5, 3}, {0.6, 0.8}, {0.2, 0.4}},
+     5,
+     20,
+     0},
 };
 
 /* Returns the first time up to `end` at which the event's function falls through 0, or NAN. */
@@ -256,7 +296,7 @@ static double uniform(double low, double high)
 static void errors_count_the_moments(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"dopri5", "tsit5",  "bogacki-shampine", "radau5",
+    static const char *const methods[] = {"dopri5", "tsit5",   "bogacki-shampine", "radau5",
                                           "rodas4", "rodas5p", "tr-bdf2",          "dop853"};
     static const double rounding = 1e-12;
     const int tries = is_long() ? 1000 : 60;

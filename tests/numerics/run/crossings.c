@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Random event functions, all methods, steps from a thousandth of the period to all of it: each
- * root is found once, at its time, or the run reports that events may be missing. Roots of functions
- * of time are known; those of the state are counted along rows between the steps, and where a method
- * follows the closed form, x = cos t, along that.
+ * root is found once, at its time, or the run reports that events may be missing. Roots of
+ * functions of time are known; those of the state are counted along rows between the steps, and
+ * where a method follows the closed form, x = cos t, along that.
  */
 #include <stdarg.h>
 #include <stddef.h>
