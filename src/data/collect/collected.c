@@ -201,6 +201,16 @@ static bool mend_clock(struct recording *recording, const struct arrivals *arriv
                       mended);
 }
 
+/* Mends the clock, and the column behind it where the one in front counts the rows. */
+static bool mend_clocks(struct recording *recording, const struct arrivals *arrivals, bool said,
+                        struct arena *arena, struct clock_mended *mended)
+{
+    const int clock = recording_clock(recording);
+    return mend_clock(recording, arrivals, clock, said, arena, mended) &&
+           (clock != 0 || recording->columns <= 2 || recording_counter(recording) != 0 ||
+            mend_clock(recording, arrivals, 1, said, arena, mended));
+}
+
 /* Thousandths are counted one by one where there are a thousand lines a second. */
 static bool counts_time(double pace)
 {
@@ -245,8 +255,7 @@ static bool choose_columns(struct recording *recording, const struct collected_t
     struct error none = {0};
     struct arrivals arrivals, counted;
     if (!lines_of(recording, lines, arena, &arrivals) ||
-        !mend_clock(recording, &arrivals, recording_clock(recording), options->time_unit != NULL,
-                    arena, mended))
+        !mend_clocks(recording, &arrivals, options->time_unit != NULL, arena, mended))
         return error_memory(error);
     bool chosen = recording_choose(recording, options, &none);
     const int counter = chosen ? -1 : recording_counter(recording);
