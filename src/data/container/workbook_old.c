@@ -106,6 +106,12 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
         error_set(error, ERROR_IO,
                   "%s is no Excel workbook (.xls) that can be read, or it is cut short", shown);
         error_hint(error, "open it where it was made and save it as .xlsx or CSV");
+    } else if (!book) { /* FreeXL 1.0.6, bug: success without a workbook */
+        error_set(error, ERROR_IO,
+                  "FreeXL cannot read %s: it gives up without an error, as it does where a text "
+                  "cell of the workbook is empty (phyphox writes such cells)",
+                  shown);
+        done = error_hint(error, "export CSV instead, or open it and save it as .xlsx");
     } else {
         api.freexl_get_info(book, FREEXL_BIFF_PASSWORD, &password);
         api.freexl_get_info(book, FREEXL_BIFF_SHEET_COUNT, &sheets);

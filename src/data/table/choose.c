@@ -108,7 +108,9 @@ static bool unnamed(const struct column *column, int i)
 static bool is_index(const struct recording *recording, const struct profile *p, int i)
 {
     const struct column *column = &recording->column[i];
-    return p->whole && rises(p) && p->by_one >= MOSTLY && !is_time(column) &&
+    /* The only column is what was recorded, even if it counts. */
+    return recording->columns > 1 && p->whole && rises(p) && p->by_one >= MOSTLY &&
+           !is_time(column) &&
            (name_has_word(column->name, INDEX_WORDS) ||
             (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
@@ -201,7 +203,7 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
                                           QUANTITY_ANGULAR_FREQUENCY,
                                           QUANTITY_ACCELERATION};
     int best = -1;
-    size_t best_rank = COUNT_OF(order) + 2;
+    size_t best_rank = COUNT_OF(order) + 3;
     for (int i = 0; i < recording->columns; i++) {
         const struct column *column = &recording->column[i];
         if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 ||
@@ -216,6 +218,9 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
         if ((quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
             name_has_word(column->name, SIZE_WORDS))
             rank = COUNT_OF(order) + 1;
+        /* Beside the first rows only: something typed into the table. */
+        if (rank > COUNT_OF(order) && 2 * profile[i].numbers < recording->rows)
+            rank++;
         /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */
         if (rank < best_rank ||
             (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
@@ -264,8 +269,35 @@ static int time_column(const struct recording *recording, const struct profile *
     return own >= 0 ? own : time_among(recording, profile, false);
 }
 
+/* Returns true if the column could be the time although neither its name nor its unit says so. */
+static bool could_be_time(const struct recording *recording, const struct profile *profile, int i)
+{
+    const struct column *column = &recording->column[i];
+    return in_run(recording, i) && column->quantity == QUANTITY_OTHER && !column->unit[0] &&
+           profile[i].numbers > 0 && !is_index(recording, &profile[i], i) &&
+           !name_has_word(column->name, PLACE_WORDS " " ERROR_WORDS);
+}
+
+/* Returns the only column whose numbers are those of a clock; -1: none, or more than one. */
+static int only_clock(const struct recording *recording, const struct profile *profile)
+{
+    static bool (*const is_clock[])(const double *, size_t) = {rises_evenly, is_along_line};
+    for (size_t pass = 0; pass < COUNT_OF(is_clock); pass++) {
+        int found = -1, count = 0;
+        for (int i = 0; i < recording->columns; i++)
+            if (could_be_time(recording, profile, i) &&
+                is_clock[pass](recording->column[i].value, recording->rows)) {
+                found = i;
+                count++;
+            }
+        if (count > 0)
+            return count == 1 ? found : -1;
+    }
+    return -1;
+}
+
 /* No column says that it is the time: the first one is if it rises, and evenly where it has another
- * name; behind a count of the rows the second, if it rises evenly. */
+ * name; behind a count of the rows the second, if it rises evenly; else the only one that does. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
     const int at = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
@@ -273,7 +305,10 @@ static int guessed_time(const struct recording *recording, const struct profile 
     const bool could = recording->columns > 1 && in_run(recording, at) &&
                        first->quantity == QUANTITY_OTHER && rises(&profile[at]) &&
                        !is_index(recording, &profile[at], at);
-    return could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY) ? at : -1;
+    if (could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY))
+        return at;
+    return recording->columns > 1 && !(recording->header_rate > 0) ? only_clock(recording, profile)
+                                                                   : -1;
 }
 
 static int index_column(const struct recording *recording, const struct profile *profile)

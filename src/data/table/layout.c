@@ -49,10 +49,14 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     return shape;
 }
 
-static bool is_row(struct shape shape, int min, bool words)
+/* Blanks and commas also separate the words of sentences: there, more numbers than words are
+ * wanted. */
+static bool is_row(struct shape shape, char separator, int min, bool words)
 {
+    const bool sentence = separator == ' ' || separator == ',';
     return shape.fields >= min && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
-           (shape.words == 0 || (words && shape.numbers >= 2 && shape.numbers > shape.words));
+           (shape.words == 0 ||
+            (words && shape.numbers >= 2 && (!sentence || shape.numbers > shape.words)));
 }
 
 struct found {
@@ -79,12 +83,13 @@ static bool find_rows(const struct table_text *text, size_t from, struct separat
             !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
         struct shape shape =
             single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
-        bool row = is_row(shape, min, words) && (same == 0 || shape.fields == found->fields);
+        bool row = is_row(shape, reading.separator, min, words) &&
+                   (same == 0 || shape.fields == found->fields);
         if (same < run && !row) { /* a row of another width may be the first of the table */
             same = 0;
             counted = 0;
             *found = (struct found){.reading = reading, .trailing = true};
-            row = is_row(shape, min, words);
+            row = is_row(shape, reading.separator, min, words);
         }
         if (row && same++ == 0) {
             found->first = i;
@@ -157,6 +162,34 @@ static char names_separator(struct text line, const struct table_layout *layout,
                : 0;
 }
 
+/*
+ * Returns true for a comment of a key, a colon and what it says: "# rows: 300". *line becomes the
+ * names of the columns if it says them, and empty if not. A single name of a table with several
+ * columns ("# name: data", as Octave saves a matrix) becomes the stem of their names.
+ */
+static bool keyed_comment(struct text *line, struct table_layout *layout)
+{
+    struct text rest = text_trim(*line), key, first;
+    double value;
+    if (rest.len == 0 || rest.at[rest.len - 1] == ':' || !text_split(&rest, ':', &key) ||
+        memchr(key.at, ' ', key.len) || !rest.at)
+        return false;
+    *line = (struct text){0};
+    const bool name = text_is(key, "name");
+    if (!name && !text_is(key, "columns") && !text_is(key, "fields") && !text_is(key, "names"))
+        return true;
+    rest = text_trim(rest);
+    struct text fields = rest;
+    if (!table_field(&fields, layout->separator, &first) ||
+        table_cell(first, layout->decimal, &value) != CELL_WORD)
+        return true;
+    if (names_separator(rest, layout, true))
+        *line = rest;
+    else if (name)
+        layout->stem = rest;
+    return true;
+}
+
 /* The lines above the first row: names, or names and then units. *above: fields in the line above,
  * 0: none. */
 static void find_names(const struct table_text *text, size_t first, size_t from,
@@ -166,7 +199,7 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
     char separator[2] = {0};
     size_t candidates = 0;
     *above = 0;
-    for (size_t i = first; i-- > from && candidates < 2;) {
+    for (size_t i = first; i-- > from && candidates < 2 && layout->stem.len == 0;) {
         struct text line = text_trim(text->head[i].text);
         const bool comment = table_comment(line);
         if (line.len == 0 ||
@@ -174,6 +207,8 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
             continue;
         /* Names may follow a # or %, as in "# t y". */
         line = comment ? (struct text){line.at + 1, line.len - 1} : text->head[i].text;
+        if (comment && keyed_comment(&line, layout) && line.len == 0)
+            continue;
         if (!comment && *above == 0)
             *above = field_count(line, layout->separator);
         separator[candidates] = names_separator(line, layout, comment);
@@ -241,57 +276,6 @@ static void settle_decimal(const struct table_text *text, const struct found *fo
         layout->decimal = ',';
 }
 
-/* Digits, then perhaps the mark and three more. *group: 1000 times what it is as decimals; 0: no
- * mark. False: something else with the mark in it. */
-static bool read_group(struct text field, char mark, double *value, double *group)
-{
-    size_t i = field.len > 0 && field.at[0] == '-', digits[2] = {0};
-    int part = 0;
-    *value = *group = 0;
-    for (; i < field.len; i++) {
-        if (field.at[i] == mark && part == 0 && digits[0] > 0) {
-            part = 1;
-            continue;
-        }
-        if (field.at[i] < '0' || field.at[i] > '9')
-            return !memchr(field.at, mark, field.len);
-        *value = 10 * *value + (field.at[i] - '0');
-        digits[part]++;
-    }
-    *group = part ? *value : 0;
-    *value /= part ? 1000 : 1;
-    return part == 0 || (digits[0] <= 3 && digits[1] == 3);
-}
-
-/*
- * Does what looks like a decimal mark stand between thousands? Where a column goes on from whole
- * numbers of three digits (960, 980) to three digits behind the mark (1.000, 1.020), it does if it
- * then goes on without a jump, and no number has another count of digits behind it.
- */
-static bool is_grouped(const struct table_text *text, const struct table_layout *layout)
-{
-    enum { COLUMNS = 8 };
-    double before[COLUMNS] = {0}, value, group;
-    int votes = 0;
-    struct text field;
-    for (size_t i = 0; i < text->heads; i++) {
-        struct text line = text->head[i].text;
-        if (text->head[i].number < layout->line || table_skipped(line))
-            continue;
-        for (int c = 0; c < COLUMNS && table_field(&line, layout->separator, &field); c++) {
-            if (!read_group(field, layout->decimal, &value, &group))
-                return false;
-            if (group > 0 && before[c] >= 500) {
-                if (fabs(group - before[c]) >= fabs(value - before[c]))
-                    return false;
-                votes++;
-            }
-            before[c] = group > 0 ? 0 : value;
-        }
-    }
-    return votes > 0;
-}
-
 static bool find_best(const struct table_text *text, size_t from,
                       const struct load_options *options, struct table_layout *layout)
 {
@@ -318,10 +302,14 @@ static bool find_best(const struct table_text *text, size_t from,
         }
         if (best.score > 0) {
             settle_decimal(text, &best, options, layout);
-            if (!options->decimal && best.fraction && is_grouped(text, layout)) {
-                layout->decimal = layout->decimal == '.' ? ',' : '.';
+            const char other = layout->decimal == '.' ? ',' : '.';
+            if (!options->decimal && best.fraction && is_grouped(text, layout, layout->decimal)) {
+                layout->decimal = other;
+                layout->grouped = true;
+            } else if (best.fraction && is_grouped(text, layout, other)) {
                 layout->grouped = true;
             }
+            find_unpadded(text, layout);
             return true;
         }
     }

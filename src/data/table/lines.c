@@ -83,12 +83,34 @@ static size_t quoted_length(struct text text)
     return i;
 }
 
+/* Takes a stamp in brackets, as terminal programs put before every line that comes: "[2024-01-05
+ * 12:30:45.000] 27.00". The bracket ends the field, whatever separates the others. */
+static bool bracketed_stamp(struct text *rest, struct text *field)
+{
+    const struct text text = text_trim(*rest);
+    struct stamp stamp;
+    const char *close = text.len > 0 && text.at[0] == '[' ? memchr(text.at, ']', text.len) : NULL;
+    if (!close)
+        return false;
+    const struct text inside = {text.at + 1, (size_t)(close - text.at - 1)},
+                      behind = text_trim((struct text){close + 1, text.len - inside.len - 2});
+    if (!stamp_parse(inside, &stamp))
+        return false;
+    const bool marked = behind.len > 0 && strchr(",;", behind.at[0]);
+    *field = inside;
+    *rest = behind.len > 0 ? (struct text){behind.at + marked, behind.len - marked}
+                           : (struct text){NULL, 0};
+    return true;
+}
+
 bool table_field(struct text *rest, char separator, struct text *field)
 {
     if (rest->at == NULL)
         return false;
     struct text text = separator == ' ' ? text_trim(*rest) : *rest;
     size_t start = 0;
+    if (bracketed_stamp(rest, field))
+        return true;
     while (start < text.len && is_blank(text.at[start]) && text.at[start] != separator)
         start++;
     size_t end = start;

@@ -3,6 +3,7 @@
  * The rows of a table into columns, in one pass over the file. What cannot be read is counted and
  * said.
  */
+#include "data/table/plain_number.h"
 #include "data/table/stamp.h"
 #include "data/table/table.h"
 
@@ -24,10 +25,14 @@ struct row_reader {
     struct recording *recording;
     const struct table_layout *layout;
     struct row_problem ragged, extra, *words; /* words: of each column */
-    struct stamp_column *stamps;              /* of each column */
-    struct text recent[RECENT]; /* recent[i % RECENT]: row i, while it is one of the last */
-    size_t capacity;            /* rows there is memory for */
-    bool ended;                 /* the newest row has a line end */
+    /* Rows of another width that are kept: those that end early, those with numbers behind. */
+    struct row_problem shorter, wider;
+    size_t other_line;           /* line of the newest row of another width, 0 before the first */
+    int other_fields;            /* number of its fields */
+    struct stamp_column *stamps; /* of each column */
+    struct text recent[RECENT];  /* recent[i % RECENT]: row i, while it is one of the last */
+    size_t capacity;             /* rows there is memory for */
+    bool ended;                  /* the newest row has a line end */
 };
 
 /* ---- memory ---- */
@@ -74,51 +79,6 @@ static void note(struct row_problem *tally, size_t line, struct text example)
     }
 }
 
-/*
- * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and
- * one rounding (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else,
- * which the slow way reads.
- */
-static inline const char *plain_number(const char *at, const char *end, char decimal, double *value)
-{
-    static const double power10[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                     1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                     1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    while (at < end && *at == ' ')
-        at++;
-    const bool negative = at < end && *at == '-';
-    const char *first = at += negative, *point = NULL;
-    uint64_t digits = 0;
-    for (; at < end; at++) {
-        const unsigned digit = (unsigned)(*at - '0');
-        if (digit < 10) {
-            digits = 10 * digits + digit;
-        } else if (*at == decimal && !point) {
-            point = at;
-        } else {
-            break;
-        }
-    }
-    const ptrdiff_t count = at - first - (point != NULL);
-    ptrdiff_t exponent = point ? point + 1 - at : 0;
-    if (count < 1 || count > 15)
-        return NULL;
-    if (at < end && (*at == 'E' || *at == 'e')) {
-        const bool low = ++at < end && *at == '-';
-        at += low;
-        const unsigned digit = at < end ? (unsigned)(*at - '0') : 10;
-        if (digit > 9 || (++at < end && (unsigned)(*at - '0') < 10)) /* one digit is usual */
-            return NULL;
-        exponent += low ? -(ptrdiff_t)digit : (ptrdiff_t)digit;
-        if (exponent < -22)
-            return NULL;
-    }
-    const double size =
-        exponent < 0 ? (double)digits / power10[-exponent] : (double)digits * power10[exponent];
-    *value = negative ? -size : size;
-    return at;
-}
-
 /* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
  * returns the start of the next line. NULL: the slow way has to look. */
 static const char *plain_row(struct row_reader *reader, const char *at, const char *end)
@@ -127,7 +87,7 @@ static const char *plain_row(struct row_reader *reader, const char *at, const ch
     const char separator = reader->layout->separator, decimal = reader->layout->decimal;
     const size_t row = recording->rows;
     const char *begin = at;
-    if (separator == decimal)
+    if (separator == decimal || reader->layout->unpadded)
         return NULL;
     for (int i = 0; i < recording->columns; i++) {
         if (i > 0 && (at == end || *at++ != separator))
@@ -186,31 +146,103 @@ static void note_words(struct row_reader *reader, struct text line, size_t numbe
             note(&reader->words[i], number, field);
 }
 
-/* Reads one line into row recording->rows; false: it is no row of this table. */
-static bool read_row(struct row_reader *reader, struct text line, size_t number)
+/* Returns the number of fields of a row that holds two numbers or more and no words; 0 for any
+ * other line. */
+static int number_fields(const struct table_layout *layout, struct text line)
+{
+    struct text field;
+    enum cell_kind cell;
+    double value;
+    int fields = 0, numbers = 0;
+    while (next_cell(&line, layout, &field, &cell, &value)) {
+        if (cell == CELL_WORD)
+            return 0;
+        numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
+        fields++;
+    }
+    return numbers >= 2 ? fields : 0;
+}
+
+/* Returns true if the fields of a row of another width are those of the first columns: between
+ * blanks any of them could be missing, unless as many have a name, and the commas of decimals look
+ * like those between fields. */
+static bool fields_are_aligned(const struct table_layout *layout, struct text line, int fields)
+{
+    struct text names = layout->names, name;
+    int named = 0;
+    if (layout->separator == ',')
+        return fields < layout->columns || memchr(line.at, '.', line.len);
+    if (layout->separator != ' ')
+        return layout->separator != '\n';
+    while (header_field(&names, layout->name_separator, &name))
+        named++;
+    return named == (fields < layout->columns ? fields : layout->columns);
+}
+
+/*
+ * Returns true if a row of another width than the first ones belongs to the table: a formula was
+ * typed beside some rows only. A single such line may be garbled; where WIDTH_RUN lines of the same
+ * width follow each other they are rows.
+ */
+static bool is_other_width(struct row_reader *reader, struct text line, struct text ahead,
+                           size_t number)
+{
+    enum { WIDTH_RUN = 3, BEGINNING = 64 };
+    const int fields = number_fields(reader->layout, line);
+    if (fields == 0 || !fields_are_aligned(reader->layout, line, fields))
+        return false;
+    const bool follows = reader->other_fields == fields && reader->other_line + 1 == number;
+    /* The first rows may be the ones without the formula: others like them come later. */
+    const int lines = reader->recording->rows < WIDTH_RUN ? BEGINNING : WIDTH_RUN - 1;
+    struct text next;
+    int same = 0;
+    for (int i = 0; i < lines && same < WIDTH_RUN - 1 && !follows; i++) {
+        const bool is_same = table_line(&ahead, &next) && next.len <= LIMIT_LINE &&
+                             number_fields(reader->layout, next) == fields;
+        same = is_same ? same + 1 : 0;
+    }
+    if (!follows && same < WIDTH_RUN - 1)
+        return false;
+    reader->other_line = number;
+    reader->other_fields = fields;
+    return true;
+}
+
+/* Reads one line, which `ahead` follows, into row recording->rows; false: it is no row of this
+ * table. */
+static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
 {
     struct recording *recording = reader->recording;
     struct text rest = line, field, beyond = {0};
     int fields = 0, numbers = 0;
-    bool words = false;
+    bool words = false, wider = false;
     enum cell_kind cell;
     double value;
     while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
         if (fields < recording->columns) {
             if (cell == CELL_STAMP)
                 value = stamp_seconds(&reader->stamps[fields], field);
+            else if (cell == CELL_NUMBER && fields + 1 == reader->layout->unpadded)
+                value = unpadded_value(field, reader->layout);
             recording->column[fields].value[recording->rows] = value;
             numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
             words |= cell == CELL_WORD;
         } else if (cell == CELL_NUMBER) {
-            return false;
+            wider = true;
         } else if (cell == CELL_WORD && beyond.len == 0) {
             beyond = field;
         }
         fields++;
     }
-    if (fields < recording->columns || (numbers == 0 && (words || beyond.len > 0)))
+    const bool shorter = fields < recording->columns;
+    if ((shorter || wider) && !is_other_width(reader, line, ahead, number))
         return false;
+    if (numbers == 0 && (words || beyond.len > 0))
+        return false;
+    for (int i = fields; i < recording->columns; i++)
+        recording->column[i].value[recording->rows] = NAN;
+    if (shorter || wider)
+        note(shorter ? &reader->shorter : &reader->wider, number, line);
     if (beyond.len > 0)
         note(&reader->extra, number, beyond);
     if (words)
@@ -268,12 +300,15 @@ static bool is_cut(const struct row_reader *reader)
     return last.len < above.len && text_starts(above, last);
 }
 
-static void name_columns(struct recording *recording)
+static void name_columns(struct recording *recording, const struct table_layout *layout)
 {
+    char stem[SHORT_NAME] = "column";
+    if (layout->stem.len > 0)
+        short_name(layout->stem, stem);
     for (int i = 0; i < recording->columns; i++) {
         struct column *column = &recording->column[i];
         if (!column->name[0])
-            snprintf(column->name, sizeof column->name, "column %d", i + 1);
+            snprintf(column->name, sizeof column->name, "%s %d", stem, i + 1);
     }
 }
 
@@ -292,11 +327,31 @@ static void warn_rows(struct row_reader *reader)
             "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
             reader->layout->decimal == '.' ? ',' : '.',
             reader->layout->decimal == '.' ? "comma" : "point");
+    if (reader->layout->unpadded)
+        recording_warn(recording,
+                       "%s: the digits behind the mark are not padded (the numbers fall where "
+                       "%.0f digits follow): 0%c20 is read as 20 of %.0f parts",
+                       recording->column[reader->layout->unpadded - 1].name,
+                       log10(reader->layout->unpadded_parts), reader->layout->decimal,
+                       reader->layout->unpadded_parts);
     if (reader->ragged.count > 0)
         recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')",
                        reader->ragged.count, reader->ragged.count == 1 ? "line" : "lines",
                        reader->ragged.count == 1 ? "is" : "are", recording->columns,
                        reader->ragged.first, reader->ragged.example);
+    if (reader->shorter.count > 0)
+        recording_warn(
+            recording,
+            "%zu rows have fewer than %d columns: the last ones are missing there (first: "
+            "line %zu, '%s')",
+            reader->shorter.count, recording->columns, reader->shorter.first,
+            reader->shorter.example);
+    if (reader->wider.count > 0)
+        recording_warn(recording,
+                       "%zu rows have more than %d columns, the others are not read (first: line "
+                       "%zu, '%s')",
+                       reader->wider.count, recording->columns, reader->wider.first,
+                       reader->wider.example);
     for (int i = 0; i < recording->columns; i++) {
         const struct row_problem *words = &reader->words[i];
         if (words->count > 0 && words->count == recording->rows)
@@ -331,7 +386,7 @@ static bool read_line(struct row_reader *reader, struct text *rest, size_t numbe
         return false;
     if (table_skipped(line))
         return true;
-    const bool row = line.len <= LIMIT_LINE && read_row(reader, line, number);
+    const bool row = line.len <= LIMIT_LINE && read_row(reader, line, *rest, number);
     reader->ended = rest->len > 0 || rest->at > line.at + line.len;
     if (!row && !reader->ended) {
         recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
@@ -404,7 +459,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
         recording->dropped++;
     }
     recording->dropped += reader.ragged.count;
-    name_columns(recording);
+    name_columns(recording, layout);
     warn_rows(&reader);
     stamp_columns(recording, reader.stamps);
     return true;

@@ -152,6 +152,20 @@ static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
     return true;
 }
 
+/* Days that have passed, before a time: 0 00:00:01.234. */
+static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
+{
+    const struct stamp_scan saved = *s;
+    int64_t days;
+    if (digits(s, 4, &days) > 0 && next(s, ' ') && s->end - s->at > 2 && is_digit(*s->at)) {
+        stamp->date = true;
+        stamp->day = days;
+        return true;
+    }
+    *s = saved;
+    return false;
+}
+
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);
@@ -159,6 +173,8 @@ bool stamp_parse(struct text text, struct stamp *stamp)
     *stamp = (struct stamp){0};
     if (text.len < 4 || text.len > 40 || !is_digit(text.at[0]))
         return false;
+    if (scan_days(&s, stamp))
+        return scan_clock(&s, stamp) && s.at == s.end;
     if (scan_date(&s, stamp) && s.at < s.end && !next(&s, 'T') && !next(&s, '_')) {
         if (*s.at != ' ' && *s.at != ',')
             return false;

@@ -34,6 +34,11 @@ struct table_layout {
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
     bool grouped; /* the other mark stands between thousands, also where there is only one: 1.020 */
+    struct text stem; /* of the names of columns without one; empty: "column" */
+    /* Column, counted from 1, whose decimals are not padded (0.20 is 20 of unpadded_parts = 1000
+     * parts); 0 means none. */
+    int unpadded;
+    double unpadded_parts;
 };
 
 struct table_text {
@@ -120,6 +125,13 @@ bool arrival_times(const struct arrivals *arrivals, struct arena *arena,
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
                 struct table_layout *layout, struct error *error);
 
+/* marks.c: Returns true if `mark` stands between thousands in the table, also alone in a number. */
+bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark);
+/* Sets layout->unpadded. */
+void find_unpadded(const struct table_text *text, struct table_layout *layout);
+/* The number in a field of the column layout->unpadded; NAN if it is written in another way. */
+double unpadded_value(struct text field, const struct table_layout *layout);
+
 /* header.c: the fields of a header line ("Time (s)" is one, also between blanks); names and units
  * of the columns, from the two header lines. */
 bool header_field(struct text *rest, char separator, struct text *field);
@@ -178,6 +190,16 @@ bool recording_choose(struct recording *recording, const struct load_options *op
 int recording_clock(const struct recording *recording);
 int recording_counter(struct recording *recording); /* column that counts the rows, -1: none */
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
+/* clock_shape.c: Returns true if the numbers rise in every row, by nearly the same step in nine of
+ * ten. */
+bool rises_evenly(const double *value, size_t n);
+/* Returns true if they never fall and lie along a straight line over the rows, as the stamps of a
+ * coarse clock do, which repeat. */
+bool is_along_line(const double *value, size_t n);
+/* clock_jump.c: Moves the times behind a clock that was set back on, where the rows before and
+ * after are evenly apart, and says so. */
+void mend_clock_jumps(struct recording *recording);
+double recording_median_step(const struct recording *recording); /* [s]; the times are numbers */
 /* Sets dt from all stamps. */
 void recording_set_step(struct recording *recording);
 void recording_reverse(struct recording *recording); /* the last row first */

@@ -265,7 +265,7 @@ void recording_reverse(struct recording *recording)
                    "the newest row comes first: the rows are taken in the order of their times");
 }
 
-static double median_step(const struct recording *recording)
+double recording_median_step(const struct recording *recording)
 {
     double step[MEDIAN_SAMPLE];
     const size_t steps = recording->rows - 1, stride = steps / MEDIAN_SAMPLE + 1;
@@ -277,7 +277,7 @@ static double median_step(const struct recording *recording)
 
 static void warn_steps(struct recording *recording)
 {
-    const double median = median_step(recording);
+    const double median = recording_median_step(recording);
     double min = HUGE_VAL, max = 0, longest = 0;
     size_t uneven = 0, gaps = 0, first = 0;
     for (size_t i = 0; i + 1 < recording->rows && !cancelled_at(recording->cancel, i); i++) {
@@ -361,6 +361,7 @@ bool recording_time(struct recording *recording, const struct load_options *opti
                               (time ? time->value[i] : recording->t[i]) / rate;
     if (!goes_on(recording, error) || !take_run_below(recording, options, error))
         return false;
+    mend_clock_jumps(recording);
     spread_stamps(recording);
     if (!goes_on(recording, error))
         return false;
