@@ -158,14 +158,17 @@ static double apart(const struct branch_walk *w, const struct curve_place *a, in
                  curve_distance(w->path->field.n, a->u, b->u));
 }
 
-/* To where it began, after it has been elsewhere. */
+/* Returns true if a step ends near the start of the branch, or passes it, after the walk has been
+ * elsewhere. A start half way along the step is nearer than half of it from neither end. */
 static bool comes_back(struct branch_walk *w, const struct curve_place *at,
                        const struct curve_place *next, const struct curve_place *start)
 {
     const int last = w->path->problem->n;
-    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last);
+    static const double detour = 1.1; /* of a step, by way of what lies on it: steps turn little */
+    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last),
+                 before = apart(w, at, last, start, w->start);
     w->away = w->away || far > 2 * step;
-    return w->away && far < step / 2;
+    return w->away && (far < step / 2 || before + far < detour * step);
 }
 
 /* The extent of the last orbit in units of natural sizes, relative to the largest so far. */
@@ -228,6 +231,23 @@ static void forget_last_turns(struct branch *b, int by)
     }
 }
 
+/* Unmarks special points that the last step of a closed branch has found again beyond its start. */
+static void unmark_repeats(struct branch_walk *w)
+{
+    static const double same = 1e-6; /* natural sizes, and parts of the range */
+    struct branch *b = w->out;
+    const double psize = w->request->to - w->request->from;
+    for (int i = 1; i < b->count; i++)
+        for (int j = 0; j < i && b->point[i].special != SPECIAL_NONE; j++) {
+            const struct solution *p = &b->point[i].solution, *q = &b->point[j].solution;
+            double far = fabs(p->param[0] - q->param[0]) / psize;
+            for (int k = 0; k < w->path->field.n; k++)
+                far = fmax(far, fabs(p->state[k] - q->state[k]) / w->path->field.size[k]);
+            if (b->point[i].special == b->point[j].special && far < same)
+                b->point[i].special = SPECIAL_NONE;
+        }
+}
+
 /* Does the branch end with the point that has been recorded? */
 static bool is_over(struct branch_walk *w, const struct curve_place *at,
                     const struct curve_place *next, const struct curve_place *start, bool leaves)
@@ -248,6 +268,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
     if (!comes_back(w, at, next, start))
         return false;
     w->out->closed = true;
+    unmark_repeats(w);
     ends(w, "it closes");
     return true;
 }

@@ -29,6 +29,7 @@
 #define MOVED_PART 1e-3      /* of the distance from the special point */
 #define NEARLY 0.7
 #define AGREES 0.05 /* relative, of rates */
+#define UNEVEN 0.3  /* of a difference: two opposite ones that do not grow alike */
 #define STILL 1e-6  /* growth of a run that is none */
 #define FAST 5      /* logarithm of how much anything else may grow in it */
 #define LONG 50     /* times of the fastest motion that a run lasts at most */
@@ -91,7 +92,8 @@ static double time_of(const struct solution *s, struct eigenvalue v)
     return fmin(v.im > 0 ? TWO_PI / v.im : fmin(1 / fabs(v.re), LONG / fastest), FAST / growth);
 }
 
-/* The rate at which a run leaves or nears the solution along that eigenvector; NAN: not found. */
+/* Returns the rate at which runs leave or near the solution along that eigenvector, or NAN if a run
+ * fails or if what is not linear decides, as where rates are smaller than differences. */
 static double rate_of_run(struct solution_curve *path, const struct solution *s,
                           struct eigenvalue v, double distance)
 {
@@ -99,7 +101,7 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
     const int n = field->n;
     double a[FIELD_VARIABLES * FIELD_VARIABLES], turned[FIELD_VARIABLES * FIELD_VARIABLES];
     double right[2][FIELD_VARIABLES], left[2][FIELD_VARIABLES], begin[2][FIELD_VARIABLES],
-        end[2][FIELD_VARIABLES], seen[2][2] = {{0}};
+        end[2][FIELD_VARIABLES], seen[2][2] = {{0}}, uneven[2] = {0};
     matrix_of(path, a);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
@@ -110,7 +112,8 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
         !matrix_eigenvector(n, turned, v, left[0], left[1]))
         return NAN;
     for (int i = 0; i < n; i++) {
-        begin[0][i] = s->state[i];
+        /* to both sides, so that what is quadratic cancels: near a special point rates are small */
+        begin[0][i] = s->state[i] - moved * right[0][i] * field->size[i];
         begin[1][i] = s->state[i] + moved * right[0][i] * field->size[i];
     }
     field->tol = 1e-13;
@@ -121,7 +124,11 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
         for (int i = 0; i < n; i++) {
             seen[0][part] += left[part][i] * (begin[1][i] - begin[0][i]) / field->size[i];
             seen[1][part] += left[part][i] * (end[1][i] - end[0][i]) / field->size[i];
+            uneven[part] += left[part][i] * (end[1][i] - s->state[i] - (s->state[i] - end[0][i])) /
+                            field->size[i];
         }
+    if (hypot(uneven[0], uneven[1]) > UNEVEN * hypot(seen[1][0], seen[1][1]))
+        return NAN;
     return log(hypot(seen[1][0], seen[1][1]) / hypot(seen[0][0], seen[0][1])) / span;
 }
 
@@ -142,7 +149,7 @@ static struct side side_at(struct solution_curve *path, const struct branch_poin
         return side;
     const double run = rate_of_run(path, &s, s.value[i], distance),
                  still = STILL / time_of(&s, s.value[i]);
-    side.found = true;
+    side.found = !isnan(run);
     side.param = point->u[path->problem->n];
     side.rate = rate_of(&s, s.value[i]);
     side.agrees = fabs(run - side.rate) <= AGREES * fabs(side.rate) + still;
@@ -337,6 +344,29 @@ static double beside_of(const struct branch_request *r, const struct branch *bra
     return beside;
 }
 
+/* Returns how far from a fold of equilibria the nearest other special point is along the curve, as
+ * the distance beside it at which arms remain well before that point. */
+static double beside_of_fold(const struct branch_request *r, const struct branch *branch, int place)
+{
+    struct solution_curve path;
+    struct error ignored;
+    double u[CURVE_MAX], beside = FARTHEST;
+    const struct solution *fold = &branch->point[place].solution;
+    if (fold->kind != SOLUTION_EQUILIBRIUM ||
+        !solutions_begin(&path, r->scene, r->param, r->to - r->from, fold, r->cancel, u, &ignored))
+        return FARTHEST;
+    for (int i = 0; i < branch->count; i++) {
+        const struct branch_point *other = &branch->point[i];
+        double far = fabs(other->solution.param[0] - fold->param[0]) / (r->to - r->from);
+        for (int k = 0; k < path.field.n; k++)
+            far = hypot(far, (other->solution.state[k] - fold->state[k]) / path.field.size[k]);
+        if (i != place && other->special != SPECIAL_NONE && other->special < SPECIAL_END)
+            beside = fmin(beside, far / 4 / (ARM / BESIDE));
+    }
+    solutions_end(&path);
+    return beside;
+}
+
 void branch_verify(const struct branch_request *r, struct branch *branch)
 {
     const int64_t since = clock_ns();
@@ -346,8 +376,10 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
             continue;
         if (r->progress)
             r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
-        const enum branch_verdict verdict = confirm_anywhere(
-            r, point, point->special == SPECIAL_FOLD ? FARTHEST : beside_of(r, branch, i));
+        const enum branch_verdict verdict =
+            confirm_anywhere(r, point,
+                             point->special == SPECIAL_FOLD ? beside_of_fold(r, branch, i)
+                                                            : beside_of(r, branch, i));
         if (!cancelled(r->cancel))
             point->verified = verdict;
     }
