@@ -348,6 +348,9 @@ static bool choose_time(struct recording *recording, const struct profile *profi
             recording_warn(recording, "rate= is used instead of the time column '%s'",
                            recording->column[named].name);
         recording->time = index_column(recording, profile);
+        if (recording->time >= 0 &&
+            count_wraps(recording->column[recording->time].value, recording->rows))
+            recording->time = -1;
         recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
         return true;
     }

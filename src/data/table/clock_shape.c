@@ -40,3 +40,20 @@ bool is_along_line(const double *value, size_t n)
     }
     return true;
 }
+
+bool count_wraps(const double *value, size_t n)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    bool falls = false;
+    for (size_t i = 0; i < n; i++) {
+        low = fmin(low, value[i]);
+        high = fmax(high, value[i]);
+    }
+    for (size_t i = 1; i < n; i++) {
+        const bool fall = value[i] < value[i - 1];
+        if (fall && (value[i] != low || value[i - 1] != high))
+            return false;
+        falls |= fall;
+    }
+    return falls;
+}

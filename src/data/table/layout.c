@@ -49,14 +49,14 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     return shape;
 }
 
-/* Blanks and commas also separate the words of sentences: there, more numbers than words are
- * wanted. */
+/* Blanks also separate the words of sentences, and commas their parts: there, more numbers than
+ * words are wanted, or as many. */
 static bool is_row(struct shape shape, char separator, int min, bool words)
 {
-    const bool sentence = separator == ' ' || separator == ',';
+    const int more = separator == ' ' ? 1 : separator == ',' ? 0 : -shape.fields;
     return shape.fields >= min && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
            (shape.words == 0 ||
-            (words && shape.numbers >= 2 && (!sentence || shape.numbers > shape.words)));
+            (words && shape.numbers >= 2 && shape.numbers >= shape.words + more));
 }
 
 struct found {
@@ -254,6 +254,7 @@ static bool fill(const struct table_text *text, size_t from, const struct load_o
                                     .begin = text->head[first].text.at,
                                     .line = text->head[first].number};
     find_names(text, first, from, layout, &above);
+    layout->fields_above = above;
     if (found->trailing && field_count(layout->names, layout->name_separator) < found->fields)
         layout->columns--;
     enum commas commas =

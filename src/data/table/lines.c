@@ -83,17 +83,39 @@ static size_t quoted_length(struct text text)
     return i;
 }
 
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* Returns the end of the text before the first "->", or NULL. */
+static const char *find_arrow(struct text text)
+{
+    for (size_t i = 0; i + 1 < text.len; i++)
+        if (text.at[i] == '-' && text.at[i + 1] == '>')
+            return text.at + i;
+    return NULL;
+}
+
 /* Takes a stamp in brackets, as terminal programs put before every line that comes: "[2024-01-05
- * 12:30:45.000] 27.00". The bracket ends the field, whatever separates the others. */
-static bool bracketed_stamp(struct text *rest, struct text *field)
+ * 12:30:45.000] 27.00". The bracket ends the field, whatever separates the others; so does, between
+ * other marks than blanks, the arrow in "12:30:45.123 -> 27.00,3.1". */
+static bool stamp_before_line(struct text *rest, char separator, struct text *field)
 {
     const struct text text = text_trim(*rest);
     struct stamp stamp;
-    const char *close = text.len > 0 && text.at[0] == '[' ? memchr(text.at, ']', text.len) : NULL;
+    const bool bracket = text.len > 0 && text.at[0] == '[';
+    const char *close = NULL;
+    if (bracket)
+        close = memchr(text.at, ']', text.len);
+    else if (separator != ' ' && text.len > 4 && (text.at[1] == ':' || text.at[2] == ':'))
+        close = find_arrow(text);
     if (!close)
         return false;
-    const struct text inside = {text.at + 1, (size_t)(close - text.at - 1)},
-                      behind = text_trim((struct text){close + 1, text.len - inside.len - 2});
+    const char *end = bracket ? close + 1 : close + 2;
+    const struct text inside = text_trim(
+                          (struct text){text.at + bracket, (size_t)(close - text.at) - bracket}),
+                      behind = text_trim((struct text){end, (size_t)(text.at + text.len - end)});
     if (!stamp_parse(inside, &stamp))
         return false;
     const bool marked = behind.len > 0 && strchr(",;", behind.at[0]);
@@ -109,7 +131,7 @@ bool table_field(struct text *rest, char separator, struct text *field)
         return false;
     struct text text = separator == ' ' ? text_trim(*rest) : *rest;
     size_t start = 0;
-    if (bracketed_stamp(rest, field))
+    if (stamp_before_line(rest, separator, field))
         return true;
     while (start < text.len && is_blank(text.at[start]) && text.at[start] != separator)
         start++;
@@ -157,11 +179,6 @@ static size_t group_blank(struct text rest)
         if (text_starts(rest, text_of(blanks[i])))
             return strlen(blanks[i]);
     return 0;
-}
-
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
 }
 
 enum { ODD_MAX = 48 };

@@ -83,6 +83,7 @@ enum { MILLI_DIGITS = 3, MICRO_DIGITS = 6 };
 
 struct unpadded_column {
     double whole, part, number; /* of the row before */
+    double step_min, step_max;  /* of what is behind the mark, in rows of the same whole number */
     int digits_max;
     size_t rows, back; /* back: rows at which the number would fall */
     bool excluded;
@@ -121,10 +122,16 @@ static void look_at_column(struct unpadded_column *column, struct text field, ch
         return;
     }
     const double number = whole + part / pow(10, digits);
-    if (column->rows++ > 0) {
+    if (column->rows++ == 0) {
+        column->step_min = HUGE_VAL;
+    } else {
         column->excluded |=
             whole < column->whole || (whole == column->whole && part < column->part);
         column->back += number < column->number;
+        if (whole == column->whole) {
+            column->step_min = fmin(column->step_min, part - column->part);
+            column->step_max = fmax(column->step_max, part - column->part);
+        }
     }
     column->whole = whole;
     column->part = part;
@@ -151,7 +158,8 @@ void find_unpadded(const struct table_text *text, struct table_layout *layout)
     }
     for (int c = COLUMNS_LOOKED_AT; c-- > 0;) {
         const int digits = column[c].digits_max;
-        if (column[c].excluded || column[c].back < 2 ||
+        const bool even = column[c].rows >= 8 && column[c].step_max < 2 * column[c].step_min;
+        if (column[c].excluded || column[c].back < 1 || (column[c].back < 2 && !even) ||
             (digits != MILLI_DIGITS && digits != MICRO_DIGITS))
             continue;
         layout->unpadded = c + 1;

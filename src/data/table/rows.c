@@ -29,6 +29,8 @@ struct row_reader {
     struct row_problem shorter, wider;
     size_t other_line;           /* line of the newest row of another width, 0 before the first */
     int other_fields;            /* number of its fields */
+    int frequent_fields;         /* width that many lines have, 0 as long as there is none */
+    int long_looks;              /* searches for it so far */
     struct stamp_column *stamps; /* of each column */
     struct text recent[RECENT];  /* recent[i % RECENT]: row i, while it is one of the last */
     size_t capacity;             /* rows there is memory for */
@@ -164,44 +166,48 @@ static int number_fields(const struct table_layout *layout, struct text line)
 }
 
 /* Returns true if the fields of a row of another width are those of the first columns: between
- * blanks any of them could be missing, unless as many have a name, and the commas of decimals look
- * like those between fields. */
+ * blanks any of them could be missing, unless the line above has as many, and the commas of
+ * decimals look like those between fields. */
 static bool fields_are_aligned(const struct table_layout *layout, struct text line, int fields)
 {
-    struct text names = layout->names, name;
-    int named = 0;
     if (layout->separator == ',')
         return fields < layout->columns || memchr(line.at, '.', line.len);
     if (layout->separator != ' ')
         return layout->separator != '\n';
-    while (header_field(&names, layout->name_separator, &name))
-        named++;
-    return named == (fields < layout->columns ? fields : layout->columns);
+    return layout->fields_above == (fields < layout->columns ? fields : layout->columns);
 }
 
 /*
  * Returns true if a row of another width than the first ones belongs to the table: a formula was
  * typed beside some rows only. A single such line may be garbled; where WIDTH_RUN lines of the same
- * width follow each other they are rows.
+ * width follow each other, or every fourth line has it, they are rows.
  */
 static bool is_other_width(struct row_reader *reader, struct text line, struct text ahead,
                            size_t number)
 {
-    enum { WIDTH_RUN = 3, BEGINNING = 64 };
+    enum { WIDTH_RUN = 3, LINES_AHEAD = 64, FREQUENT = LINES_AHEAD / 4, LONG_LOOKS = 64 };
     const int fields = number_fields(reader->layout, line);
     if (fields == 0 || !fields_are_aligned(reader->layout, line, fields))
         return false;
     const bool follows = reader->other_fields == fields && reader->other_line + 1 == number;
-    /* The first rows may be the ones without the formula: others like them come later. */
-    const int lines = reader->recording->rows < WIDTH_RUN ? BEGINNING : WIDTH_RUN - 1;
+    /* The first rows may be the ones without the formula: a run of others like them comes later. */
+    const bool first = reader->recording->rows < WIDTH_RUN;
+    const int lines = reader->long_looks < LONG_LOOKS ? LINES_AHEAD : WIDTH_RUN - 1;
     struct text next;
-    int same = 0;
-    for (int i = 0; i < lines && same < WIDTH_RUN - 1 && !follows; i++) {
-        const bool is_same = table_line(&ahead, &next) && next.len <= LIMIT_LINE &&
-                             number_fields(reader->layout, next) == fields;
-        same = is_same ? same + 1 : 0;
+    bool found = follows || fields == reader->frequent_fields;
+    reader->long_looks += !found;
+    for (int i = 0, run = 0, same = 0; i < lines && !found && table_line(&ahead, &next); i++) {
+        const bool is_same =
+            next.len <= LIMIT_LINE && number_fields(reader->layout, next) == fields;
+        run = is_same ? run + 1 : 0;
+        same += is_same;
+        found = run == WIDTH_RUN - 1 && (first || i == WIDTH_RUN - 2);
+        if (same == FREQUENT) {
+            reader->frequent_fields = fields;
+            found = true;
+        }
     }
-    if (!follows && same < WIDTH_RUN - 1)
+    if (!found)
         return false;
     reader->other_line = number;
     reader->other_fields = fields;

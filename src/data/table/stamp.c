@@ -166,13 +166,36 @@ static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
     return false;
 }
 
+/* "Fri Jan 05 12:30:45.123 2024", as C's ctime. */
+static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
+{
+    static const char months[] = "JanFebMarAprMayJunJulAugSepOctNovDec";
+    int64_t day, year, month = 1;
+    if (s->end - s->at < 20 || s->at[3] != ' ' || s->at[7] != ' ')
+        return false;
+    while (month <= 12 && memcmp(months + 3 * (month - 1), s->at + 4, 3) != 0)
+        month++;
+    s->at += 8;
+    blanks(s);
+    if (month > 12 || digits(s, 2, &day) == 0 || !next(s, ' ') || !scan_clock(s, stamp))
+        return false;
+    blanks(s);
+    if (digits(s, 4, &year) != 4)
+        return false;
+    stamp->date = true;
+    stamp->day = days_from_civil(year, month, day);
+    return true;
+}
+
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);
     struct stamp_scan s = {text.at, text.at + text.len};
     *stamp = (struct stamp){0};
-    if (text.len < 4 || text.len > 40 || !is_digit(text.at[0]))
+    if (text.len < 4 || text.len > 40)
         return false;
+    if (!is_digit(text.at[0]))
+        return scan_ctime(&s, stamp) && s.at == s.end;
     if (scan_days(&s, stamp))
         return scan_clock(&s, stamp) && s.at == s.end;
     if (scan_date(&s, stamp) && s.at < s.end && !next(&s, 'T') && !next(&s, '_')) {

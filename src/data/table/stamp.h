@@ -14,9 +14,9 @@ struct stamp {
 
 /*
  * 2024-01-05T12:30:45.123Z, 2024/01/05 12:30, 05.01.2024 12:30:45,12, 1/5/2024, 12:30:45.123,
- * 12:30:45:123, 03:45.2 (minutes and seconds), 1:30:45 PM, 0 00:00:01.234 (days that have passed).
- * Where day and month could be either, the day comes first before a '.', the month before a '/'.
- * The whole text has to be a stamp.
+ * 12:30:45:123, 03:45.2 (minutes and seconds), 1:30:45 PM, 0 00:00:01.234 (days that have passed),
+ * Fri Jan 05 12:30:45.123 2024. Where day and month could be either, the day comes first before a
+ * '.', the month before a '/'. The whole text has to be a stamp.
  */
 bool stamp_parse(struct text text, struct stamp *stamp);
 

@@ -31,6 +31,7 @@ struct table_layout {
     size_t line;              /* … and its line, counted from 1 */
     struct text names, units; /* header lines, empty: none */
     char name_separator;      /* of these lines */
+    int fields_above;         /* in the line above the rows, 0: none */
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
     bool grouped; /* the other mark stands between thousands, also where there is only one: 1.020 */
@@ -196,6 +197,9 @@ bool rises_evenly(const double *value, size_t n);
 /* Returns true if they never fall and lie along a straight line over the rows, as the stamps of a
  * coarse clock do, which repeat. */
 bool is_along_line(const double *value, size_t n);
+/* Returns true if a count starts again whenever it is full, as one of 8 bits does: it does not
+ * number the rows. */
+bool count_wraps(const double *value, size_t n);
 /* clock_jump.c: Moves the times behind a clock that was set back on, where the rows before and
  * after are evenly apart, and says so. */
 void mend_clock_jumps(struct recording *recording);

@@ -95,16 +95,17 @@ static void names(struct file *f, const char *more)
 static void formula_beside(struct file *f)
 {
     const int first = next(f) % 2 ? 0 : between(f, 0, 30), last = first + between(f, 3, 29),
-              blanks = between(f, 1, 2);
+              blanks = between(f, 1, 2), each = next(f) % 4 ? 0 : between(f, 2, 3);
     if (next(f) % 2)
         names(f, "");
     for (int i = 0; i < f->rows; i++) {
+        const bool beside = each ? i % each == 0 : i >= first && i < last;
         put_real(f, f->t[i], 3);
         put_separator(f);
         put_y(f, i);
-        for (int k = 0; k < blanks && i >= first && i < last; k++)
+        for (int k = 0; k < blanks && beside; k++)
             put_separator(f);
-        if (i >= first && i < last)
+        if (beside)
             put_real(f, f->y[i] / 9.8, 4);
         end_row(f);
     }
@@ -153,7 +154,7 @@ static void time_anywhere(struct file *f)
 
 static void labels_before(struct file *f)
 {
-    const bool two = f->separator != ',' && next(f) % 2;
+    const bool two = next(f) % 2;
     f->time = two ? 2 : 1;
     f->value = f->time + 1;
     for (int i = 0; i < f->rows; i++) {
@@ -203,25 +204,26 @@ static void thousands_in_one_column(struct file *f)
     f->said = "between thousands";
 }
 
-static void stamps_in_brackets(struct file *f)
+static void stamps_before_lines(struct file *f)
 {
-    const int kind = between(f, 0, 2), start = between(f, 0, 80000000);
-    const char marks[] = {' ', '\t', ','};
-    f->separator = marks[between(f, 0, 2)];
+    static const struct {
+        const char *open, *close;
+    } forms[] = {{"[2024-01-05 ", "] "},
+                 {"[", "] "},
+                 {"[0 ", "] "},
+                 {"[Fri Jan 05 ", " 2024] "},
+                 {"", " -> "}};
+    const int form = between(f, 0, 4), start = between(f, 0, 80000000);
+    const char marks[] = {';', '\t', ',', ' '};
+    f->separator = marks[between(f, 0, form == 4 ? 2 : 3)];
     f->decimal = '.';
-    const bool more = f->separator != ' ' || next(f) % 2;
     for (int i = 0; i < f->rows; i++) {
         const int ms = start + (int)nearbyint(1e3 * f->t[i]);
-        buffer_format(&f->text, "[%s%02d:%02d:%02d.%03d] ",
-                      kind == 0   ? "2024-01-05 "
-                      : kind == 1 ? ""
-                                  : "0 ",
-                      ms / 3600000, ms / 60000 % 60, ms / 1000 % 60, ms % 1000);
+        buffer_format(&f->text, "%s%02d:%02d:%02d.%03d%s", forms[form].open, ms / 3600000,
+                      ms / 60000 % 60, ms / 1000 % 60, ms % 1000, forms[form].close);
         put_y(f, i);
-        if (more) {
-            put_separator(f);
-            put_real(f, noise(f), 2);
-        }
+        put_separator(f);
+        put_real(f, noise(f), 2);
         end_row(f);
     }
     f->options = "y=2";
@@ -266,6 +268,8 @@ static void unpadded_decimals(struct file *f)
 {
     const int parts = next(f) % 2 ? 1000 : 1000000;
     f->rows = between(f, 250, ROWS_MAX);
+    if (parts == 1000 && next(f) % 2) /* less than a second */
+        f->rows = (int)(0.9 / f->step) > 8 ? (int)(0.9 / f->step) : 250;
     for (int i = 0; i < f->rows; i++) {
         const long all = (long)nearbyint(parts * f->t[i]);
         buffer_format(&f->text, "%ld%c%ld", all / parts, f->decimal, all % parts);
@@ -356,7 +360,7 @@ static const struct {
     {"labels before", labels_before},
     {"repeated stamps", repeated_stamps},
     {"thousands in one column", thousands_in_one_column},
-    {"stamps in brackets", stamps_in_brackets},
+    {"stamps before lines", stamps_before_lines},
     {"clock set back", clock_set_back},
     {"matrix of Octave", octave_matrix},
     {"decimals not padded", unpadded_decimals},
