@@ -362,6 +362,7 @@ static void reply_branch(const struct session *session, const struct kept_branch
     reply_int(reply, "rows", b->branch.count);
     reply_real(reply, "from", b->branch.point[0].solution.param[0]);
     reply_real(reply, "to", b->branch.point[b->branch.count - 1].solution.param[0]);
+    reply_real(reply, "step_max", longest_step(&b->branch));
     reply_int(reply, "evals", b->branch.evals);
     reply_real(reply, "time", b->branch.seconds);
     reply_end(reply);
