@@ -29,12 +29,28 @@ static const int few_multiples = 3;
 
 /* ---- shifts ---- */
 
+/* Weights [2 SINC_REACH] of the samples from SINC_REACH - 1 before on, for a value `part` after one
+ * (Lanczos's window on the sine integral's kernel). */
+static void sinc_weights(double part, double *weight)
+{
+    double sum = 0;
+    for (int j = 0; j < 2 * SINC_REACH; j++) {
+        const double x = 0.5 * TWO_PI * (part + SINC_REACH - 1 - j);
+        weight[j] = fabs(x) < 1e-9 ? 1 : sin(x) * sin(x / SINC_REACH) * SINC_REACH / (x * x);
+        sum += weight[j];
+    }
+    for (int j = 0; j < 2 * SINC_REACH; j++)
+        weight[j] /= sum;
+}
+
 bool lags_init(const struct series *series, struct arena *arena, struct lags *lags)
 {
     *lags = (struct lags){.n = series->n};
     if (series->n < 4 * LAG_SHORTEST || !(series->t[series->n - 1] > series->t[0]))
         return false;
     lags->dt = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
+    for (int i = 0; i < SINC_PLACES; i++)
+        sinc_weights((i + 1.0) / (SINC_PLACES + 1), lags->weight[i]);
     lags->correlation = series_correlations(series, arena, &lags->y);
     return lags->correlation;
 }
@@ -58,8 +74,30 @@ static bool is_peak(const struct lags *l, size_t k)
     return r[0] > 0 && r[0] > r[-1] && r[0] >= r[1];
 }
 
-/* A peak of the correlation between two shifts: its top is that of the parabola, but of a wave with
- * edges that of the two lines through its flanks. */
+static double sinc_value(const double *y, const double *weight)
+{
+    double sum = 0;
+    for (int j = 0; j < 2 * SINC_REACH; j++)
+        sum += weight[j] * y[j - (SINC_REACH - 1)];
+    return sum;
+}
+
+/* Returns the highest correlation between the samples beside a peak, or -1 near the ends. */
+static double sinc_top(const struct lags *l, size_t k)
+{
+    double top = -1;
+    if (k <= SINC_REACH || k + SINC_REACH + 1 >= l->n)
+        return top;
+    for (int i = 0; i < SINC_PLACES; i++) {
+        top = fmax(top, sinc_value(l->correlation + k - 1, l->weight[i]));
+        top = fmax(top, sinc_value(l->correlation + k, l->weight[i]));
+    }
+    return top;
+}
+
+/* A peak of the correlation between two shifts: its top is that of the parabola or, of pulses of
+ * few samples, of a band-limited curve; but of a wave with edges that of the two lines through its
+ * flanks. */
 struct lag_peak {
     double shift; /* [s] */
     double parabola, flanks;
@@ -78,6 +116,7 @@ static struct lag_peak read_peak(const struct lags *l, size_t k)
         if (rise > 0 && fall > 0)
             peak.flanks = r[0] + rise * (r[side] + fall - r[0]) / (rise + fall);
     }
+    peak.parabola = fmin(fmax(peak.parabola, sinc_top(l, k)), 1);
     peak.flanks = fmin(fmax(peak.flanks, peak.parabola), 1);
     return peak;
 }
@@ -116,12 +155,14 @@ double lags_period(const struct lags *l)
     return NAN;
 }
 
-/* Returns the correlation of `count` values from index i on with those some samples later. */
-static double window_correlation(const double *y, size_t i, size_t count, size_t shift)
+/* Returns the correlation of `count` values from index i on with those some samples later, or, by
+ * weights, between that sample and the next. */
+static double window_correlation(const double *y, size_t i, size_t count, size_t shift,
+                                 const double *weight)
 {
     double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
     for (size_t k = i; k < i + count; k++) {
-        const double u = y[k], v = y[k + shift];
+        const double u = y[k], v = weight ? sinc_value(y + k + shift, weight) : y[k + shift];
         a += u;
         b += v;
         aa += u * u;
@@ -132,12 +173,17 @@ static double window_correlation(const double *y, size_t i, size_t count, size_t
     return saa > 0 && sbb > 0 ? (ab - a * b / n) / sqrt(saa * sbb) : 0;
 }
 
-/* The same for a shift between two samples: that at the better of the two. */
+/* The same for a shift between two samples: the best of that and those at the two. */
 static double shifted_correlation(const struct lags *l, size_t i, size_t count, double shift)
 {
     const size_t low = (size_t)(shift / l->dt);
-    return fmax(window_correlation(l->y, i, count, low),
-                window_correlation(l->y, i, count, low + 1));
+    double weight[2 * SINC_REACH], best = fmax(window_correlation(l->y, i, count, low, NULL),
+                                               window_correlation(l->y, i, count, low + 1, NULL));
+    if (i + low >= SINC_REACH && i + count + low + SINC_REACH < l->n) {
+        sinc_weights(shift / l->dt - (double)low, weight);
+        best = fmax(best, window_correlation(l->y, i, count, low, weight));
+    }
+    return best;
 }
 
 /* Returns true if most parts of the series are more like themselves after n periods than after one:

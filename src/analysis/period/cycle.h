@@ -33,11 +33,17 @@ bool wave_period(const struct series *series, bool exact, struct arena *arena,
 
 /* ---- cycle.c ---- */
 
+enum {
+    SINC_REACH = 8,  /* samples on either side that a value between two is made of */
+    SINC_PLACES = 7, /* between two samples where a peak is looked for */
+};
+
 struct lags {
     double *correlation; /* [n] of the series with itself, by shift */
     double *y;           /* [n] its values at equal times, a straight line taken off */
     size_t n;
     double dt; /* [s] */
+    double weight[SINC_PLACES][2 * SINC_REACH];
 };
 
 /* Tabulates the correlation at all shifts. Returns false if out of memory. */

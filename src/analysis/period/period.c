@@ -8,7 +8,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LONG_RECORD = 32768, NOISE_SAMPLES = 4096 };
+enum {
+    LONG_RECORD = 32768,
+    NOISE_SAMPLES = 4096,
+    COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
+};
 
 #define WANES 0.7      /* amplitude between two maxima from which on it is looked for beats */
 #define CHANCE 3.0     /* standard deviations of an amplitude */
@@ -22,6 +26,10 @@ enum { LONG_RECORD = 32768, NOISE_SAMPLES = 4096 };
 #define OTHER_PERIOD_LOG 0.2
 /* of two periods that are so near, the sum waxes and wanes */
 #define BEATS_RATIO_LOG 0.4
+/* standard deviations from which on the phases of sines contradict whole cycles */
+#define CONTRADICTS 3.0
+/* an edge: of the range, between two samples */
+#define EDGE 0.4
 #define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
 
 /* Of one damped sine, where there are too few windows for a line through their phases. */
@@ -266,13 +274,49 @@ static bool other_period(const struct series *series, struct motion *m, const st
     return true;
 }
 
+/*
+ * A wave that is no sine shifts the phases of sines by what its harmonics bring into each window:
+ * where whole cycles contradict them, these are right.
+ */
+static void prefer_cycles(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct period other;
+    const double span = series->t[series->n - 1] - series->t[0];
+    if ((double)series->n * period->period.value < COARSE_PERIOD * span &&
+        cycle_period(series, period->period.value, arena, &other) &&
+        is_same(period, other.period.value) &&
+        fabs(other.period.value - period->period.value) >
+            CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
+        memcpy(other.warning, period->warning, sizeof other.warning);
+        *period = other;
+    }
+}
+
+/* Edges between two samples are known to one step, and all by the same part of it where a period
+ * is nearly a whole number of steps. */
+static void widen_by_edges(const struct series *series, struct period *period)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, edges = 0;
+    for (size_t i = 0; i < series->n; i++) {
+        low = fmin(low, series->y[i]);
+        high = fmax(high, series->y[i]);
+    }
+    for (size_t i = 1; i < series->n; i++)
+        edges += fabs(series->y[i] - series->y[i - 1]) > EDGE * (high - low);
+    if (period->periods >= 1 && edges >= period->periods) {
+        const double dt = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
+        period->period.uncertainty =
+            hypot(period->period.uncertainty, dt / sqrt(12) / period->periods);
+    }
+}
+
 /* *pace: relative standard uncertainty that all times have in common. */
 static bool find_period(const struct series *series, struct arena *arena, struct period *period,
                         double *pace, struct error *error)
 {
     struct motion m;
     struct lags lags;
-    bool exact = false, follows = false;
+    bool exact = false, follows = false, shaped = false;
     bool found = series->n > LONG_RECORD && long_period(series, arena, period, pace, &exact);
     if (!found) {
         if (!motion_find(&m, series, arena, NULL, error))
@@ -281,10 +325,16 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         *pace = m.samples.pace;
         found = m.overview.oscillates && sine_period(series, &m, arena, period);
         follows = m.tracked;
+        shaped = !exact && (follows || is_poor(&m));
     }
     const bool has_lags = lags_init(series, arena, &lags);
-    if (!found)
-        return other_period(series, &m, &lags, arena, period, error);
+    if (!found) {
+        if (!other_period(series, &m, &lags, arena, period, error))
+            return false;
+        if (!exact)
+            widen_by_edges(series, period);
+        return true;
+    }
     struct period part;
     const bool supported = has_lags && lags_support(&lags, period->period.value);
     if (follows && !exact && !supported && swing_period(series, arena, &part) &&
@@ -292,6 +342,10 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         *period = part;
     else if (has_lags)
         take_multiple(series, exact, &lags, arena, period);
+    if (shaped) {
+        prefer_cycles(series, arena, period);
+        widen_by_edges(series, period);
+    }
     return true;
 }
 

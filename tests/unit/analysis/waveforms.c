@@ -154,6 +154,66 @@ static void waves_of_any_shape(void **state)
     assert_tally("waves", &tally);
 }
 
+/* Pulses of one or two samples and of two heights are taken for what they are, wherever they fall
+ * between samples. */
+static void pulses_of_few_samples(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 177;
+    for (int i = 0; i < cases(40); i++) {
+        const double samples = floor(random_between(14, 22)) + random_between(0.48, 0.52),
+                     width = random_between(0.8, 1) / samples, phase = random_uniform(),
+                     small = random_between(0.65, 0.75);
+        struct drawn d = draw((size_t)(random_between(15, 35) * samples), 30);
+        d.period = samples / 30;
+        for (size_t k = 0; k < d.n; k++) {
+            const double x = remainder(d.t[k] / d.period + phase, 1),
+                         half = remainder(d.t[k] / d.period + phase - 0.5, 1);
+            d.y[k] = exp(-pow(x / width, 2)) + small * exp(-pow(half / width, 2));
+        }
+        add_noise(&d, 0.01);
+        char name[60];
+        snprintf(name, sizeof name, "pulses of width %.3g, 1 and %.3g", width, small);
+        count_period(&d, 0.005, name, &tally);
+    }
+    assert_tally("pulses", &tally);
+}
+
+/* The uncertainty of a wave with edges or unequal flanks holds. */
+static void uncertainties_of_waves(void **state)
+{
+    (void)state;
+    int beyond = 0, all = 0;
+    random_state = 178;
+    for (int i = 0; i < cases(60); i++, all++) {
+        const double samples = floor(random_between(25, 50)) + random_between(-0.1, 0.1),
+                     rise = random_between(0.75, 0.9), phase = random_uniform();
+        struct drawn d = draw((size_t)(random_between(12, 28) * samples), 40);
+        d.period = samples / 40;
+        for (size_t k = 0; k < d.n; k++) {
+            const double x = d.t[k] / d.period + phase - floor(d.t[k] / d.period + phase);
+            d.y[k] = i % 2 ? x < 0.5 : x < rise ? x / rise : (1 - x) / (1 - rise);
+        }
+        add_noise(&d, of_random_size(1e-3, 0.005));
+        const struct series series = {.t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
+        struct period p = {.period = {NAN, NAN}};
+        struct arena arena = {0};
+        struct error error = {0};
+        if (!series_period(&series, &arena, &p, &error) ||
+            !(fabs(p.period.value - d.period) < 4 * p.period.uncertainty + 1e-6 * d.period)) {
+            beyond++;
+            print_message("%s T %.8g read as %.8g +- %.2g (%s)\n", i % 2 ? "square" : "triangle",
+                          d.period, p.period.value, p.period.uncertainty, p.how);
+        }
+        arena_reset(&arena);
+        free(d.t);
+        free(d.y);
+    }
+    print_message("%d of %d periods beyond 4 standard uncertainties\n", beyond, all);
+    assert_true(50 * beyond <= all);
+}
+
 /* ---- a part that swings ---- */
 
 static struct drawn ring_down(double before, double swings, double after, double zeta,
@@ -275,6 +335,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pendulums_up_to_the_top),  cmocka_unit_test(waves_of_any_shape),
+        cmocka_unit_test(pulses_of_few_samples),    cmocka_unit_test(uncertainties_of_waves),
         cmocka_unit_test(step_responses),           cmocka_unit_test(knocks_and_hands),
         cmocka_unit_test(refusals_name_the_window), cmocka_unit_test(coarse_sensors)};
     return cmocka_run_group_tests(tests, NULL, NULL);
