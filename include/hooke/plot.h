@@ -227,8 +227,8 @@ void cursors_refresh(struct session *session);
 
 /*
  * Rms distance of the run from the recording where they overlap in time and hold the same quantity.
- * Which samples are bad says the recording alone (find_faults(), once for each recording): a run
- * that is far off is far off.
+ * The recording alone decides which samples are bad, however far off the run is: those that the fit
+ * of a damped sine leaves out; where none describes it, those that find_faults() masks.
  */
 struct data_distance {
     double rms;     /* NAN: they do not overlap */
@@ -240,6 +240,8 @@ struct data_distance {
      * all. */
     bool scaled;
     double gain, at_zero;
+    /* Mean of the recording minus the run where it is most of the rms, else NAN. */
+    double offset;
 };
 /* A sensor's quantity that moves with the position in a proportion that nobody knows: a voltage, a
  * force. */

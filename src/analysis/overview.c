@@ -381,6 +381,16 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
            look_closer(m, use, arena);
 }
 
+bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)
+{
+    struct motion m;
+    if (!motion_init(&m, series, arena, NULL) || !m.overview.oscillates || !m.harmonic.converged ||
+        fit_discards_much(m.rejected, m.samples.n))
+        return false;
+    memcpy(use, m.samples.use, series->n);
+    return true;
+}
+
 bool motion_find(struct motion *m, const struct series *series, struct arena *arena,
                  const struct cancel *cancel, struct error *error)
 {

@@ -133,12 +133,52 @@ static void fit_scale(const struct overlap_sums *s, struct data_distance *d)
     d->rms = sqrt(fmax(s->xx > 0 ? left : s->yy, 0) / s->n);
 }
 
+/* Longer recordings are not fitted only in order to judge their samples. */
+static const size_t judged_by_fit_max = 16384;
+
+/* Leaves the samples out that the recording itself shows to be bad. */
+static bool find_good(struct recording *recording, const struct series *all, struct arena *arena,
+                      struct series *good)
+{
+    struct error ignored;
+    unsigned char *use = arena_alloc(arena, all->n + 1);
+    double *t = arena_array(arena, all->n + 1, sizeof *t),
+           *y = arena_array(arena, all->n + 1, sizeof *y);
+    if (!use || !t || !y)
+        return false;
+    if (all->n > judged_by_fit_max || !series_outliers(all, arena, use)) {
+        struct recording clean = *recording; /* its arrays are shared */
+        clean.cleaned = true;
+        return recording_series(&clean, arena, 2, good, &ignored);
+    }
+    *good = *all;
+    good->t = t;
+    good->y = y;
+    good->n = 0;
+    for (size_t i = 0; i < all->n; i++)
+        if (use[i]) {
+            t[good->n] = all->t[i];
+            y[good->n++] = all->y[i];
+        }
+    return true;
+}
+
+/* Returns the mean difference if it is most of the rms and of a visible size, else NAN. */
+static double main_offset(const struct overlap_sums *s)
+{
+    static const double share_of_square = 0.5, visible = 0.1 /* standard deviations */;
+    const double offset = s->y - s->x, square = offset * offset;
+    return square > share_of_square * s->apart / s->n && square > visible * visible * s->yy / s->n
+               ? offset
+               : NAN;
+}
+
 struct data_distance run_data_distance(const struct run *run, struct recording *recording)
 {
     struct arena arena = {0};
     struct series all, good;
     struct error ignored;
-    struct data_distance result = {.rms = NAN, .gain = 1};
+    struct data_distance result = {.rms = NAN, .gain = 1, .offset = NAN};
     if (!recording)
         return result;
     result.derivative = recorded_derivative(recording, run);
@@ -146,20 +186,19 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
         return result;
     const enum quantity own = recording->column[recording->value].quantity;
     result.quantity = recorded_bare(recording) ? system_variable(&run->system, 0).quantity : own;
-    if (find_faults(recording, &arena, &ignored)) {
-        struct recording clean = *recording; /* its arrays are shared */
-        clean.cleaned = true;
-        if (recording_series(recording, &arena, 2, &all, &ignored) &&
-            recording_series(&clean, &arena, 2, &good, &ignored)) {
-            const size_t used = spanned(run, &good);
-            struct overlap_sums moments;
-            sum_up(run, &good, result.derivative, &moments);
-            result.bad = used >= 2 ? spanned(run, &all) - used : 0;
-            if (used >= 2 && quantity_is_scaled(own) &&
-                own != system_variable(&run->system, 0).quantity)
-                fit_scale(&moments, &result);
-            else if (used >= 2)
-                result.rms = sqrt(moments.apart / (double)used);
+    if (find_faults(recording, &arena, &ignored) &&
+        recording_series(recording, &arena, 2, &all, &ignored) &&
+        find_good(recording, &all, &arena, &good)) {
+        const size_t used = spanned(run, &good);
+        struct overlap_sums moments;
+        sum_up(run, &good, result.derivative, &moments);
+        result.bad = used >= 2 ? spanned(run, &all) - used : 0;
+        if (used >= 2 && quantity_is_scaled(own) &&
+            own != system_variable(&run->system, 0).quantity) {
+            fit_scale(&moments, &result);
+        } else if (used >= 2) {
+            result.rms = sqrt(moments.apart / (double)used);
+            result.offset = result.derivative == 0 ? main_offset(&moments) : NAN;
         }
     }
     arena_reset(&arena);

@@ -87,6 +87,27 @@ static void say_scale(const struct session *session, const struct run *run,
     buffer_free(&text);
 }
 
+/* Says that a recording lies beside the run as a whole, and what takes that out. */
+static void say_offset(const struct session *session, const struct data_distance *data,
+                       struct reply *reply)
+{
+    if (!isfinite(data->rms) || !isfinite(data->offset))
+        return;
+    const struct recording *recording = session_recording(session);
+    const enum quantity own = recording->column[recording->value].quantity;
+    struct buffer text = {0};
+    buffer_format(&text, "%s is on average ", recording->name);
+    buffer_quantity(&text, fabs(data->offset), data->quantity, 3);
+    buffer_format(&text,
+                  " %s the run, which is most of the rms: 'fit' and 'adopt' find its zero, or "
+                  "'data zero ",
+                  data->offset > 0 ? "above" : "below");
+    buffer_quantity(&text, recording->zero + data->offset, own, 4);
+    buffer_put(&text, TEXT("' sets it"));
+    reply_line(reply, "%s", buffer_view(&text));
+    buffer_free(&text);
+}
+
 #define NOTABLE 1e-3 /* of E0: a smaller error asks for no reason */
 
 /* Next to an error that is large only because the energy was far larger on the way: by how much. */
@@ -145,6 +166,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     say_scale(session, run, data, reply);
+    say_offset(session, data, reply);
     say_apart(session, run, reply);
     if (reply_wants_records(reply))
         reply_run_record(&record, reply);

@@ -165,8 +165,69 @@ static void nothing_that_discards_a_fifth_converges(void **state)
     assert_true(answers >= 10 && refused >= 3); /* of all kinds */
 }
 
+/* The count in front of " bad sample"; 0 if nothing was left out, NAN if nothing was compared. */
+static double bad_samples(const char *text)
+{
+    const char *rms = strstr(text, "rms(y-data)"), *at = rms ? strstr(rms, " (") : NULL;
+    if (!rms)
+        return NAN;
+    return at && strstr(at, "bad sample") ? strtod(at + 2, NULL) : 0;
+}
+
+/* Writes a damped swing about `offset` [cm] with noise and missed echoes. */
+static void write_far_recording(double offset, double omega, double spikes)
+{
+    FILE *file = fopen("far.csv", "w");
+    assert_non_null(file);
+    fprintf(file, "t (s),y (cm)\n");
+    for (int i = 0; i < SAMPLES; i++) {
+        const double t = i / RATE, y = offset + 5 * exp(-0.02 * t) * cos(omega * t);
+        const double echo = offset + 200 * (random_uniform() - 0.5);
+        fprintf(file, "%.3f,%.4f\n", t,
+                random_uniform() < spikes ? echo : y + 0.05 * random_normal());
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The fit is the judge: a run leaves out the samples that it leaves out, whatever the run does. The
+ * offset that made the recording is the judge of the hint. */
+static void runs_and_fits_agree_on_the_bad_samples(void **state)
+{
+    (void)state;
+    const int cases = is_long() ? 300 : 20;
+    random_state = 21;
+    for (int i = 0; i < cases; i++) {
+        const double offset = 40 * random_uniform() + 10, omega = 5 + 6 * random_uniform(),
+                     spikes = 0.1 * random_uniform();
+        char line[200];
+        struct bench bench;
+        write_far_recording(offset, omega, spikes);
+        bench_open(&bench, false);
+        snprintf(line, sizeof line,
+                 "scene spring; m = 200 g; k = %.6f N/m; y0 = 5 cm; gamma = 0.04; load far.csv",
+                 0.2 * omega * omega);
+        type_ok(&bench, line);
+        type_ok(&bench, "method rk4; dt = 10 ms; run 15 s");
+        const double near = bad_samples(said(&bench.out));
+        const char *hint = strstr(said(&bench.out), "far is on average ");
+        if (!hint || fabs(strtod(hint + 18, NULL) - offset) > 0.006 * offset + 0.05)
+            fail_msg("case %d, offset %g: %s", i, offset, hint ? hint : "no hint");
+        type_ok(&bench, "method euler; run 15 s");
+        const double gone = bad_samples(said(&bench.out));
+        type_ok(&bench, "fit; set format json; fit");
+        const double rejected = number(said(&bench.out), "rejected");
+        if (near != rejected || gone != rejected)
+            fail_msg("case %d: %g and %g bad samples, the fit rejects %g", i, near, gone, rejected);
+        type_ok(&bench, "adopt; method rk4; set format text; run 15 s");
+        if (bad_samples(said(&bench.out)) != rejected || strstr(said(&bench.out), "on average"))
+            fail_msg("case %d, after the fit: %s", i, said(&bench.out));
+        bench_close(&bench);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_that_discards_a_fifth_converges)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_that_discards_a_fifth_converges),
+                                       cmocka_unit_test(runs_and_fits_agree_on_the_bad_samples)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
