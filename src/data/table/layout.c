@@ -16,9 +16,11 @@
  * single column. */
 static const struct separator_pair {
     char separator, decimal;
+    bool grouped; /* the other mark may stand between thousands */
 } readings[] = {
-    {'\t', '.'}, {'\t', ','}, {';', '.'},  {';', ','},  {',', '.'},
-    {' ', '.'},  {' ', ','},  {'\n', '.'}, {'\n', ','}, {',', ','}, /* decimals in quotes */
+    {'\t', '.', false}, {'\t', ',', false}, {';', '.', false}, {';', ',', false},
+    {',', '.', false},  {' ', '.', false},  {' ', ',', false}, {'\n', '.', false},
+    {'\n', ',', false}, {',', ',', false}, /* decimals in quotes */
 };
 
 struct shape {
@@ -37,6 +39,11 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
         enum cell_kind cell = table_cell(field, reading.decimal, &value);
         shape.fields++;
+        if (cell == CELL_WORD && reading.grouped && field.at[0] != '0' &&
+            table_grouped(field, reading.decimal, &value)) {
+            shape.numbers++;
+            continue;
+        }
         shape.numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
         shape.words += cell == CELL_WORD;
         shape.last_empty = field.len == 0;
@@ -282,24 +289,38 @@ static bool find_best(const struct table_text *text, size_t from,
 {
     static const struct {
         int min, run;
-        bool words;
-    } passes[] = {{2, RUN, false}, {2, RUN, true}, {1, RUN, false}, {2, 2, false}, {2, 1, false}};
+        bool words, grouped;
+    } passes[] = {{2, RUN, false, false}, {2, RUN, true, false}, {2, RUN, false, true},
+                  {1, RUN, false, false}, {2, 2, false, false},  {2, 1, false, false}};
     for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
         struct found best = {0};
-        for (size_t i = 0; i < COUNT_OF(readings) && best.score < SCORED;
+        bool tied = false; /* either mark could stand between thousands */
+        const bool grouped = passes[pass].grouped;
+        for (size_t i = 0; i < COUNT_OF(readings) && (grouped || best.score < SCORED);
              i++) { /* more than all is not read */
             struct found found;
             struct table_layout trial;
+            struct separator_pair reading = readings[i];
+            reading.grouped = grouped;
             if ((readings[i].separator == '\n') != (passes[pass].min == 1) ||
                 !allowed(readings[i], options) ||
-                !find_rows(text, from, readings[i], passes[pass].min, passes[pass].words,
+                !find_rows(text, from, reading, passes[pass].min, passes[pass].words,
                            passes[pass].run, &found) ||
-                found.score <= best.score ||
+                (grouped && !found.fraction) || found.score < best.score)
+                continue;
+            tied |= grouped && best.score > 0 && found.score == best.score &&
+                    found.reading.decimal != best.reading.decimal;
+            if (found.score == best.score ||
                 (readings[i].separator == readings[i].decimal && !found.fraction) ||
                 !fill(text, from, options, &found, &trial))
                 continue;
             best = found;
             *layout = trial;
+            tied = false;
+        }
+        if (tied) {
+            *layout = (struct table_layout){0};
+            return false;
         }
         if (best.score > 0) {
             settle_decimal(text, &best, options, layout);
@@ -310,6 +331,7 @@ static bool find_best(const struct table_text *text, size_t from,
             } else if (best.fraction && is_grouped(text, layout, other)) {
                 layout->grouped = true;
             }
+            layout->grouped |= grouped;
             find_unpadded(text, layout);
             return true;
         }

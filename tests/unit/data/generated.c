@@ -188,17 +188,20 @@ static void thousands_in_one_column(struct file *f)
     f->decimal = next(f) % 2 ? ',' : '.';
     f->step = 1e-3 * between(f, 10, 90);
     f->rows = between(f, 150, ROWS_MAX);
+    /* Thousands only: the mark of the other column tells, if it is no group of three digits. */
+    const int start = next(f) % 2 ? 0 : 1000 * between(f, 1, 20), digits = start ? 2 : 3;
     buffer_format(&f->text, "t (ms)%cx (cm)\n", f->separator);
     for (int i = 0; i < f->rows; i++) {
         f->t[i] = f->step * i;
-        const int ms = (int)nearbyint(1e3 * f->t[i]);
+        const int ms = (int)nearbyint(1e3 * f->t[i]) + start;
         if (ms >= 1000)
             buffer_format(&f->text, "%d%c%03d", ms / 1000, f->decimal == ',' ? '.' : ',',
                           ms % 1000);
         else
             buffer_format(&f->text, "%d", ms);
         put_separator(f);
-        put_real(f, f->y[i], 3);
+        f->y[i] = 1e-2 * nearbyint(1e2 * f->y[i]);
+        put_real(f, f->y[i], digits);
         end_row(f);
     }
     f->said = "between thousands";
