@@ -219,12 +219,18 @@ static bool look_found(void *context, double theta, int sign)
  * Where a segment begins at an event, the value there is rounding; its sign is the one a moment
  * later, up to which bounds of the slope, or of the second derivative, exclude another event. A
  * ball that has just been thrown up may be back long before the end of the step. The share of the
- * step at that moment, where *value is; 0: there is none.
+ * step at that moment, where *value is; 0: there is none. Commands that were executed there may
+ * have changed the state, so that the value is one.
  */
 static double depart(struct event_search *look, double *value)
 {
     struct watched *watched = look->watched;
     watched->departs = false;
+    if (!is_zero(look, 0, NEAR_FIXED)) {
+        *value = look_value(look, 0);
+        watched->sign = sign_of(*value);
+        return 0;
+    }
     for (double b = 1; b > 0x1p-44; b /= 2) {
         const struct jet jet = events_watch_bounds(look->watch, watched, 0, b);
         int sign = (jet.slope.lo > 0) - (jet.slope.hi < 0);

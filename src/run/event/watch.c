@@ -188,7 +188,10 @@ struct jet events_watch_bounds(struct event_watch *watch, const struct watched *
     return evaluate(watch, watched);
 }
 
-/* Bounds of the value where each variable may be off by that share of its size. */
+/*
+ * Bounds of the value where each variable may be off by that share of its size, and the time by
+ * the distance up to which events are at one moment, and as much again for its rounding.
+ */
 static struct interval value_within(struct event_watch *watch, const struct watched *watched,
                                     double t, const double *y, double error)
 {
@@ -201,7 +204,7 @@ static struct interval value_within(struct event_watch *watch, const struct watc
         const double size = column->kind == MOVING_STATE
                                 ? fmax(fabs(value), watch->size[column->index])
                                 : fabs(value);
-        const double off = size * (column->kind == MOVING_TIME ? 2 * DBL_EPSILON : error);
+        const double off = size * (column->kind == MOVING_TIME ? 16 * DBL_EPSILON : error);
         watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
     }
     return evaluate(watch, watched).value;
