@@ -8,16 +8,18 @@
 void run_record_init(struct run_record *record, const struct session *session,
                      const struct run *run)
 {
-    *record = (struct run_record){.run = run,
-                                  .number = run->number,
-                                  .method = run->method->row.name,
-                                  .dt = run->plan.adaptive ? NAN : run->settings.dt,
-                                  .tol = run->plan.adaptive ? run->settings.tol : NAN,
-                                  .y = NAN,
-                                  .v = NAN,
-                                  .rest = run_rest(run),
-                                  .data = run_data_distance(run, session_recording(session)),
-                                  .status = stop_name(run->stop)};
+    *record = (struct run_record){
+        .run = run,
+        .number = run->number,
+        .method = run->method->row.name,
+        .dt = run->plan.adaptive ? NAN : run->settings.dt,
+        .tol = run->plan.adaptive ? run->settings.tol : NAN,
+        .y = NAN,
+        .v = NAN,
+        .rest = run_rest(run),
+        .seconds = session->setup.settings.timing == TIMING_OFF ? NAN : run->seconds,
+        .data = run_data_distance(run, session_recording(session)),
+        .status = stop_name(run->stop)};
     run_ledger(run, &record->ledger);
     /* the difference of numbers without bound */
     if (run->stop == STOP_SINGULAR)
@@ -80,7 +82,7 @@ static double t(const void *row)
 
 static double seconds(const void *row)
 {
-    return of(row)->seconds;
+    return ((const struct run_record *)row)->seconds;
 }
 
 static double opinion_error(const void *row)

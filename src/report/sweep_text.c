@@ -288,7 +288,9 @@ void sweep_summary(const struct sweep *sweep, struct buffer *text)
     if (sweep->count < sweep->total)
         buffer_format(text, " (numbers %lld to %lld of %lld)", (long long)sweep->first,
                       (long long)(sweep->first + sweep->count - 1), (long long)sweep->total);
-    buffer_format(text, " in %.3g s, %.3g steps", sweep->seconds, sweep->steps);
+    if (!isnan(sweep->seconds))
+        buffer_format(text, " in %.3g s", sweep->seconds);
+    buffer_format(text, ", %.3g steps", sweep->steps);
     if (sweep->side_by_side > 0)
         buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
     buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");

@@ -154,8 +154,11 @@ HANDLER(selftest)
         reply_selftest(&row, reply);
     }
     text_table_put(&table, &text);
-    buffer_format(&text, "%d methods: %d passed, %d failed; %.1f s\n", finished,
-                  finished - failures, failures, clock_seconds(begin));
+    buffer_format(&text, "%d methods: %d passed, %d failed", finished, finished - failures,
+                  failures);
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(&text, "; %.1f s", clock_seconds(begin));
+    buffer_char(&text, '\n');
     for (size_t i = 0; i < SELFTEST_CHECKS; i++)
         buffer_format(&text, "%s: %s\n", catalog_row(&selftest_catalog, i)->name,
                       catalog_row(&selftest_catalog, i)->brief);

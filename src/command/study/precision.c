@@ -122,7 +122,10 @@ static void reply_study(const struct session *session, const struct arguments *a
                   precision->curves == 1 ? "" : "s", precision->points,
                   precision->points == 1 ? "" : "s");
     buffer_quantity(&text, precision->duration, QUANTITY_TIME, 4);
-    buffer_format(&text, " of the scene, computed in %.2g s; errors against ", seconds);
+    buffer_put(&text, TEXT(" of the scene"));
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(&text, ", computed in %.2g s", seconds);
+    buffer_put(&text, TEXT("; errors against "));
     reference_describe(&precision->reference, &text);
     buffer_put(&text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
     buffer_put(&text, buffer_text(absent));

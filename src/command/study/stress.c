@@ -161,7 +161,10 @@ static void put_stress(const struct session *session, const struct stress *stres
         put_case(stress, c, methods, width, kind, out);
     out->failed |= !kind;
     free(kind);
-    buffer_format(out, "%d methods, %d cases, %.1f s\n", methods, finished, stress->seconds);
+    buffer_format(out, "%d methods, %d cases", methods, finished);
+    if (!isnan(stress->seconds))
+        buffer_format(out, ", %.1f s", stress->seconds);
+    buffer_char(out, '\n');
 }
 
 struct stress_record {
@@ -246,6 +249,11 @@ HANDLER(stress)
     const bool ok =
         study_stress(present ? &of : NULL, method, methods, session->front.cancel, stress, error);
     struct buffer text = {0};
+    if (session->setup.settings.timing == TIMING_OFF) {
+        stress->seconds = NAN;
+        for (int i = 0; i < stress->rows; i++)
+            stress->row[i].seconds = NAN;
+    }
     if (stress->rows > 0)
         put_stress(session, stress, method, methods, &text);
     reply_text(reply, buffer_text(&text));

@@ -362,6 +362,8 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
 {
     struct sweep sweep;
     const bool ok = study_sweep(request, &sweep, error);
+    if (session->setup.settings.timing == TIMING_OFF)
+        sweep.seconds = NAN;
     report_fraction(&session->front, 2);
     const bool stopped = !ok && error->code == ERROR_CANCELLED;
     if (sweep.finished > 0 && (ok || stopped)) {

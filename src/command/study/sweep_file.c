@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <stdio.h>
 #include <unistd.h>
 
 #define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
@@ -387,10 +388,14 @@ static void reply_file(const struct growing *g, double seconds, struct reply *re
     reply_int(reply, "points", all->count);
     reply_int(reply, "total", all->total);
     reply_int(reply, "computed", g->computed);
-    reply_real(reply, "seconds", seconds);
-    reply_line(reply, "%s: points %lld to %lld of %lld, whole; %lld computed now in %.3g s", name,
+    const bool timed = g->session->setup.settings.timing != TIMING_OFF;
+    char took[32] = "";
+    if (timed)
+        snprintf(took, sizeof took, " in %.3g s", seconds);
+    reply_real(reply, "seconds", timed ? seconds : NAN);
+    reply_line(reply, "%s: points %lld to %lld of %lld, whole; %lld computed now%s", name,
                (long long)all->first, (long long)(all->first + all->count - 1),
-               (long long)all->total, (long long)g->computed, seconds);
+               (long long)all->total, (long long)g->computed, took);
     reply_end(reply);
 }
 

@@ -53,7 +53,9 @@ static void set_amplitudes(struct reference *reference, const struct system *sys
         double max = 0;
         for (int k = 0; k < STUDY_TIMES; k++)
             max = fmax(max, fabs(grid[k * system->n + i]));
-        reference->amplitude[i] = max > 1e-18 * system->scale[i] ? max : system->scale[i];
+        /* A motion far below its natural size is rounding, unless that is at its own floor. */
+        const bool moves = max > 1e-18 * system->scale[i] || (max > 0 && system->scale[i] < 1e-280);
+        reference->amplitude[i] = moves ? max : system->scale[i];
     }
 }
 
