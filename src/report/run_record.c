@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run as it is now, for programs and files. */
-#include <hooke/opinion.h>
+#include <hooke/run/opinion.h>
 #include <hooke/report.h>
 
 #include <math.h>

@@ -12,7 +12,7 @@
  * counts, not by the clock: the same run always gets the same opinion.
  */
 #include <hooke/base/elementary.h>
-#include <hooke/opinion.h>
+#include <hooke/run/opinion.h>
 
 #include "run/private.h"
 

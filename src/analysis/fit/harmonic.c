@@ -245,7 +245,7 @@ double harmonic_sigma(const struct harmonic *h, int unknowns)
 static bool look(const struct samples *x, int unknowns, struct harmonic *h, struct factor *f,
                  double *residual)
 {
-    double gram[COLUMNS][COLUMNS], step[COLUMNS];
+    double gram[COLUMNS][COLUMNS], step[COLUMNS] = {0};
     h->used = products(x, unknowns, h, gram, residual);
     if (h->used <= (size_t)unknowns - !h->drifts || !factorise(gram, unknowns, f)) {
         return false;

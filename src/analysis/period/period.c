@@ -274,6 +274,35 @@ static bool other_period(const struct series *series, struct motion *m, const st
     return true;
 }
 
+/* Returns the power of the series at `multiple` times the frequency of a period, through a Hann
+ * window, which keeps a bent baseline and the fundamental out of it. */
+static double power_at(const struct series *series, double period, double multiple)
+{
+    const double t0 = series->t[0], span = series->t[series->n - 1] - t0;
+    double mean = 0, re = 0, im = 0;
+    for (size_t i = 0; i < series->n; i++)
+        mean += series->y[i] / (double)series->n;
+    for (size_t i = 0; i < series->n; i++) {
+        const double t = series->t[i] - t0, angle = TWO_PI * multiple * t / period;
+        const double weighted = (series->y[i] - mean) * (1 - cos(TWO_PI * t / span));
+        re += weighted * cos(angle);
+        im += weighted * sin(angle);
+    }
+    return re * re + im * im;
+}
+
+/* Returns true if the second or third harmonic of a period stands out of what lies between them. */
+static bool has_harmonics(const struct series *series, double period)
+{
+    static const double stands_out = 16, cycles_min = 6; /* fewer cycles do not part the lines */
+    if (series->t[series->n - 1] - series->t[0] < cycles_min * period)
+        return true;
+    const double between = (power_at(series, period, 1.5) + power_at(series, period, 2.5) +
+                            power_at(series, period, 3.5)) /
+                           3;
+    return fmax(power_at(series, period, 2), power_at(series, period, 3)) > stands_out * between;
+}
+
 /*
  * A wave that is no sine shifts the phases of sines by what its harmonics bring into each window:
  * where whole cycles contradict them, these are right.
@@ -284,7 +313,7 @@ static void prefer_cycles(const struct series *series, struct arena *arena, stru
     const double span = series->t[series->n - 1] - series->t[0];
     if ((double)series->n * period->period.value < COARSE_PERIOD * span &&
         cycle_period(series, period->period.value, arena, &other) &&
-        is_same(period, other.period.value) &&
+        is_same(period, other.period.value) && has_harmonics(series, period->period.value) &&
         fabs(other.period.value - period->period.value) >
             CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
         memcpy(other.warning, period->warning, sizeof other.warning);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said about the digits of an adaptive run: how far it may be from the solution. */
-#include <hooke/opinion.h>
+#include <hooke/run/opinion.h>
 
 #include "command/internal.h"
 

@@ -8,6 +8,7 @@
 #include <hooke/base/numeric.h>
 #include <hooke/data/even_times.h>
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -308,6 +309,7 @@ static bool fill_values(struct recording *recording)
 {
     const struct column *column = &recording->column[recording->value];
     struct dropped missing = {0};
+    assert(recording->rows > 0);
     if (!(recording->y = malloc(recording->rows * sizeof *recording->y)))
         return false;
     to_si(column->value, recording->rows, column->factor, recording->y);
@@ -353,7 +355,7 @@ bool recording_time(struct recording *recording, const struct load_options *opti
         return false;
     const struct column *time = recording->time >= 0 ? &recording->column[recording->time] : NULL;
     const double rate = options->rate > 0 ? options->rate : recording->header_rate;
-    if (recording->source == TIME_COLUMN)
+    if (time && recording->source == TIME_COLUMN)
         to_si(time->value, recording->rows, time->factor, recording->t);
     else
         for (size_t i = 0; i < recording->rows; i++)

@@ -4,7 +4,7 @@
  * 1e-13, over smooth, kinked, stiff and decaying problems, every adaptive method and tolerances
  * from 1e-3 to 1e-10. LONG=1 takes them all.
  */
-#include <hooke/opinion.h>
+#include <hooke/run/opinion.h>
 
 #include "numerics/battery.h"
 

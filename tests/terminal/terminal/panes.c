@@ -126,7 +126,7 @@ static void test_interrupt_of_searches(void **state)
 {
     (void)state;
     struct person p;
-    start_panes(&p, (struct start){0});
+    start_panes(&p, (struct start){.width = 120, .height = 50});
     enter(&p, "var x = 2; var y = 0; param mm = 1; x' = y; y' = mm*(1-x^2)*y-x");
     enter(&p, "orbit"); /* alone: with the lines before it fills the log, and is read on its own */
     expect(&p, "orbit 1: T = 6.66328685932 s");

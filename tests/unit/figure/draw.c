@@ -90,7 +90,7 @@ static const char drawn_overlay_braille[] = "┌─ 1 y [cm] ──────�
 static const char drawn_constant[] = "+- y [cm] ---------------+\n"
                                      "| 5.5+                   |\n"
                                      "|    |                   |\n"
-                                     "| 5.0+------------------ |\n"
+                                     "| 5.0+.................. |\n"
                                      "|    |                   |\n"
                                      "| 4.5+                   |\n"
                                      "|    ++--------+-------+ |\n"

@@ -173,7 +173,7 @@ static void test_scale(void **state)
     expect_scale(BOUND({"k", -15}), 0.05, 0.05 * omega);
     expect_scale(BOUND({"k", 0}, {"v0", 3}), 3, 3);                 /* 1 s stands in for a period */
     expect_scale(BOUND({"k", 0}, {"v0", 3}, {"gamma", 6}), 0.5, 3); /* stopping distance */
-    expect_scale(BOUND({"y0", 1e-310}), 1e-310, 1e-310 * omega);
+    expect_scale(BOUND({"y0", 1e-310}), 1e-290, 1e-290);            /* the floor */
     expect_scale(BOUND({"y0", 0}), 1, 1);
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", 0}), 0.1 / 75, 0.1 / omega);
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", 100}), 0.1 / (1e4 - 75), 10 / (1e4 - 75));

@@ -68,20 +68,22 @@ static void end_loops(const pid_t *loop, int count)
     }
 }
 
-/* Returns the fastest method's quiet time over that of the method that `busy` takes for the fastest
- * (or of one that ties with it), for an error. */
+/* Returns by how much the method that `busy` takes for the fastest (or the best that ties with it)
+ * is slower on the quiet machine than the fastest of those that both rank, for an error. */
 static double rank_loss(const struct precision *quiet, const struct precision *busy, double error)
 {
-    struct precision_cost best[METHODS], taken[METHODS], cost;
-    double least = HUGE_VAL;
-    const int ranked = precision_fastest(quiet, error, best, NULL),
-              others = precision_fastest(busy, error, taken, NULL);
-    if (ranked == 0 || others == 0 || !best[0].timed || !taken[0].timed)
-        return 1;
-    for (int i = 0; i < others && (i == 0 || taken[i].tied); i++)
-        if (precision_cost_at(quiet, taken[i].curve, error, &cost))
-            least = fmin(least, cost.minimum / best[0].minimum);
-    return least;
+    struct precision_cost taken[METHODS], cost;
+    double least = HUGE_VAL, fastest = HUGE_VAL;
+    const int others = precision_fastest(busy, error, taken, NULL);
+    for (int i = 0; i < others; i++) {
+        if (!taken[i].timed || !precision_cost_at(quiet, taken[i].curve, error, &cost) ||
+            !cost.timed)
+            continue;
+        fastest = fmin(fastest, cost.minimum);
+        if (i == 0 || taken[i].tied)
+            least = fmin(least, cost.minimum);
+    }
+    return isfinite(least) ? least / fastest : 1;
 }
 
 static bool is_unmarked(const struct timing_result *time)
