@@ -224,7 +224,8 @@ static void reply_machine(const struct comparison *rows, int count, struct reply
                           rows[i].run->method->row.name, 100 * time->spread);
     }
     timing_put_machine(others, &text);
-    reply_text(reply, buffer_text(&text));
+    if (text.len > 0)
+        reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
 
