@@ -23,7 +23,7 @@ enum dimension_kind {
 
 struct dimension {
     enum dimension_kind kind;
-    float power[DIMENSION_BASES];
+    double power[DIMENSION_BASES];
     const struct unit *unit; /* the first that was typed; NULL if none was */
     bool has_name;
     bool is_single; /* a name, or a number or parenthesis with its unit: nothing was computed */

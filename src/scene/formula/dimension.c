@@ -83,7 +83,7 @@ struct dimension dimension_power(const struct dimension *a, double exponent)
     struct dimension made = *a;
     made.is_single = false;
     for (int i = 0; i < DIMENSION_BASES; i++)
-        made.power[i] *= (float)exponent;
+        made.power[i] *= exponent;
     return made;
 }
 

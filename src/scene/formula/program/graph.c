@@ -145,9 +145,9 @@ int graph_name(struct graph *g, int name)
 /* A number that is 0, of either sign, and where it comes from. */
 static int zero_node(struct graph *g, enum zero_mark mark, double number)
 {
-    return mark == ZERO_NUMBER
-               ? graph_number(g, number)
-               : intern(g, (struct node){.operand = {mark}, .number = number}); /* NODE_NUMBER */
+    return mark == ZERO_NUMBER ? graph_number(g, number)
+                               : intern(g, (struct node){.operand = {(int)mark},
+                                                         .number = number}); /* NODE_NUMBER */
 }
 
 int graph_known(struct graph *g, double value)
