@@ -161,12 +161,12 @@ struct unsound_step {
 #define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
-    /* at the end, or in the mean over time if larger; where t is not the run's, what its growth
-     * makes of it there. NAN: there is no opinion */
+    /* Error at the time t, or in the mean up to there if that is larger; NAN if there is no
+     * opinion. Nothing is known of a run beyond t. */
     double error;
     double max; /* the largest on the way: where values jump an error of time is one of them */
     double t;   /* [s] compared up to there */
-    /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
+    /* Time [s] from which on the error is as large as the motion; NAN if there is none. */
     double lost;
     double work; /* evaluations and Jacobians of the second solution */
     /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */

@@ -194,8 +194,11 @@ static int others_running(void)
     if (fd >= 0)
         close(fd);
     line[got > 0 ? got : 0] = '\0';
-    const char *slash = strchr(line, '/'), *number = slash;
-    while (number && number > line && number[-1] >= '0' && number[-1] <= '9')
+    const char *slash = strchr(line, '/');
+    if (!slash)
+        return 0;
+    const char *number = slash;
+    while (number > line && number[-1] >= '0' && number[-1] <= '9')
         number--;
     for (; number < slash; number++)
         running = 10 * running + (*number - '0');
