@@ -142,11 +142,11 @@ static void put_advice(const struct findings *f, const struct series *series, bo
                  to = end ? f->window[1] : series->t[series->n - 1];
     if (end && !start && isfinite(f->rests))
         snprintf(advice->text, sizeof advice->text,
-                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g..%.6g s",
+                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g:%.6g",
                  f->rests, from, to);
     else
         snprintf(advice->text, sizeof advice->text,
-                 "the %s no free oscillation (rest, hand or release): try window=%.6g..%.6g s",
+                 "the %s no free oscillation (rest, hand or release): try window=%.6g:%.6g",
                  start && end ? "start and the end of the window are"
                  : start      ? "start of the window is"
                               : "end of the window is",

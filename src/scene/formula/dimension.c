@@ -157,9 +157,11 @@ bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns)
 {
     const struct dimension goal = dimension_of_name(wanted);
     *turns = 0;
-    if (wanted == QUANTITY_OTHER || a->kind != DIMENSION_KNOWN || !a->unit)
+    if (wanted == QUANTITY_OTHER || a->kind != DIMENSION_KNOWN || (!a->unit && !is_alike(&goal, a)))
         return true;
     *turns = turns_between(&goal, a);
+    if (!a->unit)
+        return true;
     if (a->is_single) {
         double si;
         return unit_convert(a->unit, wanted, 1, &si);

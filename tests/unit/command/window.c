@@ -129,17 +129,18 @@ static void write_recording(const struct shape *shape)
     assert_int_equal(fclose(file), 0);
 }
 
-/* The window that stands behind `word`; false: none. */
-static bool announced(const char *text, const char *word, double window[2])
+/* Reads the window behind `word`, whose ends are separated by `mark`. Returns false if there is
+ * none. */
+static bool announced(const char *text, const char *word, const char *mark, double window[2])
 {
-    const char *at = strstr(text, word), *dots = at ? strstr(at, "..") : NULL;
+    const char *at = strstr(text, word), *dots = at ? strstr(at, mark) : NULL;
     char first[32] = "";
     if (!dots || dots - at - (ptrdiff_t)strlen(word) >= (ptrdiff_t)sizeof first)
         return false;
     /* "0..20": strtod takes the first dot */
     memcpy(first, at + strlen(word), (size_t)(dots - at) - strlen(word));
     window[0] = strtod(first, NULL);
-    window[1] = strtod(dots + 2, NULL);
+    window[1] = strtod(dots + strlen(mark), NULL);
     return true;
 }
 
@@ -148,7 +149,7 @@ static bool judged(struct bench *bench, double window[2])
     type(bench, "data clean");
     window[0] = 0;
     window[1] = LAST;
-    return announced(said(&bench->out), "use the window ", window) &&
+    return announced(said(&bench->out), "use the window ", "..", window) &&
            (window[0] > 0 || window[1] < LAST);
 }
 
@@ -172,7 +173,7 @@ static void every_command_announces_the_same_window(void **state)
                 continue;
             const bool done = type(&bench, commands[i]);
             const bool knows_rest = strstr(commands[i], "drag") || strstr(commands[i], "law");
-            const bool told = announced(said(&bench.err), "try window=", window);
+            const bool told = announced(said(&bench.err), "try window=", ":", window);
             if (!done && !told) /* refused, which is an answer */
                 continue;
             if (told && (!narrow || window[0] != wanted[0] || window[1] != wanted[1]))
@@ -184,7 +185,7 @@ static void every_command_announces_the_same_window(void **state)
         }
         /* What was announced is taken, and then there is nothing more to say. */
         type(&bench, "data clean apply; fit");
-        if (announced(said(&bench.err), "try window=", window))
+        if (announced(said(&bench.err), "try window=", ":", window))
             fail_msg("%s: after data clean apply still %g..%g s", shapes[k].name, window[0],
                      window[1]);
         bench_close(&bench);
