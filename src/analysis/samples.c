@@ -35,7 +35,7 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
         return true;
     }
     struct even_times even;
-    even_times_find(series->t, series->n, series->cancel, &even);
+    even_times_find(series->t, series->y, series->n, series->cancel, &even);
     samples->t0 = even.first;
     samples->dt = even.step;
     samples->uniform = even.even;

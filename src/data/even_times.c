@@ -30,7 +30,7 @@ struct stamp_rounding {
 };
 
 struct stamps {
-    const double *t;
+    const double *t, *y; /* y may be NULL */
     size_t n;
     const struct cancel *cancel;
 };
@@ -172,6 +172,46 @@ static bool few_steps_differ(const struct stamps *s, double step, double resolut
     return (longer < shorter ? longer : shorter) < STAMPS_DIFFERENT_MIN;
 }
 
+/* Returns the square of the distance of sample i from the cubic through the two samples on either
+ * side, at the given times; NAN where a value is missing. */
+static double cubic_miss(const double t[5], const double y[5])
+{
+    double at_middle = 0;
+    for (int j = 0; j < 5; j++) {
+        double weight = j == 2 ? 0 : 1;
+        for (int k = 0; k < 5 && j != 2; k++)
+            if (k != j && k != 2)
+                weight *= (t[2] - t[k]) / (t[j] - t[k]);
+        at_middle += weight * y[j];
+    }
+    return (y[2] - at_middle) * (y[2] - at_middle);
+}
+
+/* Returns true if the steps are of one and of two units and the values are much smoother at the
+ * times that were printed than at even times: then rows are lost, and no stamp is rounded. */
+static bool rows_are_lost(const struct stamps *s, double resolution)
+{
+    static const double even[5] = {0, 1, 2, 3, 4}, smoother = 0.25;
+    double printed_sum = 0, even_sum = 0;
+    size_t beside = 0;
+    for (size_t i = 1; i < s->n; i++) {
+        const double units = (s->t[i] - s->t[i - 1]) / resolution;
+        if (!s->y || !(fabs(units - 1) < 0.1 || fabs(units - 2) < 0.1) ||
+            cancelled_at(s->cancel, i))
+            return false;
+    }
+    for (size_t i = 2; i + 2 < s->n; i++) {
+        const double *t = s->t + i - 2;
+        const double printed = cubic_miss(t, s->y + i - 2), at_even = cubic_miss(even, s->y + i - 2);
+        if (t[4] - t[0] < 4.5 * resolution || !isfinite(printed))
+            continue;
+        printed_sum += printed;
+        even_sum += at_even;
+        beside++;
+    }
+    return beside >= 2 * STAMPS_DIFFERENT_MIN && printed_sum < smoother * even_sum;
+}
+
 static void fit_rounded(const struct stamps *s, struct even_times *out)
 {
     struct stamp_rounding rounding;
@@ -192,6 +232,8 @@ static void fit_rounded(const struct stamps *s, struct even_times *out)
     if (out->resolution > dropped_row_deviation * step * (possible ? 2 : 1) &&
         (!possible || (rounding.decimal > 0 && few_steps_differ(s, step, out->resolution))))
         return;
+    if (rounding.decimal > 0 && rows_are_lost(s, out->resolution))
+        return;
     out->even = true;
     /* Half a digit more or less for all of them means nothing: the first stamp stays. */
     out->first = s->t[0];
@@ -204,12 +246,13 @@ static void fit_rounded(const struct stamps *s, struct even_times *out)
     }
 }
 
-void even_times_find(const double *t, size_t n, const struct cancel *cancel, struct even_times *out)
+void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
+                     struct even_times *out)
 {
     *out = (struct even_times){.first = n > 0 ? t[0] : NAN, .step = NAN};
     if (n < 2)
         return;
-    const struct stamps stamps = {t, n, cancel};
+    const struct stamps stamps = {t, y, n, cancel};
     out->step = (t[n - 1] - t[0]) / (double)(n - 1);
     if (!(out->step > 0) || !isfinite(out->step))
         return;

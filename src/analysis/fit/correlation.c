@@ -215,7 +215,7 @@ bool series_correlation_period(const struct series *series, const struct period 
 {
     *period = (struct measured){NAN, NAN};
     struct even_times even;
-    even_times_find(series->t, series->n, series->cancel, &even);
+    even_times_find(series->t, series->y, series->n, series->cancel, &even);
     const double dt = even.step, span = dt * (double)(series->n - 1);
     const double expected = known->period.value / dt, periods = span / known->period.value;
     double at[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt;

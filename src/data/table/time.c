@@ -185,7 +185,8 @@ static void spread_stamps(struct recording *recording)
             return;
         repeated += recording->t[i] == recording->t[i - 1];
     }
-    even_times_find(recording->t, recording->rows, recording->cancel, &even);
+    even_times_find(recording->t, recording->column[recording->value].value, recording->rows,
+                    recording->cancel, &even);
     if (even.even && even.resolution > 0) {
         for (size_t i = 0; i < recording->rows; i++)
             recording->t[i] = even.first + even.step * (double)i;
@@ -327,7 +328,7 @@ static bool fill_values(struct recording *recording)
 void recording_set_step(struct recording *recording)
 {
     struct even_times even;
-    even_times_find(recording->t, recording->rows, recording->cancel, &even);
+    even_times_find(recording->t, NULL, recording->rows, recording->cancel, &even);
     recording->dt = even.step;
 }
 

@@ -117,7 +117,7 @@ static void steps_lie_within_what_the_rounding_leaves(void **state)
         struct even_times found;
         for (size_t i = 0; i < n; i++)
             t[i] = nearbyint((begin + (double)i / rate) / pow(10, place)) * pow(10, place);
-        even_times_find(t, n, NULL, &found);
+        even_times_find(t, NULL, n, NULL, &found);
         even += found.even;
         covered += fabs(found.step * rate - 1) <= 2.46 * found.pace + 1e-9 || found.resolution == 0;
         assert_true(fabs(found.step * rate - 1) <= 2 * pow(10, place) / span);
@@ -166,9 +166,43 @@ static void what_is_uneven_stays_so(void **state)
                 at -= i > where ? step : 0;
             t[i] = nearbyint(at * 1000) / 1000;
         }
-        even_times_find(t, 200, NULL, &found);
+        even_times_find(t, NULL, 200, NULL, &found);
         assert_false(found.even);
     }
+}
+
+/* Rows lost at equal distances leave the stamps of a longer step that was rounded: the values tell
+ * the two apart unless noise hides which it is. */
+static void regular_losses_are_no_rounding(void **state)
+{
+    (void)state;
+    static double t[2000], y[2000];
+    const int runs = is_long() ? 4000 : 400;
+    struct even_times found;
+    int hidden[2] = {0, 0};
+    random_state = 34;
+    for (int run = 0; run < runs; run++) {
+        const bool lost = run % 2;
+        const int each = (int)random_between(3, 40), wanted = (int)random_between(300, 1800);
+        const double unit = pow(10, -(int)random_between(1, 4)),
+                     samples = random_between(12, 60), noise = random_between(0, 0.02);
+        size_t n = 0;
+        for (int i = 0; i < wanted; i++) {
+            if (lost && i % each == each - 1)
+                continue;
+            const double step = lost ? 1 : (double)each / (each - 1), at = i * step;
+            t[n] = unit * (lost ? at : floor(at + 1e-9));
+            y[n++] = cos(TWO_PI * at / samples) + noise * random_normal();
+        }
+        even_times_find(t, y, n, NULL, &found);
+        if (lost == found.even && noise < 0.3 / samples)
+            fail_msg("run %d: every %d-th %s, %.3g samples a period, noise %.3g: even is %d", run,
+                     each, lost ? "lost" : "step rounded", samples, noise, found.even);
+        hidden[lost] += lost == found.even;
+    }
+    print_message("lost rows taken as rounded: %d, rounded ones as lost: %d of %d\n", hidden[1],
+                  hidden[0], runs);
+    assert_int_equal(hidden[0], 0);
 }
 
 int main(void)
@@ -176,6 +210,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(periods_of_films_cover_the_truth),
                                        cmocka_unit_test(steps_lie_within_what_the_rounding_leaves),
                                        cmocka_unit_test(significant_digits_are_a_rounding_too),
-                                       cmocka_unit_test(what_is_uneven_stays_so)};
+                                       cmocka_unit_test(what_is_uneven_stays_so),
+                                       cmocka_unit_test(regular_losses_are_no_rounding)};
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }
