@@ -202,7 +202,8 @@ static bool rows_are_lost(const struct stamps *s, double resolution)
     }
     for (size_t i = 2; i + 2 < s->n; i++) {
         const double *t = s->t + i - 2;
-        const double printed = cubic_miss(t, s->y + i - 2), at_even = cubic_miss(even, s->y + i - 2);
+        const double printed = cubic_miss(t, s->y + i - 2),
+                     at_even = cubic_miss(even, s->y + i - 2);
         if (t[4] - t[0] < 4.5 * resolution || !isfinite(printed))
             continue;
         printed_sum += printed;

@@ -295,6 +295,12 @@ static bool unpack(const char *path, struct intake *intake, struct buffer *bytes
         return xml_tables(text, intake->shown, contents, error);
     case PACKING_JSON:
         return from_json(text, contents, error);
+    case PACKING_OCTAVE:
+        if (!octave_tables(text, intake->shown, contents, error))
+            return false;
+        if (contents->parts > 0)
+            return true;
+        break;
     case PACKING_UTF16:
     case PACKING_NONE:
         break;

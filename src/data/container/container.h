@@ -25,7 +25,8 @@ enum packing {
     PACKING_ZIP,
     PACKING_XLS,
     PACKING_XML,
-    PACKING_JSON
+    PACKING_JSON,
+    PACKING_OCTAVE
 };
 
 enum packing packing_of(struct text bytes);
@@ -118,6 +119,10 @@ const char *xml_attribute(const char **attributes, const char *name); /* NULL: n
 /* xml_tables.c: Logger Pro (.cmbl) and CASSY Lab 2 (.labx). */
 bool xml_tables(struct text document, const char *shown, struct contents *contents,
                 struct error *error);
+/* octave.c: vectors of a text file of Octave, side by side. Adds no part where the file is to be
+ * read as any other text. */
+bool octave_tables(struct text text, const char *shown, struct contents *contents,
+                   struct error *error);
 /* workbook.c, workbook_old.c: sheets of .xlsx and .xls. */
 bool workbook_sheets(const struct archive_content *content, const char *shown,
                      struct contents *contents, struct error *error);

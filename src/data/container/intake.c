@@ -39,9 +39,10 @@ enum packing packing_of(struct text bytes)
            : text_starts(head, TEXT("\xD0\xCF\x11\xE0")) ? PACKING_XLS
            : text_starts(head, TEXT("\xFF\xFE")) || text_starts(head, TEXT("\xFE\xFF"))
                ? PACKING_UTF16
-           : is_xml(head)                               ? PACKING_XML
-           : table_recognise(head) && head.at[0] == '{' ? PACKING_JSON
-                                                        : PACKING_NONE;
+           : is_xml(head)                                   ? PACKING_XML
+           : text_starts(head, TEXT("# Created by Octave")) ? PACKING_OCTAVE
+           : table_recognise(head) && head.at[0] == '{'     ? PACKING_JSON
+                                                            : PACKING_NONE;
 }
 
 /* ---- refusals ---- */

@@ -184,8 +184,8 @@ static void regular_losses_are_no_rounding(void **state)
     for (int run = 0; run < runs; run++) {
         const bool lost = run % 2;
         const int each = (int)random_between(3, 40), wanted = (int)random_between(300, 1800);
-        const double unit = pow(10, -(int)random_between(1, 4)),
-                     samples = random_between(12, 60), noise = random_between(0, 0.02);
+        const double unit = pow(10, -(int)random_between(1, 4)), samples = random_between(12, 60),
+                     noise = random_between(0, 0.02);
         size_t n = 0;
         for (int i = 0; i < wanted; i++) {
             if (lost && i % each == each - 1)
