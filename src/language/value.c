@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
  * malformed. */
-#include <hooke/base/numeric.h>
 #include <hooke/figure.h>
 #include <hooke/language.h>
 #include <hooke/scene/dimension.h>
@@ -159,52 +158,6 @@ static const struct unit *borrowed_unit(const struct number_part *part,
     return unit;
 }
 
-/* Returns true if the constant pi was typed; *divides tells if it is below a fraction bar, of which
- * those inside of units are none. */
-static bool names_pi(struct text typed, bool *divides)
-{
-    *divides = false;
-    for (size_t i = 0; i < typed.len;) {
-        const struct text left = {typed.at + i, typed.len - i}, word = peek_name(left);
-        if (text_is(word, "pi"))
-            return true;
-        *divides |= left.at[0] == '/' && left.len > 1 && strspn(left.at + 1, " (.0123456789p") > 0;
-        i += word.len > 0 ? word.len : 1;
-    }
-    return false;
-}
-
-/*
- * Converts between Hz and rad/s. Refuses 2*pi*1 Hz for an angular frequency, and 6 rad/s/(2*pi) for
- * a frequency, because the units count the factor 2 pi already; and 2*f0 for an angular frequency.
- * 2*pi*f0, of names alone, is a formula in SI units.
- */
-static bool convert_turns(const char *what, const struct dimension *is, int turns,
-                          struct text typed, double *si, struct error *error)
-{
-    const char *const unit[] = {"Hz", "rad/s"};
-    const bool up = turns > 0;
-    const double value = *si;
-    bool divides;
-    const bool has_factor = names_pi(typed, &divides) && divides == !up;
-    if (!is->is_single && !is->unit && has_factor)
-        return true;
-    *si = dimension_turned(value, turns);
-    if (is->is_single || (is->unit && !has_factor))
-        return true;
-    if (!is->unit) {
-        error_at(error, typed, "%s: it is unclear if '%.*s' is in Hz or in rad/s", what,
-                 shown_length(typed), typed.at);
-        return error_hint(error, "write (%.*s) Hz, or (%.*s) rad/s", shown_length(typed), typed.at,
-                          shown_length(typed), typed.at);
-    }
-    error_at(error, typed,
-             "%s: 1 Hz is 2 pi rad/s already, with pi once more '%.*s' would be %.4g %s", what,
-             shown_length(typed), typed.at, *si, unit[up]);
-    return error_hint(error, "write %.6g %s, or the same in the other unit, %.6g %s", value,
-                      unit[up], dimension_turned(value, -turns), unit[!up]);
-}
-
 /* A bare number is in the SI unit, or in that of the other side of +-. */
 static bool to_si(const struct number_part *part, const struct number_part *other, const char *what,
                   enum quantity wanted, struct text typed, double *si, struct error *error)
@@ -218,12 +171,19 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
         return error_at(error, typed, "%s: both sides of +- need their units in '%.*s'", what,
                         shown_length(typed), typed.at);
     if (!dimension_fits(&is, wanted, &turns)) {
+        const double angle = dimension_angle_factor(&is, wanted);
         wrong_quantity(what, wanted, &is, typed, error);
+        if (angle != 0)
+            return error_hint(error,
+                              angle > 0 ? "Hz counts cycles: 2*pi*(%.*s) counts radians"
+                                        : "rad/s counts radians: (%.*s)/(2*pi) counts cycles",
+                              shown_length(typed), typed.at);
         return expr_hint_readings(part->expr, error);
     }
     if (unit)
         unit_convert(unit, unit->quantity, part->number, si);
-    return turns == 0 || convert_turns(what, &is, turns, typed, si, error);
+    *si = dimension_turned(*si, turns);
+    return true;
 }
 
 /* Of a value of any quantity the uncertainty is of the same. */

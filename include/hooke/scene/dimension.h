@@ -12,12 +12,14 @@ enum dimension_base {
     BASE_VOLT,
     BASE_RADIAN, /* of use only beside numbers and cycles: arc lengths are metres all the same */
     BASE_CYCLE,  /* Hz is one a second, rad/s is 1/(2 pi) of it */
+    BASE_PI,     /* pi as a factor: times cycles it is in radians, radians over it are cycles */
     DIMENSION_BASES
 };
 
 enum dimension_kind {
     DIMENSION_BARE,    /* numbers without a unit: beside a name they count in its SI unit */
     DIMENSION_UNKNOWN, /* names whose quantity is unknown fit everything */
+    DIMENSION_MIXED,   /* sums of names that are not alike: nothing with a unit fits them */
     DIMENSION_KNOWN
 };
 
@@ -26,11 +28,14 @@ struct dimension {
     double power[DIMENSION_BASES];
     const struct unit *unit; /* the first that was typed; NULL if none was */
     bool has_name;
-    bool is_single; /* a name, or a number or parenthesis with its unit: nothing was computed */
+    bool is_single;  /* a name, or a number or parenthesis with its unit: nothing was computed */
+    bool is_product; /* of a product or a power: its cycles may have been made radians by hand */
 };
 
 /* Of a name of this quantity; QUANTITY_OTHER is unknown. */
 struct dimension dimension_of_name(enum quantity quantity);
+/* Of the number pi. */
+struct dimension dimension_of_pi(void);
 /* Of a number or a parenthesis with its unit. */
 struct dimension dimension_of_unit(const struct unit *unit);
 /* a b, or a / b. */
@@ -39,15 +44,23 @@ struct dimension dimension_product(const struct dimension *a, const struct dimen
 struct dimension dimension_power(const struct dimension *a, double exponent);
 /* Returns true if no power of kg, m, s and V is left. */
 bool dimension_is_pure(const struct dimension *a);
+/* Returns true if a unit was typed and cycles are left that pi did not make radians. */
+bool dimension_counts_cycles(const struct dimension *a);
 /*
  * Finds the dimension of a sum. Returns false if the two differ although a unit was typed in one of
  * them; numbers without a unit fit names, not numbers with one. *turns: b is to be multiplied by
- * (2 pi)^turns, -1, 0 or 1, as of Hz beside rad/s.
+ * (2 pi)^turns, -1, 0 or 1, as of Hz beside rad/s. Products are not converted, as 6.28*2 Hz could
+ * be either, and a rate beside Hz could be in radians: these do not add.
  */
 bool dimension_sum(const struct dimension *a, const struct dimension *b, struct dimension *sum,
                    int *turns);
-/* Returns true if such a value can be one of the wanted quantity, after a factor (2 pi)^turns. */
+/*
+ * Returns true if such a value can be one of the wanted quantity, after a factor (2 pi)^turns.
+ * Names are SI numbers, but one alone of another dimension does not fit, nor Hz for rad/s.
+ */
 bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns);
+/* Returns the power of 2 pi by which such a value differs from one of the wanted quantity, or 0. */
+double dimension_angle_factor(const struct dimension *a, enum quantity wanted);
 /* x (2 pi)^turns */
 double dimension_turned(double x, int turns);
 /* QUANTITY_OTHER where it has no name. */

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static const char *const base_unit[DIMENSION_BASES] = {"kg", "m", "s", "V", "rad", "cycles"};
+static const char *const base_unit[DIMENSION_BASES] = {"kg", "m", "s", "V", "rad", "cycles", "pi"};
 
 static const signed char quantity_power[QUANTITY_COUNT][DIMENSION_BASES] = {
     /* kg m s V rad cycle */
@@ -47,6 +47,13 @@ struct dimension dimension_of_name(enum quantity quantity)
     return made;
 }
 
+struct dimension dimension_of_pi(void)
+{
+    struct dimension made = {.kind = DIMENSION_BARE};
+    made.power[BASE_PI] = 1;
+    return made;
+}
+
 struct dimension dimension_of_unit(const struct unit *unit)
 {
     struct dimension made = dimension_of_name(unit->quantity);
@@ -62,6 +69,7 @@ static struct dimension both(const struct dimension *a, const struct dimension *
     made.unit = a->unit ? a->unit : b->unit;
     made.has_name = a->has_name || b->has_name;
     made.is_single = false;
+    made.is_product = a->is_product || b->is_product;
     return made;
 }
 
@@ -69,7 +77,10 @@ struct dimension dimension_product(const struct dimension *a, const struct dimen
                                    bool divides)
 {
     struct dimension made = both(a, b);
-    if (a->kind == DIMENSION_UNKNOWN || b->kind == DIMENSION_UNKNOWN)
+    made.is_product = true;
+    if (a->kind == DIMENSION_MIXED || b->kind == DIMENSION_MIXED)
+        made.kind = DIMENSION_MIXED;
+    else if (a->kind == DIMENSION_UNKNOWN || b->kind == DIMENSION_UNKNOWN)
         made.kind = DIMENSION_UNKNOWN;
     else if (b->kind == DIMENSION_KNOWN)
         made.kind = DIMENSION_KNOWN;
@@ -82,6 +93,7 @@ struct dimension dimension_power(const struct dimension *a, double exponent)
 {
     struct dimension made = *a;
     made.is_single = false;
+    made.is_product = true;
     for (int i = 0; i < DIMENSION_BASES; i++)
         made.power[i] *= exponent;
     return made;
@@ -95,9 +107,32 @@ bool dimension_is_pure(const struct dimension *a)
     return pure;
 }
 
+struct angles {
+    double radians, cycles;
+};
+
+/* The powers of angles, where pi has made cycles radians (2 pi f, 2 pi/omega) or radians cycles. */
+static struct angles angles_of(const struct dimension *a)
+{
+    const double pi = a->power[BASE_PI], sign = pi < 0 ? -1 : 1;
+    struct angles is = {a->power[BASE_RADIAN], a->power[BASE_CYCLE]};
+    double moved = fmin(fabs(pi), fmax(sign * is.cycles, 0));
+    if (moved == 0)
+        moved = fmin(fabs(pi), fmax(-sign * is.radians, 0));
+    is.cycles -= sign * moved;
+    is.radians += sign * moved;
+    return is;
+}
+
 static bool has_angle(const struct dimension *a)
 {
-    return !is_zero(a->power[BASE_RADIAN]) || !is_zero(a->power[BASE_CYCLE]);
+    const struct angles is = angles_of(a);
+    return !is_zero(is.radians) || !is_zero(is.cycles);
+}
+
+bool dimension_counts_cycles(const struct dimension *a)
+{
+    return a->unit && a->kind == DIMENSION_KNOWN && angles_of(a).cycles > 1e-4;
 }
 
 /* Compares all but angles. */
@@ -110,16 +145,41 @@ static bool is_alike(const struct dimension *a, const struct dimension *b)
 }
 
 /* The power of 2 pi that makes cycles radians: b is to count angles as a does. */
-static int turns_between(const struct dimension *a, const struct dimension *b)
+static double turns_between(const struct dimension *a, const struct dimension *b)
 {
-    const double a_cycles = a->power[BASE_CYCLE], b_cycles = b->power[BASE_CYCLE];
-    if (is_zero(a_cycles) && !is_zero(b_cycles) &&
-        is_zero((double)a->power[BASE_RADIAN] - b_cycles))
-        return b_cycles > 0 ? 1 : -1;
-    if (is_zero(b_cycles) && !is_zero(a_cycles) &&
-        is_zero((double)b->power[BASE_RADIAN] - a_cycles))
-        return a_cycles > 0 ? -1 : 1;
-    return 0;
+    const struct angles is = angles_of(a), other = angles_of(b);
+    const bool alike = is_zero(is.radians + is.cycles - other.radians - other.cycles);
+    return alike && !is_zero(other.cycles - is.cycles) ? other.cycles - is.cycles : 0;
+}
+
+/*
+ * Returns true if such a value is known to count what its unit says: 6.28*2 Hz could be in either,
+ * 2*pi rad/s could not.
+ */
+static bool is_sure(const struct dimension *a)
+{
+    return !a->is_product || (a->power[BASE_PI] > 0 && a->power[BASE_RADIAN] > 0);
+}
+
+/* Finds the power of 2 pi between two, which has to be sure. */
+static bool find_turns(const struct dimension *a, const struct dimension *b, int *turns)
+{
+    const double power = turns_between(a, b);
+    *turns = (int)lround(power);
+    return power == 0 || (fabs(power) < 1.5 && is_sure(a) && is_sure(b));
+}
+
+/*
+ * A rate without an angle beside Hz or rad/s. Only a rate over pi is known to count cycles, any
+ * other may be in radians.
+ */
+static bool is_other_rate(const struct dimension *rate, const struct dimension *b)
+{
+    const struct angles other = angles_of(b);
+    const bool over_pi = rate->power[BASE_PI] < -1e-4;
+    return is_zero(rate->power[BASE_KILOGRAM]) && is_zero(rate->power[BASE_METRE]) &&
+           is_zero(rate->power[BASE_VOLT]) && !has_angle(rate) &&
+           (over_pi ? other.radians > 1e-4 : other.cycles > 1e-4);
 }
 
 /* Numbers without a unit count in SI beside names and pure numbers. */
@@ -140,33 +200,44 @@ bool dimension_sum(const struct dimension *a, const struct dimension *b, struct 
         for (int i = 0; i < DIMENSION_BASES; i++)
             sum->power[i] = b->power[i];
     }
+    if (a->kind == DIMENSION_MIXED || b->kind == DIMENSION_MIXED) {
+        sum->kind = DIMENSION_MIXED;
+        return !sum->unit;
+    }
     if (a->kind == DIMENSION_UNKNOWN || b->kind == DIMENSION_UNKNOWN)
         return true;
     if (a->kind == DIMENSION_BARE || b->kind == DIMENSION_BARE)
         return takes_bare(a) && takes_bare(b);
     if (!sum->unit) {
         if (!is_alike(a, b))
-            sum->kind = DIMENSION_UNKNOWN;
+            sum->kind = DIMENSION_MIXED;
         return true;
     }
-    *turns = turns_between(a, b);
-    return is_alike(a, b);
+    return is_alike(a, b) && !is_other_rate(a, b) && !is_other_rate(b, a) &&
+           find_turns(a, b, turns);
 }
 
 bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns)
 {
     const struct dimension goal = dimension_of_name(wanted);
     *turns = 0;
-    if (wanted == QUANTITY_OTHER || a->kind != DIMENSION_KNOWN || (!a->unit && !is_alike(&goal, a)))
+    if (wanted == QUANTITY_OTHER || a->kind != DIMENSION_KNOWN || (!a->unit && !a->has_name))
         return true;
-    *turns = turns_between(&goal, a);
+    if (!find_turns(&goal, a, turns))
+        return false;
     if (!a->unit)
-        return true;
+        return !a->is_single || is_alike(&goal, a);
     if (a->is_single) {
         double si;
         return unit_convert(a->unit, wanted, 1, &si);
     }
     return is_alike(&goal, a) && !(wanted == QUANTITY_NUMBER && has_angle(a));
+}
+
+double dimension_angle_factor(const struct dimension *a, enum quantity wanted)
+{
+    const struct dimension goal = dimension_of_name(wanted);
+    return a->kind == DIMENSION_KNOWN && is_alike(&goal, a) ? turns_between(&goal, a) : 0;
 }
 
 double dimension_turned(double x, int turns)
@@ -176,6 +247,13 @@ double dimension_turned(double x, int turns)
     return turns > 0 ? x * (2 * PI) : x / (2 * PI);
 }
 
+/* What a text shows of a power: no angle that pi has changed, as pi Hz is neither Hz nor rad/s. */
+static double shown_power(const struct dimension *a, int base)
+{
+    const bool changed = !is_zero(angles_of(a).cycles - a->power[BASE_CYCLE]);
+    return base == BASE_PI || (changed && base >= BASE_RADIAN) ? 0 : a->power[base];
+}
+
 enum quantity dimension_quantity(const struct dimension *a)
 {
     if (a->kind != DIMENSION_KNOWN)
@@ -183,7 +261,7 @@ enum quantity dimension_quantity(const struct dimension *a)
     for (int q = 0; q < QUANTITY_COUNT; q++) {
         bool same = q != QUANTITY_OTHER;
         for (int i = 0; i < DIMENSION_BASES; i++)
-            same &= is_zero(a->power[i] - quantity_power[q][i]);
+            same &= is_zero(shown_power(a, i) - quantity_power[q][i]);
         if (same)
             return (enum quantity)q;
     }
@@ -199,11 +277,12 @@ void dimension_put_unit(const struct dimension *a, struct buffer *text)
         return;
     }
     for (int i = 0; i < DIMENSION_BASES; i++) {
-        if (is_zero(a->power[i]))
+        const double power = shown_power(a, i);
+        if (is_zero(power))
             continue;
         buffer_format(text, "%s%s", some ? " " : "", base_unit[i]);
-        if (!is_zero(a->power[i] - 1))
-            buffer_format(text, "^%.3g", (double)a->power[i]);
+        if (!is_zero(power - 1))
+            buffer_format(text, "^%.3g", power);
         some = true;
     }
 }
@@ -216,5 +295,5 @@ void dimension_put(const struct dimension *a, struct buffer *text)
     else if (a->kind == DIMENSION_KNOWN)
         dimension_put_unit(a, text);
     else
-        buffer_put(text, TEXT("number"));
+        buffer_put(text, a->kind == DIMENSION_MIXED ? TEXT("mixed dimensions") : TEXT("number"));
 }

@@ -150,11 +150,12 @@ static bool emit_typed(struct compiler *c, struct op value, struct text typed)
         return false;
     if (!scope || !scope->quantity)
         return true;
-    const struct dimension bare = {.kind = DIMENSION_BARE};
-    return units_of_value(c, typed,
-                          value.kind == OP_NAME
-                              ? dimension_of_name(scope->quantity(scope->context, value.slot))
-                              : bare);
+    struct dimension dimension = {.kind = DIMENSION_BARE};
+    if (value.kind == OP_NAME)
+        dimension = dimension_of_name(scope->quantity(scope->context, value.slot));
+    else if (text_is(typed, "pi"))
+        dimension = dimension_of_pi();
+    return units_of_value(c, typed, dimension);
 }
 
 static bool read_number(struct compiler *c)

@@ -9,9 +9,10 @@
 
 /* How the dimension of a function follows from those of its arguments. */
 enum function_dimension {
-    FUNCTION_PURE, /* a number of numbers or angles */
-    FUNCTION_SAME, /* of one argument, or of several alike */
-    FUNCTION_SIGN, /* a number of anything alike */
+    FUNCTION_PURE,  /* a number of numbers or angles */
+    FUNCTION_ANGLE, /* the same of radians */
+    FUNCTION_SAME,  /* of one argument, or of several alike */
+    FUNCTION_SIGN,  /* a number of anything alike */
     FUNCTION_SQUARE_ROOT,
     FUNCTION_CUBE_ROOT,
     FUNCTION_POWER,

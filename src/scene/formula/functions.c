@@ -56,9 +56,15 @@ double function_power(double x, double n)
 }
 
 static const struct function rows[] = {
-    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL}, .one = fixed_sin},
-    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL}, .one = fixed_cos},
-    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL}, .one = fixed_tan},
+    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL},
+     .dimension = FUNCTION_ANGLE,
+     .one = fixed_sin},
+    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL},
+     .dimension = FUNCTION_ANGLE,
+     .one = fixed_cos},
+    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL},
+     .dimension = FUNCTION_ANGLE,
+     .one = fixed_tan},
     {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", "arcsin"},
      .one = fixed_asin},
     {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", "arccos"}, .one = fixed_acos},

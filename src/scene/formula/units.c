@@ -148,7 +148,8 @@ static bool raise(struct compiler *c, const struct typed_operand *a, struct dime
     }
     *made = a->dimension;
     made->is_single = false;
-    if (a->dimension.kind != DIMENSION_KNOWN)
+    made->is_product = true;
+    if (a->dimension.kind == DIMENSION_UNKNOWN || a->dimension.kind == DIMENSION_MIXED)
         made->has_name |= exponent->dimension.has_name;
     else if (last->kind == OP_NUMBER)
         *made = dimension_power(&a->dimension, last->number);
@@ -185,7 +186,13 @@ static bool call(struct compiler *c, const struct function *function, const stru
         *made = dimension_power(&a[0].dimension, rule == FUNCTION_CUBE_ROOT ? 1.0 / 3 : 0.5);
         return true;
     }
-    if (rule == FUNCTION_PURE) {
+    if (rule == FUNCTION_ANGLE && dimension_counts_cycles(&a->dimension)) {
+        error_at(c->error, a->text, "%s takes radians, '%.*s' counts cycles", name,
+                 shown_length(a->text), a->text.at);
+        return error_hint(c->error, "%s(2*pi*%.*s) is of as many cycles", name,
+                          shown_length(a->text), a->text.at);
+    }
+    if (rule == FUNCTION_PURE || rule == FUNCTION_ANGLE) {
         for (size_t i = 0; i < arity; i++)
             if (!is_pure(c, name, &a[i]))
                 return false;
@@ -342,6 +349,7 @@ bool units_read(struct compiler *c)
                                  .number = operand->text,
                                  .unit = compiler_slice(c, c->at, strlen(unit->row.name))};
     made.text = text_between(operand->text.at, text_end(made.unit));
+    made.dimension.power[BASE_PI] = operand->dimension.power[BASE_PI];
     if (last->kind == OP_NUMBER) {
         unit_convert(unit, unit->quantity, last->number, &last->number);
     } else if (unit->factor != 1) {
