@@ -234,8 +234,9 @@ struct work_done { /* in units of factor^2 J */
     double work[WORK_BLOCK], drag[WORK_BLOCK];
     double energy[WORK_BLOCK]; /* after it */
     /* The force jumps inside the step or at one of its ends, so that the quintic does not hold; the
-     * acceleration changes so much that it may not. */
+     * acceleration changes so much that it may not. Neither is set where none of them is true. */
     bool jumps[WORK_BLOCK], coarse[WORK_BLOCK];
+    bool any_jumps, any_coarse;
     double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
 };
 

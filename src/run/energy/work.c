@@ -205,6 +205,7 @@ static void work_of_any(const struct work *work, struct work_done *done)
         scaled_state(work, k + 1, y[to]);
         done->energy[k] = system_energy(system, y[to]);
         done->work[k] = done->drag[k] = 0;
+        done->jumps[k] = done->coarse[k] = false;
         if (system->conservative)
             continue;
         const double t = work_time(work, k), h = length_of(work, k);
@@ -221,10 +222,12 @@ static void work_of_any(const struct work *work, struct work_done *done)
         inner_states(system->n / 2, h, y[from], a[from], y[to], a[to], first, second);
         for (int i = 0, half = system->n / 2; i < half; i++)
             done->coarse[k] |=
-                work_coarse(h, y[from][i + half], y[to][i + half], a[from][i], a[to][i]);
+                work_coarse(h, y[from][i + half], y[to][i + half], a[from][i], a[to][i]) != 0;
+        done->any_coarse |= done->coarse[k];
         const double times[] = {t, t + INNER * h, t + (1 - INNER) * h, work_time(work, k + 1)};
         done->jumps[k] =
             switches_differ(system, times, (double *[]){y[from], first, second, y[to]});
+        done->any_jumps |= done->jumps[k];
         const struct power b = power_at(system, drags, t + INNER * h, first),
                            c = power_at(system, drags, t + (1 - INNER) * h, second);
         done->work[k] = h * ((p[from].all + p[to].all) + 5 * (b.all + c.all)) / 12;
@@ -275,8 +278,7 @@ bool work_converges(const struct system *system, double t, double h, const doubl
 
 void work_between(const struct work *work, struct work_done *done)
 {
-    memset(done->jumps, 0, (size_t)work->count * sizeof *done->jumps);
-    memset(done->coarse, 0, (size_t)work->count * sizeof *done->coarse);
+    done->any_jumps = done->any_coarse = false;
     if (!work_of_terms(work, done))
         work_of_any(work, done);
 }

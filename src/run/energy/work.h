@@ -27,8 +27,9 @@ struct quintic {
 #define WORK_COARSE_CHANGE 1.7e-3
 #define WORK_COARSE_BEND 2e-2
 
-/* Returns true if the acceleration changes so much in a step that the quintic may not hold. */
-static inline bool work_coarse(double h, double v0, double v1, double a0, double a1)
+/* Returns 1 if the acceleration changes so much in a step that the quintic may not hold, and 0
+ * otherwise, in a number as wide as those compared: loops over many steps vectorise. */
+static inline int64_t work_coarse(double h, double v0, double v1, double a0, double a1)
 {
     const double velocity = fabs(v0) > fabs(v1) ? fabs(v0) : fabs(v1),
                  change = fabs(h) * (fabs(a0) > fabs(a1) ? fabs(a0) : fabs(a1)),

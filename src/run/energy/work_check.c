@@ -73,11 +73,26 @@ static void solve_step(const struct run *run, struct balance *balance, const str
     if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, run->cancel) ||
                     run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, run->cancel)))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
-    else if (done->jumps[k] ||
+    else if ((done->any_jumps && done->jumps[k]) ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))
         done->work[k] = NAN;
     if (all_drag)
         done->drag[k] = done->work[k];
+}
+
+/* Returns true if the energy after one of the steps from `begin` on differs by more than `share` of
+ * it from that before the step and the work, in a loop that vectorises. */
+CLONES static bool is_any_missing(const struct work_done *done, double initial, double share,
+                                  int begin, int count)
+{
+    const double size = fabs(initial);
+    int64_t any = 0;
+    for (int k = begin; k < count; k++) {
+        const double energy = fabs(done->energy[k]);
+        any |= fabs(done->energy[k] - done->energy[k - 1] - done->work[k]) >
+               share * (energy > size ? energy : size);
+    }
+    return any != 0;
 }
 
 void work_check(const struct run *run, struct balance *balance, const struct work *work,
@@ -86,13 +101,17 @@ void work_check(const struct run *run, struct balance *balance, const struct wor
     const double share =
         fmax(run->plan.adaptive ? missing_tolerance_fraction * run->settings.tol : 0,
              energy_rounding_units * DBL_EPSILON);
-    for (int k = 0; k < work->count; k++) {
+    /* all but the first step at once: most blocks have nothing to solve */
+    const bool any = done->any_jumps || (run->plan.adaptive ? is_any_missing(done, balance->initial,
+                                                                             share, 1, work->count)
+                                                            : done->any_coarse);
+    for (int k = 0; k < (any ? work->count : 1); k++) {
         const double missing = missing_after(run, work, done, k),
                      floor = share * fmax(fabs(balance->initial), fabs(done->energy[k]));
-        if (done->jumps[k] ||
+        if ((done->any_jumps && done->jumps[k]) ||
             (missing > floor &&
-             (run->plan.adaptive ||
-              (done->coarse[k] && !quadrature_converges(work, done, k, missing)))))
+             (run->plan.adaptive || (done->any_coarse && done->coarse[k] &&
+                                     !quadrature_converges(work, done, k, missing)))))
             solve_step(run, balance, work, done, k);
     }
 }

@@ -180,12 +180,20 @@ ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restr
         take_rows(work, work->stride, b);
 }
 
-static void take_lengths(const struct work *work, struct work_block *b)
+/* In loops without a choice in them, which vectorise. */
+ALWAYS_INLINE void take_lengths(const struct work *work, struct work_block *restrict b)
 {
-    const double rate = 1 / work->h;
+    const double h = work->h, rate = 1 / h;
+    if (!work->t) {
+        for (int k = 0; k < work->count; k++) {
+            b->h[k] = h;
+            b->rate[k] = rate;
+        }
+        return;
+    }
     for (int k = 0; k < work->count; k++) {
-        b->h[k] = work->t ? work->t[k + 1] - work->t[k] : work->h;
-        b->rate[k] = work->t ? (b->h[k] != 0 ? 1 / b->h[k] : 0) : rate;
+        b->h[k] = work->t[k + 1] - work->t[k];
+        b->rate[k] = b->h[k] != 0 ? 1 / b->h[k] : 0;
     }
 }
 
@@ -234,7 +242,11 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
             done->work[k] = done->drag[k];
         }
     }
+    int64_t coarse = 0;
     for (int k = 0; k < count; k++)
+        coarse |= work_coarse(b->h[k], b->v[k], b->v[k + 1], b->a[k], b->a[k + 1]);
+    done->any_coarse = coarse != 0;
+    for (int k = 0; coarse && k < count; k++)
         done->coarse[k] = work_coarse(b->h[k], b->v[k], b->v[k + 1], b->a[k], b->a[k + 1]);
 }
 

@@ -6,9 +6,9 @@
 
 /* of the accurate method, where a step looks strange */
 #define STEPS_FIRST 2000
-/* evaluations of an explicit method for each row that is looked at, which takes 3 */
-#define EVALS_A_ROW 150
-#define ROWS_LOOKED_MIN 1024
+/* evaluations of a run for each row that is looked at, which takes what 12 take in a step */
+#define EVALS_A_ROW 600
+#define ROWS_LOOKED_MIN 512
 #define LOOK_SHARE 16   /* rows for each step of the accurate method where a step looks strange */
 #define CHANGE_MIN 0.1  /* of y in a step: less is passed over */
 #define STEEPER 8       /* times: the slope after a step that grows without bound */
@@ -70,26 +70,40 @@ static bool ended_across(struct run *run, size_t i, double end)
     return !(found.finite && !run->system.autonomous) && run_end_singular(run, found);
 }
 
-/* The row before the largest relative change in a block of rows: that takes a small part of what
- * steps of typed equations do. */
+/* Returns the row before the change of a variable that stands out most among the changes in a block
+ * of rows, which takes a small part of what dear steps do. */
 static size_t largest_change(const struct trace *trace, size_t block, size_t count)
 {
     size_t row = block;
-    double max = 0;
+    double most = 0;
     const size_t end = block + count < trace_count(trace) ? block + count : trace_count(trace) - 1;
+    double max[LIMIT_VARIABLES], sum[LIMIT_VARIABLES];
+    size_t at[LIMIT_VARIABLES];
+    const double *y = trace_state(trace, block);
+    for (int k = 0; k < trace->n; k++)
+        max[k] = sum[k] = 0;
     for (size_t i = block; i < end; i++) {
-        const double *y = trace_state(trace, i), *next = trace_state(trace, i + 1);
-        for (int k = 0; k < trace->n; k++)
-            if (fabs(next[k] - y[k]) > max * (fabs(y[k]) + fabs(next[k]))) {
-                max = fabs(next[k] - y[k]) / (fabs(y[k]) + fabs(next[k]));
-                row = i;
+        const double *next = trace_state(trace, i + 1);
+        for (int k = 0; k < trace->n; k++) {
+            const double change = fabs(next[k] - y[k]);
+            sum[k] += change;
+            if (change > max[k]) {
+                max[k] = change;
+                at[k] = i;
             }
+        }
+        y = next;
     }
+    for (int k = 0; k < trace->n; k++)
+        if (max[k] > most * sum[k]) {
+            most = max[k] / sum[k];
+            row = at[k];
+        }
     return row;
 }
 
-/* Looks at the rows since the last call: at all of them where a step is dear, else at so few that
- * it takes 2 % of the evaluations. */
+/* Looks at the rows since the last call: at so few that it takes 2 % of the evaluations, those of
+ * the largest changes where steps are dear. */
 bool run_went_across(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -99,15 +113,16 @@ bool run_went_across(struct run *run)
     size_t i = p->looked > first ? p->looked : first, passed = rows;
     const size_t share = (size_t)run->cost.evals / EVALS_A_ROW,
                  max = share > ROWS_LOOKED_MIN ? share : ROWS_LOOKED_MIN;
-    const bool dear = run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock;
-    const size_t by = dear ? 1 : 1 + (rows - i) / max;
+    const bool dear =
+        run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock || run->system.model->typed;
+    const size_t by = 1 + (rows - i) / max;
     p->looked = rows - 1;
     for (size_t block = i; block + 1 < rows; block += by) {
         if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
             p->looked = block; /* the rest next time */
             return false;
         }
-        i = by > 1 && run->system.model->typed ? largest_change(run->trace, block, by) : block;
+        i = by > 1 && dear ? largest_change(run->trace, block, by) : block;
         if ((i < p->across && i < p->unchecked && passed < rows) || !row_across(run, i))
             continue;
         if (i >= p->unchecked)
