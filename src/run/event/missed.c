@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in so short a time that no step of a run has seen it. */
 #include "run/private.h"
+#include "scene/typed/bursts.h"
 
 #include <float.h>
 #include <math.h>
@@ -13,7 +14,13 @@
 #define ULPS 1000      /* of t: what is shorter is a point, as a singularity is */
 #define NEARER 4       /* times: a step across a jump is as far from either solution */
 #define SIZE_MIN 1e-6  /* of a variable's natural size: what is smaller counts as that large */
-#define BEFORE 1e-3    /* of its length before a burst the rates are what they are without it */
+/* Stretches that a search looks at, each of which takes what 200 evaluations of the equations do:
+ * so many, and so many more for each way, and one for so many evaluations of the run. */
+enum { LOOKS_MIN = 1024, LOOKS_A_WAY = 8, EVALS_A_LOOK = 5000 };
+/* Looks along one way, and looks of which a comparison with a step that is solved again takes the
+ * place. */
+enum { LOOKS_ONE_WAY = 128, LOOKS_A_SOLUTION = 256 };
+#define BEFORE 1e-3 /* of its length before a burst the rates are what they are without it */
 
 /* The first row from `first` on whose time is beyond t, in the direction of the run. */
 static size_t row_beyond(const struct trace *trace, size_t first, double t)
@@ -134,7 +141,7 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
  * than the step that ended there. What is found in one step is one burst.
  */
 static bool is_on_steps(const struct run *run, size_t first, const struct burst *found,
-                        struct burst *there)
+                        int64_t *allowed, struct burst *there)
 {
     const struct trace *trace = run->trace;
     const size_t beyond = row_beyond(trace, first, found->from);
@@ -143,10 +150,12 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
          i++) {
         const double t[2] = {trace_time(trace, i), trace_time(trace, i + 1)};
         struct burst burst[BURSTS];
-        if (t[0] == t[1] || cancelled(run->cancel))
+        if (cancelled(run->cancel) || *allowed <= 0)
+            return false;
+        if (t[0] == t[1])
             continue;
-        const int count = system_bursts(&run->system, t, trace_state(trace, i),
-                                        trace_state(trace, i + 1), true, burst, 0, BURSTS);
+        const int count = bursts_within(&run->system, t, trace_state(trace, i),
+                                        trace_state(trace, i + 1), true, allowed, burst, 0, BURSTS);
         if (count == 0)
             continue;
         *there = burst[0];
@@ -156,7 +165,10 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
                 forward ? fmin(there->from, burst[k].from) : fmax(there->from, burst[k].from);
             there->to = forward ? fmax(there->to, burst[k].to) : fmin(there->to, burst[k].to);
         }
-        if (!is_seen(trace, first, there) && step_passed_over(run, i, there))
+        if (is_seen(trace, first, there))
+            continue;
+        *allowed -= LOOKS_A_SOLUTION;
+        if (step_passed_over(run, i, there))
             return true;
     }
     return false;
@@ -165,6 +177,8 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
 struct burst_search {
     const struct run *run;
     size_t first; /* row */
+    /* looks that are left, along ways and at the steps where something was found on these */
+    int64_t allowed, allowed_steps;
     struct burst burst[BURSTS];
     int count;
 };
@@ -181,13 +195,26 @@ static bool look_through(struct burst_search *search, double open, struct burst 
         if (burst.to == open) {
             search->burst[left++] = burst;
         } else if ((first == 0 || burst.from != trace_time(trace, first)) &&
-                   is_on_steps(search->run, first, &burst, &there)) {
+                   is_on_steps(search->run, first, &burst, &search->allowed_steps, &there)) {
             *missed = there;
             return true;
         }
     }
     search->count = left;
     return false;
+}
+
+/* Searches a way, with its part of the looks that are left for `ways` of them. */
+static void search_way(struct burst_search *search, const double t[2], const double *from,
+                       const double *to, size_t ways)
+{
+    const int64_t part = search->allowed / (int64_t)ways * LOOKS_A_WAY,
+                  given = part > LOOKS_ONE_WAY ? part : LOOKS_ONE_WAY,
+                  allowed = given < search->allowed ? given : search->allowed;
+    int64_t left = allowed;
+    search->count = bursts_within(&search->run->system, t, from, to, true, &left, search->burst,
+                                  search->count, BURSTS);
+    search->allowed -= allowed - left;
 }
 
 bool run_missed_burst(struct run *run, struct burst *missed)
@@ -202,16 +229,19 @@ bool run_missed_burst(struct run *run, struct burst *missed)
     const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
     const size_t even = (steps * WAYS + all - 1) / all, ways = steps < even ? steps : even;
-    struct burst_search search = {.run = run, .first = first};
+    const int64_t allowed =
+        LOOKS_MIN + LOOKS_A_WAY * (int64_t)ways * run->system.n + run->cost.evals / EVALS_A_LOOK;
+    struct burst_search search = {.run = run,
+                                  .first = first,
+                                  .allowed = allowed,
+                                  .allowed_steps = allowed + LOOKS_A_SOLUTION * BURSTS};
     p->searched = all;
-    for (size_t k = 0; k < ways && !cancelled(run->cancel); k++) {
+    for (size_t k = 0; k < ways && search.allowed > 0 && !cancelled(run->cancel); k++) {
         const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;
         const double t[2] = {trace_time(trace, from), trace_time(trace, to)};
         if (t[0] == t[1])
             continue;
-        search.count =
-            system_bursts(&run->system, t, trace_state(trace, from), trace_state(trace, to), true,
-                          search.burst, search.count, BURSTS);
+        search_way(&search, t, trace_state(trace, from), trace_state(trace, to), ways - k);
         if (look_through(&search, t[1], missed))
             return true;
     }

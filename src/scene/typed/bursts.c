@@ -5,6 +5,7 @@
  * samples show; where they allow more, a stretch is cut in two, until it is seen, or until nothing
  * that matters can hide in it.
  */
+#include "scene/typed/bursts.h"
 #include "scene/typed/typed.h"
 
 #include <float.h>
@@ -25,6 +26,7 @@
 
 /* The way, as bounds of all names on a part of it. */
 struct way {
+    const struct system *system;
     const struct typed *typed;
     const double *c; /* of the bound term */
     double t[2];
@@ -112,10 +114,16 @@ static struct jet row_bounds(struct way *way, int row, double a, double b)
     return sum;
 }
 
-static double row_value(struct way *way, int row, double at)
+/* Returns the value of the row at a point of the way, NAN where it is not finite. */
+static double row_value(const struct way *way, int row, double at)
 {
-    const struct interval value = row_bounds(way, row, at, at).value;
-    return value.lo + (value.hi - value.lo) / 2;
+    const struct system *system = way->system;
+    double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES];
+    for (int i = 0; i < system->n; i++)
+        y[i] = way->from[i] + at * (way->rate[i] + at * (way->bend[0][i] + at * way->bend[1][i]));
+    system_derivative(system, way->t[0] + (way->t[1] - way->t[0]) * at, y, slope);
+    const double value = slope[system->n - typed_rows(way->typed) + row];
+    return isfinite(value) ? value : NAN;
 }
 
 static double largest(struct interval a)
@@ -157,7 +165,7 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
  * the polynomial through points on either side (Lagrange) says what is between, and samples that
  * agree with it are no burst.
  */
-static bool stands_out(struct way *way, int row, double a, double b, double seen)
+static bool stands_out(const struct way *way, int row, double a, double b, double seen)
 {
     enum { POINTS = 6 };
     static const double around_it[3][POINTS] = {
@@ -200,8 +208,8 @@ static int keep(const struct way *way, double a, double b, struct burst *burst, 
     return count;
 }
 
-static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst,
-                      int count, int max)
+static int search_row(struct way *way, int row, double size, bool sure, int64_t *allowed,
+                      struct burst *burst, int count, int max)
 {
     const double length = fabs(way->t[1] - way->t[0]);
     const double ulps = ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
@@ -214,7 +222,7 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
     stack[top].a = ends;
     stack[top].b = 1 - ends;
     stack[top++].depth = 0;
-    for (int looks = 0; top > 0 && looks < LOOKS; looks++) {
+    for (int looks = 0; top > 0 && looks<LOOKS && * allowed> 0; looks++, --*allowed) {
         const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
         const int depth = stack[top].depth;
         const struct stretch_look at = look(way, row, a, b);
@@ -239,17 +247,30 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
     return count;
 }
 
-int system_bursts(const struct system *system, const double t[2], const double *from,
-                  const double *to, bool sure, struct burst *burst, int count, int max)
+int bursts_within(const struct system *system, const double t[2], const double *from,
+                  const double *to, bool sure, int64_t *allowed, struct burst *burst, int count,
+                  int max)
 {
     const struct typed *typed = system->model->typed;
     if (!typed)
         return count;
-    struct way way = {
-        .typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
+    struct way way = {.system = system,
+                      .typed = typed,
+                      .c = system->typed.c,
+                      .t = {t[0], t[1]},
+                      .from = from,
+                      .to = to};
     const int rows = typed_rows(typed);
     bend_way(system, &way);
     for (int i = 0; i < rows; i++)
-        count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, max);
+        count = search_row(&way, i, system->scale[system->n - rows + i], sure, allowed, burst,
+                           count, max);
     return count;
+}
+
+int system_bursts(const struct system *system, const double t[2], const double *from,
+                  const double *to, bool sure, struct burst *burst, int count, int max)
+{
+    int64_t allowed = INT64_MAX;
+    return bursts_within(system, t, from, to, sure, &allowed, burst, count, max);
 }

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef HOOKE_SCENE_TYPED_BURSTS_H
+#define HOOKE_SCENE_TYPED_BURSTS_H
+
+#include <hooke/scene/model.h>
+
+/* Does the same as system_bursts(), and looks at no more than *allowed stretches, from which it
+ * subtracts those that it looked at. */
+int bursts_within(const struct system *system, const double t[2], const double *from,
+                  const double *to, bool sure, int64_t *allowed, struct burst *burst, int count,
+                  int max);
+
+#endif
