@@ -17,10 +17,15 @@ struct samples {
     bool uniform;
     double pace;                 /* relative standard uncertainty that all times have in common */
     unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
+    bool resampled;              /* made of a very uneven series, which no sensor sends */
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
 
-/* false: no memory */
+/* Returns true if a tenth of the steps are far shorter than the mean one, as those of a stiff
+ * adaptive run are. */
+bool series_is_uneven(const struct series *series);
+/* Prepares a series. One that series_is_uneven() is replaced by as many samples on an even grid.
+ * Returns false if out of memory. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
 /* [from, to), shares memory */
 struct samples samples_part(const struct samples *samples, size_t from, size_t to);
@@ -209,6 +214,9 @@ bool transform_real(double *data, size_t n, double *scratch, const struct cancel
 /* Returns the normalised correlation of a series with itself at all shifts [n], its straight line
  * taken off; NULL if out of memory or cancelled. *grid [n]: what is left of it at equal times. */
 double *series_correlations(const struct series *series, struct arena *arena, double **grid);
+/* Sets out[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
+double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
+                        double *out);
 
 /* ---- spectrum.c ---- */
 

@@ -384,6 +384,8 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)
 {
     struct motion m;
+    if (series_is_uneven(series)) /* its samples are not these rows */
+        return false;
     if (!motion_init(&m, series, arena, NULL) || !m.overview.oscillates || !m.harmonic.converged ||
         fit_discards_much(m.rejected, m.samples.n))
         return false;

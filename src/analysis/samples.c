@@ -22,6 +22,39 @@ static bool even_out(struct samples *samples, const struct even_times *even, str
     return t != NULL;
 }
 
+bool series_is_uneven(const struct series *s)
+{
+    static const double short_step = 0.05, short_share_max = 0.1;
+    const double mean = s->n > 1 ? (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1) : 0;
+    size_t short_steps = 0;
+    for (size_t i = 1; i < s->n; i++)
+        short_steps += s->t[i] - s->t[i - 1] < short_step * mean;
+    return (double)short_steps > short_share_max * (double)s->n;
+}
+
+/* Replaces very uneven samples by as many on an even grid, by straight lines. Rows that crowd where
+ * the motion is fast would weigh that part more than all the others together. Returns false if out
+ * of memory. */
+static bool samples_resample(struct samples *samples, const struct series *series,
+                             struct arena *arena)
+{
+    const size_t n = series->n;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return false;
+    samples->t0 = series->t[0];
+    samples->dt = (series->t[n - 1] - series->t[0]) / (double)(n - 1);
+    samples->uniform = true;
+    samples->resampled = true;
+    samples->pace = series->pace;
+    series_fill_grid(series, samples->t0, samples->dt, n, y);
+    for (size_t i = 0; i < n; i++)
+        t[i] = samples->t0 + (double)i * samples->dt;
+    samples->t = t;
+    samples->y = y;
+    return true;
+}
+
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
 {
     *samples =
@@ -34,6 +67,8 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     if (series->n < 2) {
         return true;
     }
+    if (series_is_uneven(series))
+        return samples_resample(samples, series, arena) && !cancelled(series->cancel);
     struct even_times even;
     even_times_find(series->t, series->y, series->n, series->cancel, &even);
     samples->t0 = even.first;
@@ -120,7 +155,7 @@ double series_noise(const struct series *series, struct arena *arena)
 void samples_flag_spikes(struct samples *samples, double *scratch)
 {
     enum { LONGEST = 6 };
-    if (samples->n < 16) {
+    if (samples->n < 16 || samples->resampled) {
         return;
     }
     size_t n = samples->n, stride = n / 2048 + 1, count = 0, flagged = 0;

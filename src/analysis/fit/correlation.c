@@ -21,8 +21,7 @@ struct blocks {
     const struct cancel *cancel;
 };
 
-/* `length` values from t0 on; straight lines across gaps. Returns their sum. */
-static double fill_grid(const struct series *s, double t0, double dt, size_t length, double *out)
+double series_fill_grid(const struct series *s, double t0, double dt, size_t length, double *out)
 {
     double sum = 0;
     const struct samples all = {.t = s->t, .n = s->n};
@@ -56,7 +55,8 @@ static bool fill_blocks(const struct series *s, double dt, double period, struct
         return false;
     for (size_t k = 0; k < b->count; k++) {
         const size_t first = b->count > 1 ? (s->n - b->length) * k / (b->count - 1) : 0;
-        sum += fill_grid(s, s->t[0] + (double)first * dt, dt, b->length, b->y + k * b->length);
+        sum += series_fill_grid(s, s->t[0] + (double)first * dt, dt, b->length,
+                                b->y + k * b->length);
     }
     for (size_t i = 0; i < all; i++)
         b->y[i] -= sum / (double)all;
@@ -254,7 +254,7 @@ double *series_correlations(const struct series *series, struct arena *arena, do
     if (!out || !b.y)
         return NULL;
     const double dt = (series->t[n - 1] - series->t[0]) / (double)(n - 1),
-                 mean = fill_grid(series, series->t[0], dt, n, b.y) / (double)n,
+                 mean = series_fill_grid(series, series->t[0], dt, n, b.y) / (double)n,
                  middle = 0.5 * (double)(n - 1);
     for (size_t i = 0; i < n; i++) {
         moment += ((double)i - middle) * (b.y[i] - mean);

@@ -172,7 +172,8 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
     return error_hint(error, "fit finds the period of such a signal");
 }
 
-/* Returns true if the times between crossings repeat after `pattern` of them. */
+/* Returns true if the times between crossings repeat after `pattern` of them, to a part of the time
+ * between two: a longer pattern may not hide what one of its crossings is off. */
 static bool repeats_after(const struct crossing *up, size_t count, size_t pattern, double regular)
 {
     if (count < 2 * pattern + 1)
@@ -180,7 +181,7 @@ static bool repeats_after(const struct crossing *up, size_t count, size_t patter
     for (size_t i = 1; i + pattern < count; i++) {
         const double cycle = up[i + pattern].t - up[i].t,
                      change = cycle - (up[i - 1 + pattern].t - up[i - 1].t);
-        if (!(fabs(change) <= regular * cycle))
+        if (!(fabs(change) <= regular * cycle / (double)pattern))
             return false;
     }
     return true;

@@ -346,6 +346,9 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     struct motion m;
     struct lags lags;
     bool exact = false, follows = false, shaped = false;
+    /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
+    if (series_is_uneven(series) && wave_period(series, true, arena, period))
+        return true;
     bool found = series->n > LONG_RECORD && long_period(series, arena, period, pace, &exact);
     if (!found) {
         if (!motion_find(&m, series, arena, NULL, error))

@@ -187,22 +187,9 @@ static bool after_rest(const struct series *s, size_t halvings, struct swing *sw
     return found;
 }
 
-/* Returns true if a tenth of the steps are far shorter than the mean one. The steps of an adaptive
- * run are like that; windows of it on an even grid would have as many samples as its shortest steps
- * ask for. */
-static bool is_uneven(const struct series *s)
-{
-    static const double short_step = 0.05, short_share_max = 0.1;
-    const double mean = (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1);
-    size_t short_steps = 0;
-    for (size_t i = 1; i < s->n; i++)
-        short_steps += s->t[i] - s->t[i - 1] < short_step * mean;
-    return (double)short_steps > short_share_max * (double)s->n;
-}
-
 bool find_swing(const struct series *series, struct swing *swing)
 {
-    if (series->n < 2 * SWING_SAMPLES_MIN || is_uneven(series))
+    if (series->n < 2 * SWING_SAMPLES_MIN || series_is_uneven(series))
         return false;
     if (after_rest(series, 0, swing))
         return true;

@@ -214,6 +214,54 @@ static void uncertainties_of_waves(void **state)
     assert_true(50 * beyond <= all);
 }
 
+/* ---- rows of stiff runs ---- */
+
+/* A relaxation oscillation as a stiff method records it: long steps on the slow branches, from 2 to
+ * 1, and most rows in the jumps. The first two cycles take another time, as a start off the cycle
+ * does.
+ */
+static struct drawn relaxation(size_t cycles, size_t slow, size_t fast, double jump, double longer)
+{
+    struct drawn d = draw(2 * cycles * (slow + fast), 1);
+    const double half = random_between(1, 50);
+    size_t n = 0;
+    double t = 0;
+    for (size_t k = 0; k < 2 * cycles; k++) {
+        const double sign = k % 2 ? -1 : 1, lasts = half * (k < 4 ? longer : 1);
+        for (size_t i = 0; i < slow; i++, n++) {
+            const double u = ((double)i + 0.1 * random_uniform()) / (double)slow;
+            d.t[n] = t + (1 - jump) * lasts * u;
+            d.y[n] = sign * (1 + sqrt(1 - u));
+        }
+        for (size_t i = 0; i < fast; i++, n++) {
+            const double u = ((double)i + 0.5 * random_uniform()) / (double)fast;
+            d.t[n] = t + (1 - jump + jump * u) * lasts;
+            d.y[n] = sign * (1 - 3 * u * u * (3 - 2 * u));
+        }
+        t += lasts;
+    }
+    d.period = 2 * half;
+    d.span = t;
+    return d;
+}
+
+static void stiff_runs(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 179;
+    for (int i = 0; i < cases(40); i++) {
+        const size_t slow = (size_t)of_random_size(20, 100), fast = (size_t)of_random_size(60, 400);
+        const double jump = of_random_size(1e-5, 1e-2),
+                     longer = i % 2 ? 1 + (i % 4 - 2) * random_between(0.03, 0.1) : 1;
+        struct drawn d = relaxation((size_t)random_between(10, 24), slow, fast, jump, longer);
+        char name[60];
+        snprintf(name, sizeof name, "jumps of %.2g, %zu and %zu rows", jump, slow, fast);
+        count_period(&d, 1e-4, name, &tally);
+    }
+    assert_tally("stiff runs", &tally);
+}
+
 /* ---- a part that swings ---- */
 
 static struct drawn ring_down(double before, double swings, double after, double zeta,
@@ -333,10 +381,14 @@ static void coarse_sensors(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pendulums_up_to_the_top),  cmocka_unit_test(waves_of_any_shape),
-        cmocka_unit_test(pulses_of_few_samples),    cmocka_unit_test(uncertainties_of_waves),
-        cmocka_unit_test(step_responses),           cmocka_unit_test(knocks_and_hands),
-        cmocka_unit_test(refusals_name_the_window), cmocka_unit_test(coarse_sensors)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pendulums_up_to_the_top),
+                                       cmocka_unit_test(waves_of_any_shape),
+                                       cmocka_unit_test(pulses_of_few_samples),
+                                       cmocka_unit_test(uncertainties_of_waves),
+                                       cmocka_unit_test(step_responses),
+                                       cmocka_unit_test(knocks_and_hands),
+                                       cmocka_unit_test(refusals_name_the_window),
+                                       cmocka_unit_test(coarse_sensors),
+                                       cmocka_unit_test(stiff_runs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
