@@ -22,6 +22,7 @@
 #define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
 #define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
+#define KINK 0.05             /* a change above that of slopes alike before is of rounding */
 #define COST_MAX 6e6          /* of one solve */
 #define HIGH 5                /* from this order on the steps of the sweep are closer together */
 
@@ -103,15 +104,36 @@ static double log_slope(const struct order_point *coarse, const struct order_poi
     return log(coarse->error / fine->error) / log(coarse->dt / fine->dt);
 }
 
+/* Returns true if no step from point i on has an error far below that of the point before it. */
+static bool gains_nothing(const struct order *order, int i)
+{
+    const double before = order->point[i - 1].error;
+    bool gains = !(before < SMALL && order->point[i].slope < IDLE);
+    for (; !gains && i < order->points; i++)
+        gains = order->point[i].error < before / NOISE;
+    return !gains;
+}
+
+/* Returns the index of the first point from which on a smaller step gains nothing, as rounding
+ * grows with the number of steps; the number of points if there is none. A multistep method that
+ * takes no step of its own, only those of its start, is no such point. */
+static int rounding_begin(const struct order *order)
+{
+    int i = 1;
+    while (i < order->points && !gains_nothing(order, i))
+        i++;
+    return i < order->points ? i - 1 : order->points;
+}
+
 /* Errors below this have rounding in them: far above the level from which on a smaller step gains
  * nothing. */
 static double rounding_level(const struct order *order)
 {
-    double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
-    for (int i = 1; i < order->points; i++)
-        if (order->point[i - 1].error < SMALL && order->point[i].slope < IDLE)
-            level = fmax(level, NOISE * order->point[i - 1].error);
-    return level;
+    const double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
+    const int begin = rounding_begin(order);
+    return begin == order->points ? level
+                                  : fmax(level, NOISE * fmax(order->point[begin].error,
+                                                             order->point[begin + 1].error));
 }
 
 /* ---- the fit ---- */
@@ -163,7 +185,8 @@ static double point_noise(const struct order *order, const struct order_point *p
 
 /*
  * Returns true if the slopes within a window of n points are alike, or approach a limit: each
- * change is smaller than the one before. *rest is how far the last slope may be from the limit.
+ * change is smaller than the one before. *rest is how far the
+ * last slope may be from the limit.
  */
 static bool slopes_settle(const struct order *order, const struct order_point *point, int n,
                           double *rest)
@@ -187,7 +210,7 @@ static int usable_points(const struct order *order, int *last)
 {
     const double level = rounding_level(order);
     int count = 0;
-    *last = order->points - 1;
+    *last = rounding_begin(order) - 1;
     while (*last >= 0 &&
            !(order->point[*last].error > level && order->point[*last].error < ORDER_ERROR_MAX))
         --*last;
@@ -207,7 +230,7 @@ static bool fit_window(struct order *order, int last, int size)
         return false;
     const struct order_line line = fit(first, size);
     const double ahead = fmax(fabs(line.slope - finest->slope), point_noise(order, finest)),
-                 guard = fmax(line.guard, fmin(rest, ahead));
+                 guard = fmax(line.guard, rest + ahead);
     if (!(line.slope > IDLE) || guard > UNCERTAIN)
         return false;
     order->slope = line.slope;
@@ -218,6 +241,15 @@ static bool fit_window(struct order *order, int last, int size)
     for (int i = 0; i < order->points; i++)
         order->point[i].fitted = i > last - size && i <= last;
     return true;
+}
+
+/* Returns true if the slope changes at a point far more than at the one before, as it does where
+ * rounding is met. */
+static bool has_kink(const struct order_point *point)
+{
+    const double change = fabs(point[0].slope - point[-1].slope),
+                 before = fabs(point[-1].slope - point[-2].slope);
+    return change > KINK && change > 2 * before;
 }
 
 /* Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
@@ -231,7 +263,8 @@ static int choose_window(struct order *order, int size)
     const double level = SUSPECT * rounding_level(order);
     order->unsettled = usable >= LEAST;
     for (; usable >= LEAST; usable--, last--, omitted++) {
-        for (int n = size < usable ? size : usable; n >= LEAST; n--)
+        const bool kink = usable > LEAST && has_kink(&order->point[last]);
+        for (int n = size < usable ? size : usable; n >= LEAST && !kink; n--)
             if (fit_window(order, last, n))
                 return omitted;
         if (order->point[last].error > level)

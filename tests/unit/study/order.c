@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+#include "unit/scene/typing.h"
 #include "unit/study/testing.h"
 
 static struct order measure(const struct scene *scene, const char *name, enum drag drag,
@@ -131,6 +132,38 @@ static void test_stiffness_reduces_the_order(void **state)
     assert_true(isnan(rk4.slope));
 }
 
+/* Multistep methods round the more the smaller their steps are, and the coarsest steps are those of
+ * their start alone: neither hides the points between, whose slopes have settled. */
+static void test_rounding_that_grows(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"bdf2", "bdf3", "bdf4", "bdf5", "bdf6", "ab2",
+                                        "ab3",  "ab4",  "ab5",  "abm3", "abm5", "rodas5p"};
+    static const char *const lines[][8] = {
+        {"var x = 0.1", "x' = x*(1-x)", NULL},
+        {"var x = 1", "x' = sin(2*t)-x", NULL},
+        {"var x = 1", "var y = 2", "x' = x*(1-y)", "y' = y*(x-1)", NULL},
+        {"var x = 0.3", "var y = 0.6", "var z = 0.8", "x' = -2*y*z", "y' = 1.25*x*z",
+         "z' = -0.5*x*y", NULL},
+    };
+    struct error error = {0};
+    struct typed_models *models = typed_create(&error);
+    int tried = 0, found = 0;
+    for (size_t k = 0; k < COUNT_OF(lines); k++)
+        for (size_t i = 0; i < COUNT_OF(names); i++, tried++) {
+            struct scene scene;
+            scene_init(&scene, NULL);
+            assert_true(type_scene(models, &scene, lines[k]));
+            const struct order order = measure(&scene, names[i], DRAG_DEFAULT, 7);
+            found += order.fitted > 0;
+            if (order.fitted && fabs(order.slope - order.claimed) > fmax(0.02, 3 * order.guard))
+                fail_msg("%s on %s: %g +- %g", names[i], lines[k][1], order.slope, order.guard);
+        }
+    typed_destroy(models);
+    print_message("# %d orders tried, %d found\n", tried, found);
+    assert_true(found >= 0.9 * tried);
+}
+
 static void test_exact(void **state)
 {
     (void)state;
@@ -183,6 +216,7 @@ int main(void)
         cmocka_unit_test(test_explicit_drag_is_first_order),
         cmocka_unit_test(test_quadratic_drag),
         cmocka_unit_test(test_stiffness_reduces_the_order),
+        cmocka_unit_test(test_rounding_that_grows),
         cmocka_unit_test(test_exact),
         cmocka_unit_test(test_a_given_range),
         cmocka_unit_test(test_refusals),
