@@ -137,6 +137,8 @@ int typed_shape(const struct system *system, bool splits)
                 : sum_is_one(&known.whole));
     const bool motion = system->order == 2;
     switch (system->n) {
+    case 1:
+        return !motion && one ? PLACE_typed_one : -1;
     case 2:
         return motion ? PLACE_typed_line : one ? PLACE_typed_two : -1;
     case 3:

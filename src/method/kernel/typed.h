@@ -42,8 +42,9 @@ bool sum_is_one(const struct typed_sum *sum);
 INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t,
                           const double *y, double *out)
 {
-    const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL,
-                                             part->term->c + 1, rows > 2 ? out : NULL, part->frame);
+    const struct leading leading =
+        part->run(part->program, t, y[0], n > 1 ? y[1] : 0, n > 2 ? y : NULL, part->term->c + 1,
+                  rows > 2 ? out : NULL, part->frame);
     out[0] = leading.first;
     if (rows > 1)
         out[1] = leading.second;
@@ -57,7 +58,7 @@ INLINE void one_evaluate(const struct typed_sum *sum, int n, int rows, double t,
 }
 
 #define TYPED_MOTIONS(S) S(typed_line, 2) S(typed_plane, 4)
-#define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3)
+#define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3) S(typed_one, 1)
 
 #define KNOWN(known) ((const struct typed_forces *)(known))
 #define MOTION_FUNCTIONS(name, n)                                                                  \

@@ -4,6 +4,7 @@
  * sharing, binding, limits.
  */
 #include "numerics/scene/trees.h"
+#include <hooke/base/numeric.h>
 #include "unit/cpu_time.h"
 
 /* What a 0 is: a number, a known name, a term whose coefficient is 0. */
@@ -343,6 +344,42 @@ static void test_machine_code_is_there(void **state)
     equations_destroy(equations);
 }
 
+/* Machine code remembers calls whose argument depends on the first name only: their bits are those
+ * of the other form, whatever came before. */
+static void test_remembered_calls(void **state)
+{
+    (void)state;
+    static const char *const text[] = {
+        "b*sin(a) + cos(2*a)^2 + exp(-a^2)", "tan(a) + atan(a)*b", "sinh(a) + cosh(a)*c + tanh(a)",
+        "log(abs(a)) + sin(3*a) + sin(4*a) + sin(5*a)", "sin(a*b) + sin(-a)"};
+    enum { OUTPUTS = COUNT_OF(text), FRAME_MOST = 200 };
+    static const double first[] = {0, -0.0, 0, 1, 1, NAN, NAN, 1, -1, INFINITY, 2, 2, 1e-300};
+    struct equations *equations = equations_of(text, OUTPUTS);
+    struct program *form[] = {program_of(equations, 0, OUTPUTS, NULL, NULL, false),
+                              program_of(equations, 0, OUTPUTS, NULL, NULL, true)};
+    double frame[2][FRAME_MOST], output[2][OUTPUTS];
+    uint64_t random = 1;
+    for (int k = 0; k < 2; k++) {
+        assert_true(program_frame(form[k]) <= FRAME_MOST);
+        program_prepare(form[k], frame[k]);
+    }
+    for (int i = 0; i < 10000; i++) {
+        const double x[NAMES] = {
+            first[(size_t)(random_fraction(&random) * (double)COUNT_OF(first))],
+            random_fraction(&random), random_fraction(&random)};
+        for (int k = 0; k < 2; k++)
+            program_eval(form[k], x, output[k], frame[k]);
+        for (int j = 0; j < OUTPUTS; j++)
+            if (!(isnan(output[0][j]) && isnan(output[1][j])) &&
+                memcmp(&output[0][j], &output[1][j], sizeof output[0][j]) != 0)
+                fail_msg("%s at a = %g: %.17g, not %.17g", text[j], x[0], output[1][j],
+                         output[0][j]);
+    }
+    program_destroy(form[0]);
+    program_destroy(form[1]);
+    equations_destroy(equations);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -350,6 +387,7 @@ int main(void)
         cmocka_unit_test(test_linear_and_separable),  cmocka_unit_test(test_definitions),
         cmocka_unit_test(test_many_values),           cmocka_unit_test(test_limits),
         cmocka_unit_test(test_machine_code_is_there), cmocka_unit_test(test_random_expressions),
+        cmocka_unit_test(test_remembered_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -146,6 +146,31 @@ static int choice(struct emitter *e, const struct instruction *i)
     return yes;
 }
 
+enum { REMEMBERED_MAX = 8 };
+
+/* An instruction with the place of the argument (0) or the value (1) of the present call that
+ * remembers; the frame is in r15. */
+static void with_remembered(struct emitter *e, uint32_t code, int bytes, int value)
+{
+    const int slot = e->program->slots + 2 * e->remembered + value;
+    word(e, code, bytes);
+    byte(e, 0x87);
+    word(e, 8 * (uint64_t)slot, 4);
+}
+
+/* Before a call of what depends on t only: stages at the same time, and steps that begin where the
+ * last one ended, take the value that is there already. The call is behind this and 21 bytes
+ * long, with the move of its value into its place. */
+static void write_remembered(struct emitter *e)
+{
+    word(e, 0xC07E0F4866, 5);              /* movq rax, xmm0 */
+    with_remembered(e, 0x3B49, 2, 0);      /* cmp rax, [argument] */
+    word(e, 0x0B75, 2);                    /* jne over the next two */
+    with_remembered(e, 0x100F41F2u, 4, 1); /* movsd xmm0, [value] */
+    word(e, 0x1CEB, 2);                    /* jmp over the call */
+    with_remembered(e, 0x8949, 2, 0);      /* mov [argument], rax */
+}
+
 /* A call keeps no register: what is still needed goes into the frame. */
 static int call(struct emitter *e, const struct instruction *i)
 {
@@ -164,9 +189,16 @@ static int call(struct emitter *e, const struct instruction *i)
         with_slot(e, LOAD, 1, slot[1], -1);
     uint64_t address;
     memcpy(&address, &i->node.one, sizeof address);
+    const bool remembers = arity == 1 && !e->by_state[slot[0]] && e->program->moving > 1 &&
+                           e->remembered < REMEMBERED_MAX;
+    if (remembers)
+        write_remembered(e);
     word(e, 0xB848, 2); /* mov rax, address; call rax */
     word(e, address, 8);
     word(e, 0xD0FF, 2);
+    if (remembers)
+        with_remembered(e, 0x110F41F2u, 4, 1); /* movsd [value], xmm0 */
+    e->remembered += remembers;
     e->holds[0] = TAKEN;
     return 0;
 }
@@ -230,6 +262,10 @@ static void instruction(struct emitter *e, const struct instruction *i)
     for (int r = 0; r < REGISTERS; r++)
         if (e->holds[r] == TAKEN)
             e->holds[r] = NOTHING;
+    bool by_state = false;
+    for (int k = 0; k < node_arity(i->node.kind); k++)
+        by_state = by_state || e->by_state[i->node.operand[k]];
+    e->by_state[i->out] = by_state;
     e->holds[result] = i->out;
     e->where[i->out] = result;
     e->dirty[result] = true;
@@ -316,7 +352,7 @@ static void write_code(struct emitter *e, bool calls)
     byte(e, 0xC3);
 }
 
-struct native *native_create(const struct program *p, program_function **run)
+struct native *native_create(const struct program *p, program_function **run, int *remembered)
 {
     enum { LONGEST = 320 /* an operation with all that it saves */, OUTPUT = 24, REST = 256 };
     bool calls = false;
@@ -329,24 +365,30 @@ struct native *native_create(const struct program *p, program_function **run)
         e.holds[r] = NOTHING;
     struct native *native = malloc(sizeof *native);
     e.where = malloc(((size_t)p->slots + 1) * sizeof *e.where);
-    void *page = native && e.where ? mmap(NULL, e.size, PROT_READ | PROT_WRITE,
-                                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
-                                   : MAP_FAILED;
+    e.by_state = calloc((size_t)p->slots + 1, sizeof *e.by_state);
+    void *page = native && e.where && e.by_state ? mmap(NULL, e.size, PROT_READ | PROT_WRITE,
+                                                        MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
+                                                 : MAP_FAILED;
     if (page != MAP_FAILED) {
         *native = (struct native){.page = page, .size = e.size};
         for (int i = 0; i < p->slots; i++)
             e.where[i] = NOTHING;
+        for (int i = 1; i < p->moving; i++)
+            e.by_state[i] = true;
         e.page = page;
         write_pool(&e);
         uint8_t *const begin = e.page + e.at;
         write_code(&e, calls);
         if (!e.full && mprotect(page, e.size, PROT_READ | PROT_EXEC) == 0) {
             memcpy(run, &begin, sizeof begin);
+            *remembered = e.remembered;
             free(e.where);
+            free(e.by_state);
             return native;
         }
     }
     free(e.where);
+    free(e.by_state);
     if (page != MAP_FAILED)
         munmap(page, e.size);
     free(native);
@@ -362,9 +404,9 @@ void native_destroy(struct native *native)
 
 #else
 
-struct native *native_create(const struct program *program, program_function **run)
+struct native *native_create(const struct program *program, program_function **run, int *remembered)
 {
-    (void)program, (void)run;
+    (void)program, (void)run, (void)remembered;
     return NULL;
 }
 

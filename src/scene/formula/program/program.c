@@ -331,7 +331,7 @@ struct program *program_create_keeping(const struct equations *e, int first, int
         return NULL;
     }
     p->run = interpret;
-    p->native = native ? native_create(p, &p->run) : NULL;
+    p->native = native ? native_create(p, &p->run, &p->remembered) : NULL;
     return p;
 }
 
@@ -399,13 +399,16 @@ program_function *program_code(const struct program *p)
 
 size_t program_frame(const struct program *p)
 {
-    return (size_t)p->slots;
+    return (size_t)p->slots + 2 * (size_t)p->remembered;
 }
 
 void program_prepare(const struct program *p, double *frame)
 {
     if (!p->native) /* machine code has them beside it */
         memcpy(frame + p->names, p->number, (size_t)p->numbers * sizeof *frame);
+    const uint64_t none = PROGRAM_NO_ARGUMENT;
+    for (int i = 0; i < 2 * p->remembered; i++)
+        memcpy(&frame[p->slots + i], &none, sizeof none);
 }
 
 double program_eval(const struct program *p, const double *input, double *output, double *frame)

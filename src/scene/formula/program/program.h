@@ -220,7 +220,12 @@ struct program {
     struct node *node; /* the graph it came from, and there the outputs: for questions */
     int nodes, *result;
     struct native *native; /* NULL: none */
+    /* Calls whose argument depends on t only remember it and their value in two places each,
+     * behind those of the operations. */
+    int remembered;
 };
+/* An argument that no call has: its value is not a number, as that of any such argument. */
+#define PROGRAM_NO_ARGUMENT UINT64_C(0x7FF8DEADBEEF0001)
 
 /*
  * Names from `first` on are given: they stay as they are for many evaluations. What depends on them
@@ -263,8 +268,10 @@ static inline void program_run(const struct program *p, double t, const double *
 
 /* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
 
-/* NULL: not here, no memory, not allowed; else *run is the code. */
-struct native *native_create(const struct program *program, program_function **run);
+/* NULL: not here, no memory, not allowed; else *run is the code, and *remembered the calls that
+ * remember. */
+struct native *native_create(const struct program *program, program_function **run,
+                             int *remembered);
 void native_destroy(struct native *native);
 
 #endif

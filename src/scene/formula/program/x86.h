@@ -34,6 +34,9 @@ struct emitter {
     bool dirty[REGISTERS]; /* not in the frame */
     int64_t used[REGISTERS], clock;
     int *where; /* [places] register, NOTHING: in memory */
+    /* [places] the value in it depends on the state, and so on more than t and what is given */
+    bool *by_state;
+    int remembered; /* calls that remember their last argument */
 };
 
 static inline void byte(struct emitter *e, int value)
