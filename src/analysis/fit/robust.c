@@ -12,6 +12,9 @@
 #define RESOLVED 1.5     /* steps of the recording: what falls short by less is rounded, not cut */
 /* of the samples that fall short of the model read the same, or these are no flat tops */
 #define FLAT 0.8
+/* of the samples at which the model is well beyond a flat top that read the same: else these are
+ * echoes that happen to fall short of a top */
+#define FLAT_BEYOND 0.5
 
 /* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive
  * beyond the level. */
@@ -30,6 +33,7 @@ static void find_ceiling(struct motion *m, int side, double band)
     struct ceiling *ceiling = &m->ceiling[side < 0];
     double middle = m->harmonic.c, outer = 0.25 * hypot(m->harmonic.a, m->harmonic.b);
     size_t count = 0, flat = 0;
+    ceiling->found = false; /* what the first rounds found may have been echoes */
     for (size_t i = 0; i < x->n; i++)
         if (-side * m->residual[i] > band && side * (x->y[i] - middle) > outer)
             m->scratch[count++] = x->y[i];
@@ -38,7 +42,13 @@ static void find_ceiling(struct motion *m, int side, double band)
     double level = quantile(m->scratch, count, 0.5);
     for (size_t i = 0; i < count; i++)
         flat += fabs(m->scratch[i] - level) <= band;
-    if ((double)flat >= FLAT * (double)count)
+    size_t over = 0, over_flat = 0;
+    for (size_t i = 0; i < x->n; i++)
+        if (beyond(m, i, side, level) > band) {
+            over++;
+            over_flat += fabs(x->y[i] - level) <= band;
+        }
+    if ((double)flat >= FLAT * (double)count && (double)over_flat >= FLAT_BEYOND * (double)over)
         *ceiling = (struct ceiling){level, true};
 }
 
@@ -140,7 +150,8 @@ bool reject_outliers(struct motion *m, struct arena *arena)
             m->scratch[k] = m->segment[k].scale;
         }
         typical = fmax(quantile(m->scratch, m->segments, 0.5), rounding);
-        if (update_mask(m, typical, fmax(noise, rounding)) == 0) {
+        /* Wild echoes raise the noise between neighbours, what the model misses raises the scale. */
+        if (update_mask(m, typical, fmax(fmin(noise, typical), rounding)) == 0) {
             break;
         }
     }

@@ -27,6 +27,19 @@ static const double outer_share = 0.15;  /* on either side: what may be another 
 /* Distance from the others relative to their range: where the motion may have led up to the value,
  * and where it cannot have. */
 static const double distance_min = 0.25, distance_sure = 1.0;
+/* The same where all neighbours are farther from the value than the motion goes in a step. */
+static const double distance_jump = 0.05;
+/* Quantile of the steps between others, and how much farther than that the motion does not go. */
+static const double usual_step = 0.98, jump_factor = 1.3;
+/* Share of the runs with such neighbours: of a value outside of the others, of one among them, and
+ * of one among them that is repeated far more often than any other. */
+static const double jumps_outside = 0.8, jumps_inside = 0.4, jumps_frequent = 0.2;
+static const double far_more_often = 10;
+static const double inside_share = 0.02; /* of the rows: fewer among the others do no harm */
+/* Share of the intervals between runs that are alike: the value is part of a periodic signal,
+ * unless neighbours of this mean rank, in a motion whose steps are this part of its range, show
+ * that it swings out of the range of the sensor. */
+static const double regular_share = 0.9, out_of_range_rank = 0.75, out_of_range_step = 0.3;
 /* Mean rank of the neighbours among the others, where 1 is nearest to the value. */
 static const double neighbour_rank_max = 0.75;
 /* Correlation of neighbours from which on the others are a motion, not the noise of a signal that
@@ -80,6 +93,35 @@ static bool is_scattered(const struct sentinel_search *s)
            (double)count <= share_max * (double)(count + s->others);
 }
 
+/* Returns the longest step that the others take from one row to the next, NAN of too few. */
+static double longest_step(const struct sentinel_search *s)
+{
+    size_t steps = 0;
+    for (size_t i = 1; i < s->n; i++)
+        if (is_other(s, i) && is_other(s, i - 1))
+            s->scratch[steps++] = fabs(s->y[i] - s->y[i - 1]);
+    return steps < ROWS_MIN ? NAN : jump_factor * quantile(s->scratch, steps, usual_step);
+}
+
+/* Returns the share of the runs of the candidate to which the motion would have to jump, and from
+ * them. Where a signal is cut off, the values before and after approach the limit. */
+static double jump_share(const struct sentinel_search *s, double longest)
+{
+    double jumps = 0, runs = 0;
+    for (size_t from = 0, to; from < s->n; from = to) {
+        for (to = from; to < s->n && s->y[to] == s->value;)
+            to++;
+        const bool before = from > 0 && is_other(s, from - 1), after = to < s->n && is_other(s, to);
+        if (to > from && (before || after)) {
+            jumps += (!before || fabs(s->y[from - 1] - s->value) > longest) &&
+                     (!after || fabs(s->y[to] - s->value) > longest);
+            runs++;
+        }
+        to += to == from;
+    }
+    return runs > 0 ? jumps / runs : 0;
+}
+
 /* Mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest to it. */
 static double neighbour_rank(const struct sentinel_search *s, bool above)
 {
@@ -123,35 +165,81 @@ static bool others_move(const struct sentinel_search *s)
     return false;
 }
 
+/* Returns true if nearly all runs of the candidate begin at equal distances, give or take a row. */
+static bool is_regular(const struct sentinel_search *s)
+{
+    size_t runs = 0, last = 0, alike = 0, before = s->n;
+    for (size_t i = 0; i < s->n; before = i++) {
+        if (s->y[i] != s->value || (before < s->n && s->y[before] == s->value))
+            continue;
+        if (runs > 0)
+            s->scratch[runs - 1] = (double)(i - last);
+        last = i;
+        runs++;
+    }
+    if (runs < REPEATED_MIN)
+        return false;
+    const double median = quantile(s->scratch, runs - 1, 0.5);
+    for (size_t k = 0; k + 1 < runs; k++)
+        alike += fabs(s->scratch[k] - median) <= 1;
+    return (double)alike >= regular_share * (double)(runs - 1);
+}
+
+/* Returns how often the most frequent of the others occurs. */
+static size_t most_frequent(const struct sentinel_search *s, double *value)
+{
+    size_t longest = 0;
+    for (size_t from = 0, to; from < s->others; from = to) {
+        for (to = from + 1; to < s->others && s->sorted[to] == s->sorted[from];)
+            to++;
+        if (to - from > longest) {
+            longest = to - from;
+            *value = s->sorted[from];
+        }
+    }
+    return longest;
+}
+
+/* Judges a candidate among the others, or so close to them that noise may carry them there. */
+static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
+{
+    double next;
+    size_t count = 0;
+    for (size_t i = 0; i < s->n; i++)
+        count += s->y[i] == s->value;
+    const bool frequent = (double)count > far_more_often * (double)most_frequent(s, &next);
+    return (double)count >= inside_share * (double)(count + s->others) &&
+           jumps > (frequent ? jumps_frequent : jumps_inside) && !is_regular(s);
+}
+
 static bool is_sentinel(struct sentinel_search *s)
 {
-    if (sort_others(s) < DIFFERENT_MIN || !is_scattered(s))
+    if (sort_others(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
         return false;
     const size_t strays = (size_t)(stray_share * (double)s->others);
     const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];
     const bool above = s->value > high;
-    const double distance = above ? s->value - high : low - s->value, range = high - low;
-    return distance > distance_min * range && others_move(s) &&
-           (distance > distance_sure * range || neighbour_rank(s, above) < neighbour_rank_max);
+    const double distance = above ? s->value - high : low - s->value, range = high - low,
+                 longest = longest_step(s), jumps = jump_share(s, longest);
+    if (distance <= distance_jump * range)
+        return is_sentinel_inside(s, jumps);
+    const double rank = neighbour_rank(s, above);
+    if (is_regular(s) && (rank < out_of_range_rank || longest > out_of_range_step * range))
+        return false;
+    return distance > distance_sure * range || jumps > jumps_outside ||
+           (distance > distance_min * range && rank < neighbour_rank_max) ||
+           is_sentinel_inside(s, jumps);
 }
 
 /* Candidates are the extremes, and the most frequent value where a stray one lies beyond it.
  * Returns false if none is a sentinel; else its value is in *s. */
 static bool find_sentinel(struct sentinel_search *s)
 {
-    size_t longest = 0;
     s->value = NAN;
     if (sort_others(s) < DIFFERENT_MIN || s->others < ROWS_MIN)
         return false;
     double candidate[3] = {s->sorted[0], s->sorted[s->others - 1], NAN};
-    for (size_t from = 0, to; from < s->others; from = to) {
-        for (to = from + 1; to < s->others && s->sorted[to] == s->sorted[from];)
-            to++;
-        if (to - from > longest) {
-            longest = to - from;
-            candidate[2] = s->sorted[from];
-        }
-    }
+    most_frequent(s, &candidate[2]);
     for (size_t k = 0; k < COUNT_OF(candidate); k++) {
         s->value = candidate[k];
         if (is_sentinel(s))

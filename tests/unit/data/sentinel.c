@@ -105,6 +105,88 @@ static void several_sentinels_are_left_out(void **state)
     }
 }
 
+/* Marks rows at random, in short runs, or most of those where the object is out of range. */
+static void lose_rows(const struct sensed *s, int kind, double share, double limit, bool *lost)
+{
+    int left = 0;
+    for (int i = 0; i < s->n; i++) {
+        if (kind == 1)
+            left = left > 0 ? left - 1 : random_uniform() < share / 4 ? (int)between(1, 8) : 0;
+        lost[i] = kind == 0   ? random_uniform() < share
+                  : kind == 1 ? left > 0
+                              : s->value[i] > limit && random_uniform() < 0.7;
+    }
+}
+
+/* 400 beside 250 +- 40 lies 2.5 ranges off, 330 as much as one of eight, 250 among them; rows may
+ * be lost just where the motion comes near the value. */
+static void near_values_are_left_out(void **state)
+{
+    (void)state;
+    static const double sent[] = {400, 330, 350, 175, 302, 251.5};
+    static struct sensed s;
+    static bool lost[COUNT_OF(s.value)];
+    const int runs = is_long() ? 1500 : 200;
+    int judged = 0, partly = 0;
+    bool warned;
+    random_state = 104;
+    for (int run = 0; run < runs; run++) {
+        const size_t which = (size_t)run % COUNT_OF(sent);
+        const bool inside = which > 3;
+        int count = 0;
+        swing(&s, 40, between(0.1, 2.5));
+        if (run % 5 == 0 && !inside)
+            round_to(&s, 1);
+        lose_rows(&s, inside ? 0 : run / 6 % 3, between(0.03, 0.35), 250 + 40 * between(0.3, 0.8),
+                  lost);
+        for (int i = 0; i < s.n; i++) {
+            s.value[i] = lost[i] ? sent[which] : s.value[i];
+            count += lost[i];
+        }
+        if (count < 0.03 * s.n || count > 0.42 * s.n)
+            continue;
+        const int found = rows_left_out(&s, &warned);
+        judged++;
+        partly += found != count || !warned;
+        if (!inside && found != count)
+            fail_msg("run %d: %d of %d rows read %g, %d were left out", run, count, s.n,
+                     sent[which], found);
+    }
+    print_message("%d of %d recordings with some left\n", partly, judged);
+    assert_true(judged > 0.6 * runs && partly < 0.05 * judged);
+}
+
+/* Noise-free waves of a whole number of samples repeat each value exactly, the highest too. */
+static void exact_waves_are_kept(void **state)
+{
+    (void)state;
+    static struct sensed s;
+    const int runs = is_long() ? 2000 : 200;
+    bool warned;
+    random_state = 105;
+    for (int run = 0; run < runs; run++) {
+        const int kind = run % 7;
+        const double samples = run % 3 ? floor(between(6, 60)) : between(6, 60),
+                     phase = random_uniform(), width = between(0.05, 0.6);
+        s.n = (int)between(300, 1500);
+        for (int i = 0; i < s.n; i++) {
+            const double turns = i / samples + phase, part = turns - floor(turns),
+                         ripple = 0.05 * sin(i / 17.0);
+            s.value[i] = kind == 0   ? part
+                         : kind == 1 ? fabs(2 * part - 1)
+                         : kind == 2 ? exp(-pow((part - 0.5) / 0.03, 2))
+                         : kind == 3 ? exp(-3 * part)
+                         : kind == 4 ? (part < width ? 1 : ripple)
+                         : kind == 5 ? (part < 0.5 ? 1 : -1) * exp(-0.5 * i / s.n)
+                                     : 4 * part * (1 - part);
+        }
+        const int found = rows_left_out(&s, &warned);
+        if (found != 0 || warned)
+            fail_msg("run %d, kind %d, %g samples: %d of %d rows were left out", run, kind, samples,
+                     found, s.n);
+    }
+}
+
 /* One kind of signal whose values are all true. */
 static void make_true(struct sensed *s, int kind)
 {
@@ -146,8 +228,9 @@ static void true_values_are_kept(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(sentinels_are_left_out),
-                                       cmocka_unit_test(several_sentinels_are_left_out),
-                                       cmocka_unit_test(true_values_are_kept)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sentinels_are_left_out), cmocka_unit_test(several_sentinels_are_left_out),
+        cmocka_unit_test(near_values_are_left_out), cmocka_unit_test(exact_waves_are_kept),
+        cmocka_unit_test(true_values_are_kept)};
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }
