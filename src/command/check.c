@@ -5,6 +5,8 @@
 #include "command/handed_in.h"
 #include "command/internal.h"
 
+#include <hooke/base/fields.h>
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -113,21 +115,39 @@ static bool read_handed(struct check *check, const char *name, struct buffer *co
     return read;
 }
 
+/* Returns true if the folder has something of that name. Reports of earlier versions have no copies
+ * of recordings. */
+static bool is_handed(const struct check *check, const char *name)
+{
+    struct buffer path = {0};
+    struct stat st;
+    buffer_format(&path, "%s/%s", check->folder, name);
+    const bool found = stat(buffer_view(&path), &st) == 0;
+    buffer_free(&path);
+    return found;
+}
+
 /* Compares a file of the report that the session gives with that of the folder. */
 static bool compare_file(void *context, const char *name, struct text again, struct error *error)
 {
     struct check *check = context;
     struct buffer handed = {0};
+    const bool copy = text_starts(text_of(name), TEXT("recording-")) && strchr(name + 10, '-');
     const bool prose = ends_in(name, ".md") || ends_in(name, ".html") || ends_in(name, ".tex");
     const bool figure = text_starts(text_of(name), TEXT("figure-"));
     (void)error;
-    if (strcmp(name, "session.hk") == 0 || !read_handed(check, name, &handed)) {
+    if (strcmp(name, "session.hk") == 0 || (copy && !is_handed(check, name)) ||
+        !read_handed(check, name, &handed)) {
         buffer_free(&handed);
         return true;
     }
     check->files++;
     check->figures += figure && !ends_in(name, ".txt");
-    if (strcmp(name, "values.csv") == 0)
+    if (copy && !text_equal(buffer_text(&handed), again))
+        check_differs(check, name, "it is not the file that the session loads", TEXT(""));
+    else if (copy)
+        ; /* the same bytes */
+    else if (strcmp(name, "values.csv") == 0)
         check_values(check, buffer_text(&handed), again);
     else if (prose)
         compare_lines(check, name, buffer_text(&handed), again);
@@ -186,6 +206,28 @@ static bool run_again(struct check *check, struct session *session)
     return read;
 }
 
+/* Reports if a recording was taken from the folder, as its own file is gone or is another one. */
+static bool tell_taken(struct check *check, int index)
+{
+    const struct session *session = check->report.session;
+    const struct recording *recording = session->recording[index]->recording;
+    const struct text file = text_last_component(text_of(recording->path));
+    struct buffer content = {0}, copy = {0};
+    struct error ignored;
+    const bool found = file_read(recording->path, HANDED_MAX, &content, &ignored),
+               same = found &&
+                      (recording->sum == 0 || bytes_sum(buffer_text(&content)) == recording->sum);
+    buffer_free(&content);
+    if (same && !moved(session, index))
+        return false;
+    buffer_format(&copy, moved(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
+                  index + 1, (int)file.len, file.at);
+    reply_line(check->reply, "%s: its file is not here; %s was taken%s", recording->name,
+               buffer_view(&copy), found ? " (the one of that name is another)" : "");
+    buffer_free(&copy);
+    return true;
+}
+
 static void conclude(struct check *check)
 {
     struct reply *reply = check->reply;
@@ -193,13 +235,8 @@ static void conclude(struct check *check)
     const int n = check->differences;
     const struct session *session = check->report.session;
     int taken = 0;
-    for (int i = 0; i < session->recordings; i++) {
-        if (!moved(session, i))
-            continue;
-        taken++;
-        reply_line(reply, "%s: its file is not here; recording-%d.csv was taken",
-                   session->recording[i]->recording->name, i + 1);
-    }
+    for (int i = 0; i < session->recordings; i++)
+        taken += tell_taken(check, i);
     safe_text(&safe, text_of(check->folder), false);
     if (n > 0)
         buffer_format(&verdict, "%d difference%s from what session.hk gives", n, n == 1 ? "" : "s");

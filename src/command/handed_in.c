@@ -58,33 +58,51 @@ static void undo_export(struct recording *recording, struct text zero, struct te
     }
 }
 
-/* NULL: the file is not there, or of another recording. */
-static struct recording *take(const char *file, const char *path,
+/* Loads the recording from what its export holds of it. */
+static struct recording *load_export(const char *file, const struct table *table, struct text name,
+                                     const struct load_options *options)
+{
+    const struct load_options own = {.name = name, .cancel = options->cancel};
+    struct error error = {0};
+    struct recording *recording = recording_load(file, &own, &error);
+    if (!recording)
+        return NULL;
+    /* times that were smoothed once already */
+    if (table->rows == recording->rows && table->columns > 0 && table->column[0].value)
+        memcpy(recording->t, table->column[0].value, table->rows * sizeof *recording->t);
+    undo_export(recording, key_of(table, "zero"), key_of(table, "factor"));
+    snprintf(recording->format, sizeof recording->format, HANDED_IN);
+    return recording;
+}
+
+/* Loads recording `index` of the folder from the copy of its own file, or from its export. Returns
+ * NULL if it is not there, or of another recording. */
+static struct recording *take(const char *folder, int index, const char *path,
                               const struct load_options *options, struct arena *arena)
 {
-    struct buffer text = {0};
+    struct buffer text = {0}, file = {0}, copy = {0};
     struct table table = {0};
     struct error error = {0};
     struct recording *recording = NULL;
-    if (file_read(file, MOST_BYTES, &text, &error) &&
+    const struct text last = text_last_component(text_of(path));
+    buffer_format(&file, "%s/recording-%d.csv", folder, index);
+    buffer_format(&copy, "%s/recording-%d-%.*s", folder, index, (int)last.len, last.at);
+    if (file_read(buffer_view(&file), MOST_BYTES, &text, &error) &&
         table_parse(buffer_text(&text), options->cancel, arena, &table, &error)) {
-        const struct text name = key_of(&table, "recording"), zero = key_of(&table, "zero"),
-                          factor = key_of(&table, "factor");
-        const struct load_options own = {.name = name, .cancel = options->cancel};
-        if (text_equal(text_last_component(key_of(&table, "file")),
-                       text_last_component(text_of(path))) &&
-            (options->name.len == 0 || text_equal(name, options->name)))
-            recording = recording_load(file, &own, &error);
-        if (recording) {
-            /* times that were smoothed once already */
-            if (table.rows == recording->rows && table.columns > 0 && table.column[0].value)
-                memcpy(recording->t, table.column[0].value, table.rows * sizeof *recording->t);
-            undo_export(recording, zero, factor);
-            recording->path = arena_text(&recording->arena, text_of(path));
-            snprintf(recording->format, sizeof recording->format, HANDED_IN);
+        struct load_options own = *options;
+        own.name = key_of(&table, "recording");
+        if (text_equal(text_last_component(key_of(&table, "file")), last) &&
+            (options->name.len == 0 || text_equal(own.name, options->name))) {
+            recording = recording_load(buffer_view(&copy), &own, &error);
+            if (!recording)
+                recording = load_export(buffer_view(&file), &table, own.name, options);
         }
+        if (recording)
+            recording->path = arena_text(&recording->arena, text_of(path));
     }
     buffer_free(&text);
+    buffer_free(&file);
+    buffer_free(&copy);
     if (recording && !recording->path) {
         recording_destroy(recording);
         recording = NULL;
@@ -92,17 +110,25 @@ static struct recording *take(const char *file, const char *path,
     return recording;
 }
 
-struct recording *recording_handed_in(const char *folder, const char *path,
-                                      const struct load_options *options)
+static struct recording *find_handed(const char *folder, const char *path,
+                                     const struct load_options *options)
 {
     struct recording *recording = NULL;
     struct arena arena = {0};
     for (int i = 1; i <= LIMIT_RECORDINGS && !recording; i++) {
-        struct buffer file = {0};
-        buffer_format(&file, "%s/recording-%d.csv", folder, i);
-        recording = take(buffer_view(&file), path, options, &arena);
-        buffer_free(&file);
+        recording = take(folder, i, path, options, &arena);
         arena_reset(&arena);
     }
     return recording;
+}
+
+struct recording *recording_checked(const char *folder, const char *path,
+                                    const struct load_options *options, struct recording *here)
+{
+    struct recording *handed = find_handed(folder, path, options);
+    const bool another =
+        handed && here && handed->sum != here->sum && strcmp(handed->format, HANDED_IN) != 0;
+    struct recording *unused = here && !another ? handed : here;
+    recording_destroy(unused);
+    return unused == here ? handed : here;
 }

@@ -5,11 +5,13 @@
 
 #include <hooke/data.h>
 
-#define HANDED_IN "hand-in" /* format of such a recording */
+#define HANDED_IN "hand-in" /* format of a recording that was taken from an export */
 
-/* What the folder's recording-N.csv holds of the file of that name, as it was in it: as far as the
- * window of the hand-in reached. NULL: it holds nothing of it; *error is left alone. */
-struct recording *recording_handed_in(const char *folder, const char *path,
-                                      const struct load_options *options);
+/* Returns the recording that a hand-in loads from path. here: what path holds on this machine, or
+ * NULL; it is released if the hand-in has a copy of another file (recording-N-NAME), which is taken
+ * instead. Without either, what recording-N.csv holds is taken, as far as the window of the hand-in
+ * reached. Returns NULL if the folder holds nothing of it. */
+struct recording *recording_checked(const char *folder, const char *path,
+                                    const struct load_options *options, struct recording *here);
 
 #endif

@@ -91,12 +91,30 @@ ok "no session: exit status 2" $?
 checks nowhere 2
 ok "no folder: exit status 2" $?
 (mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
+[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1-bare.txt was taken' out && grep -q 'they agree' out
+ok "where the recording is not, its copy in the hand-in is taken" $?
+cmp -s bare.txt good/recording-1-bare.txt
+ok "which is the file itself" $?
+head -400 bare.txt >away/bare.txt
+(cd away && "$hooke" -n --check ../good >../out 2>&1)
+[ $? -eq 0 ] && grep -q 'recording-1-bare.txt was taken (the one of that name is another)' out && grep -q 'they agree' out
+ok "also where another file has its name" $?
+rm away/bare.txt
+changed
+sed -i '100s/[1-9]/0/' bad/recording-1-bare.txt
+checks bad 1
+ok "a copy that was changed" $?
+changed
+rm bad/recording-1-bare.txt
+(cd away && "$hooke" -n --check ../bad >../out 2>&1)
 [ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
-ok "where the recording is not, that of the hand-in is taken" $?
+ok "without a copy its export is taken" $?
+checks bad 0 'they agree'
+ok "as reports of earlier versions have none" $?
 "$hooke" -n -q -c 'load bare.txt; m = 200.0(1) g; measure period; data window 4:9; measure period; data clean; measure amplitude; fit damped
     adopt; method rk4; run; report narrow' >out 2>&1
 (cd away && "$hooke" -n --check ../narrow >../out 2>&1)
-[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1-bare.txt was taken' out && grep -q 'they agree' out
 ok "also where the session looked at wider windows before" $?
 changed
 rm bad/recording-1.csv
@@ -105,6 +123,7 @@ rm bad/recording-1.csv
 ok "where it has none it says so" $?
 changed
 awk -F, -v OFS=, '/^[0-9]/ {$1 *= 1.01} {print}' good/recording-1.csv >bad/recording-1.csv
+rm bad/recording-1-bare.txt
 (cd away && "$hooke" -n --check ../bad >../out 2>&1)
 [ $? -eq 1 ] && grep -q 'values.csv: a value: period of data bare' out
 ok "one that was changed gives other values" $?
@@ -155,9 +174,11 @@ for i in range($honest):
     with open(f"made-{i}.txt", "w") as out:
         out.write(f"Time (s)\tDistance ({unit})\n")
         for k in range(500):
-            t = 0.02 * k
+            t = 0.02 * k + (r.gauss(0, 0.001) if i % 3 == 1 else 0)
             y = offset + amplitude * math.exp(-gamma * t / 2) * math.cos(omega * t) + r.gauss(0, 0.01 * abs(amplitude))
-            out.write(f"{t:.2f}\t{y:.{digits}f}\n")
+            if i % 2 and r.random() < 0.02: # as sensors send that see nothing
+                y = 20 * offset
+            out.write(f"{t:.{3 if i % 3 else 2}f}\t{y:.{digits}f}\n")
 END
 wrong=0
 for i in $(seq 0 $((honest - 1))); do
@@ -170,6 +191,8 @@ mv made.out out
 ok "$honest honest hand-ins away from their recordings agree" $?
 "$hooke" -n --check honest-* >out 2>&1
 ok "in place, too" $?
+"$hooke" -n -q -c 'load bare.txt; plot position; report bare-of-values' >out 2>&1 && checks bare-of-values 0 'they agree'
+ok "one without a value" $?
 
 # ---- tampering: one number at a time, anywhere in a table ----
 wrong=0

@@ -334,8 +334,8 @@ HANDLER(load)
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
     if (!recording && path && sum != 0 && error->code == ERROR_IO)
         recording = load_moved(args, path, sum, &options, reply, error);
-    if (!recording && path && session->checking && error->code == ERROR_IO)
-        recording = recording_handed_in(session->checking, path, &options);
+    if (path && session->checking && (recording || error->code == ERROR_IO))
+        recording = recording_checked(session->checking, path, &options, recording);
     if (!recording) {
         if (!path)
             return error_memory(error);

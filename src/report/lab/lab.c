@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers and files of a report: values, tables of runs, data. */
+#include <hooke/base/fields.h>
 #include <hooke/base/numeric.h>
 #include <hooke/report/lab.h>
 
@@ -8,9 +9,11 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
-#define FIT_VALUES 16 /* of one fit, at most */
-#define RUN_VALUES 8  /* besides its parameters */
+#define FIT_VALUES 16    /* of one fit, at most */
+#define RUN_VALUES 8     /* besides its parameters */
+#define OWN_NAME_MAX 200 /* [byte] of a recording's own file; folders take 255 */
 
 bool report_owns(const char *name)
 {
@@ -292,6 +295,31 @@ static bool write_run_table(struct report *report, struct error *error)
     return put_table(report, "runs.csv", &export.table, error);
 }
 
+static bool is_file(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+}
+
+/* Puts the recording's own file into the report, so that its session gives the same wherever the
+ * folder goes. A file that has changed since it was loaded, or is gone, is left out. */
+static bool put_own_file(struct report *report, int index, struct error *error)
+{
+    const struct recording *recording = report->session->recording[index]->recording;
+    const struct text file = text_last_component(text_of(recording->path));
+    struct buffer name = {0}, content = {0};
+    struct error ignored;
+    bool ok = true;
+    buffer_format(&name, "recording-%d-%.*s", index + 1, (int)file.len, file.at);
+    if (recording->sum != 0 && is_file(recording->path) && name.len < OWN_NAME_MAX &&
+        file_read(recording->path, SUMMED_BYTES, &content, &ignored) &&
+        bytes_sum(buffer_text(&content)) == recording->sum)
+        ok = report_put(report, buffer_view(&name), &content, error);
+    buffer_free(&name);
+    buffer_free(&content);
+    return ok;
+}
+
 static bool write_data(struct report *report, struct error *error)
 {
     const struct session *session = report->session;
@@ -309,8 +337,9 @@ static bool write_data(struct report *report, struct error *error)
         struct export export = {.arena = report->arena};
         report->view->current_recording = i;
         snprintf(name, sizeof name, "recording-%d.csv", i + 1);
-        if (report->recording_shown[i] && (!export_recording(report->view, &export, error) ||
-                                           !put_table(report, name, &export.table, error)))
+        if (report->recording_shown[i] &&
+            (!export_recording(report->view, &export, error) ||
+             !put_table(report, name, &export.table, error) || !put_own_file(report, i, error)))
             return false;
     }
     return true;
