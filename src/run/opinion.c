@@ -41,7 +41,7 @@
 #define PAST 64      /* errors that are remembered on the way */
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
-/* in the mean since then: what is as large as the motion only in jumps is no loss */
+/* in the mean since then: what is that large only in jumps is no loss */
 #define LOST 0.1
 
 /* Distances so far. */
@@ -51,7 +51,7 @@ struct distances {
     double t;                     /* [s] of the last one */
     /* [s] integrals over time, since the start and since struct opinion's lost */
     double sum, lost_sum;
-    double lost; /* [s] where it first was as large as the motion; NAN */
+    double lost; /* [s] where it first was OPINION_LOST; NAN */
 };
 
 struct second {
@@ -128,12 +128,13 @@ static void compare(struct run *run, struct distances *d, double t, const double
     d->sum += by * here;
     if (!isnan(d->lost)) {
         d->lost_sum += by * here;
-    } else if (here >= 1) {
+    } else if (here >= OPINION_LOST) {
         d->lost = t;
         d->lost_sum = 0;
     }
     const double since = fabs(t - d->lost);
-    opinion->lost = (since > 0 ? d->lost_sum >= LOST * since : here >= 1) ? d->lost : NAN;
+    opinion->lost =
+        (since > 0 ? d->lost_sum >= LOST * since : here >= OPINION_LOST) ? d->lost : NAN;
     opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
     opinion->max = fmax(opinion->max, here);
     opinion->t = t;

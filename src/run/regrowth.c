@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Values that fall below their tolerance and what becomes of them. Step control does not see such
- * values, so that a method may lose them, and so does the second solution: both agree on next to
- * nothing. Where the equations amplify small values later (a slow passage through a bifurcation)
- * the agreement means nothing.
+ * Variables that come to rest within the tolerance, at 0 or elsewhere, and what becomes of them.
+ * Step control does not see what is left of their motion, so that a method may lose it, and so does
+ * the second solution: both agree on next to nothing. Where the equations amplify small values
+ * later (a slow passage through a bifurcation) the agreement means nothing.
  *
- * A displaced solution follows the run from where variables first stay below their tolerance. Its
- * distance is large enough for step control to see it, and is scaled back where it has grown or
- * shrunk (Benettin et al. 1980, Meccanica 15:9), so that its growth is that of small errors.
+ * Two more solutions, from there and from a displaced state, show how errors grow. Their distance
+ * is large enough for step control to see it, and is scaled back where it has grown (Benettin et
+ * al. 1980, Meccanica 15:9), so that its growth is that of small errors. Times the tolerance of the
+ * second solution it bounds how well that one knows these variables. (Growth along the run itself
+ * would end too early where the run has regrown from errors of its own.)
  */
 #include <hooke/base/elementary.h>
 
@@ -16,199 +18,340 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rows of the run that are looked at for values below the tolerance. */
+/* Rows of the run that are looked at for variables at rest. */
 #define ROWS_LOOKED 4096
-/* Number of those, one after the other, in which a value has to be that small. */
-#define ROWS_BELOW 8
+/* Number of rows, one after the other, in which a value has to be below the tolerance, or an error
+ * large. */
+#define ROWS_LASTING 8
 /* Fewer do where they are that share of the run. */
-#define ROWS_BELOW_MIN 3
-#define LASTING 0.01
-/* Tolerances above which a value must have been before. */
-#define ABOVE 10
-/* Rows at which the displaced solution is compared with the run. */
+#define ROWS_AT_REST_MIN 3
+#define REST_RUN_SHARE 0.01
+/* Tolerances within which a variable is at 0, which errors of steps add up to, as long as that is
+ * no more than a share of its size; and by which it must have been away from there. */
+#define REST_TOLERANCES 50
+#define REST_MAX 0.01
+#define AWAY_TOLERANCES 100
+/* Rows from which two solutions start, and times at which they are compared. */
 #define ROWS_COMPARED 256
-/* Factor by which the distance may change between two of them before it is scaled back. */
+/* Factor by which the distance may grow between two of them before it is scaled back. */
 #define SPREAD 10
-/* Logarithm of a growth that makes what comes later doubtful. */
-#define DOUBTFUL 1
+/* Error of the second solution, in sizes of the variables, that leaves no digit certain, unless the
+ * run and the base have come this near to each other, as a share of how far the run has grown. */
+#define ERROR_LOST 0.1
+#define AGREEMENT 0.1
+/* Logarithm of what counts as growth. */
+#define GROWTH_MIN 0.1
+
+struct follower {
+    struct step step;
+    struct controller controller;
+    double y[LIMIT_VARIABLES];
+};
 
 struct regrowth {
     struct run *run;
-    size_t row;                 /* the first one where variables stay below their tolerance */
-    bool sunk[LIMIT_VARIABLES]; /* those that do so anywhere */
+    size_t row;                    /* the first one where variables rest */
+    bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
+    bool follows_jumps; /* of the run, by starting from each row of it */
     const struct method *method;
     struct system system;
-    struct step step;
-    struct controller controller;
-    double y[LIMIT_VARIABLES]; /* the displaced state */
-    /* its distance from the run, of the sizes of the variables, and the last one that was seen */
+    struct follower base, displaced;
+    double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
+    double rest[LIMIT_VARIABLES];       /* and their values there, */
+    double rest_width[LIMIT_VARIABLES]; /* which are that uncertain */
+    double size[LIMIT_VARIABLES];       /* the largest values of the run so far */
+    /* initial distance of the two, in sizes along the run, and the last one that was seen */
     double displacement, before;
 };
 
-static double tolerance_of(const struct run *run, int i)
+/* Size of a variable along the run, as step control had it at each row (struct controller). */
+struct scale_mean {
+    double sum, before; /* [s] integral of the fourth root of the size; time of the last row */
+};
+
+static double scale_add(struct scale_mean *mean, const struct run *run, size_t row, int i)
 {
-    return run->controller.tol * run->controller.scale[i];
+    const double y = fabs(trace_state(run->trace, row)[i]), min = run->system.scale[i],
+                 t = trace_time(run->trace, row), way = fabs(t - run->system.t0);
+    if (run->system.atol[i] > 0)
+        return run->system.atol[i] / run->controller.tol;
+    mean->sum += fabs(t - mean->before) * sqrt(sqrt(fmax(y / min, 1)));
+    mean->before = t;
+    const double scale = way > 0 ? min * fixed_pow(mean->sum / way, 4) : min;
+    return isfinite(scale) ? scale : min;
 }
 
-/* Finds where variable i fell below its tolerance and stayed there for some rows. */
-static void find_sunk(struct regrowth *r, int i)
+/* Rows in which a variable stays within its tolerance of a value. */
+struct rest {
+    double value;
+    size_t count, first_row;
+};
+
+/* Takes the next row. Returns true if the variable has rested for long enough. */
+static bool rest_add(struct rest *rest, const struct trace *trace, size_t row, double distance,
+                     double tolerance, double min_time)
+{
+    if (!(distance < tolerance)) {
+        rest->count = 0;
+        return false;
+    }
+    if (rest->count++ == 0)
+        rest->first_row = row;
+    const double time = fabs(trace_time(trace, row) - trace_time(trace, rest->first_row));
+    return rest->count >= ROWS_AT_REST_MIN && time > min_time;
+}
+
+/* Finds where variable i came to rest within its tolerance. */
+static void find_rest(struct regrowth *r, int i)
 {
     const struct trace *trace = r->run->trace;
     const size_t rows = trace_count(trace), first = run_own_start(r->run),
                  by = 1 + (rows - first) / ROWS_LOOKED;
-    const double tolerance = tolerance_of(r->run, i);
-    const double way = fabs(r->run->t - trace_time(trace, first));
-    bool was_above = false;
-    size_t count = 0, began = 0;
+    const double min_time = REST_RUN_SHARE * fabs(r->run->t - trace_time(trace, first));
+    struct scale_mean mean = {.before = r->run->system.t0};
+    struct rest zero = {0}, any = {.value = trace_state(trace, first)[i]};
+    double min = any.value, max = any.value;
     for (size_t row = first; row < rows; row += by) {
-        const double size = fabs(trace_state(trace, row)[i]);
-        was_above = was_above || size > ABOVE * tolerance;
-        if (!was_above || !(size < tolerance) || size == 0) {
-            count = 0;
+        const double y = trace_state(trace, row)[i];
+        min = fmin(min, y);
+        max = fmax(max, y);
+        r->scale[i] = scale_add(&mean, r->run, row, i);
+        const double error = r->run->controller.tol * r->scale[i],
+                     tolerance = fmin(REST_TOLERANCES * error, fmax(error, REST_MAX * r->scale[i])),
+                     away = AWAY_TOLERANCES * error;
+        const bool small = rest_add(&zero, trace, row, fabs(y), tolerance, min_time) ||
+                           zero.count >= ROWS_LASTING,
+                   still = rest_add(&any, trace, row, fabs(y - any.value), error, min_time);
+        if (any.count == 0)
+            any = (struct rest){.value = y, .count = 1, .first_row = row};
+        const bool was_small = small && fmax(max, -min) > away,
+                   was_still = still && fmax(max - any.value, any.value - min) > away;
+        if (!was_small && !was_still)
             continue;
+        const size_t began = was_small ? zero.first_row : any.first_row;
+        r->resting[i] = true;
+        if (!was_small && fabs(any.value) > tolerance) {
+            r->rest[i] = any.value;
+            r->rest_width[i] = 2 * error;
         }
-        if (count++ == 0)
-            began = row;
-        const double time = fabs(trace_time(trace, row) - trace_time(trace, began));
-        if (count < ROWS_BELOW && !(count >= ROWS_BELOW_MIN && time > LASTING * way))
-            continue;
-        r->sunk[i] = true;
         r->row = r->any && r->row < began ? r->row : began;
         r->any = true;
         return;
     }
 }
 
-/* Returns the largest distance of the variables that fell below their tolerance, in their sizes. */
-static double distance(const struct regrowth *r, const double *own)
+/* Returns the largest distance of the resting variables, in sizes along the run. Sets *ratio to
+ * what one of them is in the largest values so far. */
+static double distance(struct regrowth *r, double *ratio)
 {
-    double max = 0;
-    for (int i = 0; i < r->run->system.n; i++)
-        if (r->sunk[i])
-            max = fmax(max, fabs(r->y[i] - own[i]) / r->run->controller.scale[i]);
+    double max = 0, max_of_size = 0;
+    for (int i = 0; i < r->run->system.n; i++) {
+        const double scale = r->scale[i], by = fabs(r->displaced.y[i] - r->base.y[i]);
+        r->size[i] = fmax(fmax(r->size[i], scale), fabs(r->base.y[i]));
+        if (!r->resting[i])
+            continue;
+        max = fmax(max, by / scale);
+        max_of_size = fmax(max_of_size, by / r->size[i]);
+    }
+    *ratio = max > 0 ? max_of_size / max : 1;
     return max;
 }
 
-static void displace(struct regrowth *r, const double *own)
+/* Displaces the resting variables that are nearer to each other than an error of each step. */
+static void displace(struct regrowth *r)
 {
-    copy_state(r->y, own, r->run->system.n);
-    for (int i = 0; i < r->run->system.n; i++)
-        if (r->sunk[i])
-            r->y[i] += copysign(r->displacement * r->run->controller.scale[i], own[i]);
+    for (int i = 0; i < r->run->system.n; i++) {
+        const double base = r->base.y[i], by = r->displaced.y[i] - base,
+                     min = r->displacement * r->scale[i];
+        if (r->resting[i] && fabs(by) < min)
+            r->displaced.y[i] = base + copysign(min, by != 0 ? by : base);
+    }
 }
 
-/* Scales the distance back to the displacement, along its direction. */
-static void scale_back(struct regrowth *r, const double *own, double by)
+/* Multiplies the distance by a factor, along its direction, and moves both so that the base is at
+ * `own`. */
+static void move(struct regrowth *r, const double *own, double factor)
 {
-    for (int i = 0; i < r->run->system.n; i++)
-        r->y[i] = own[i] + by * (r->y[i] - own[i]);
+    for (int i = 0; i < r->run->system.n; i++) {
+        r->displaced.y[i] = own[i] + factor * (r->displaced.y[i] - r->base.y[i]);
+        r->base.y[i] = own[i];
+    }
 }
 
-static bool is_below(const struct regrowth *r, const double *own)
+/* Returns true also where a step fails, short of t: there is no solution. */
+static bool go_to(struct regrowth *r, struct follower *f, double t, double max,
+                  const struct cancel *cancel)
 {
-    for (int i = 0; i < r->run->system.n; i++)
-        if (r->sunk[i] && !(fabs(own[i]) < tolerance_of(r->run, i)))
+    const struct cost *cost = &f->step.cost;
+    while (f->step.t != t) {
+        if (cancelled(cancel) || (double)(cost->evals + cost->jacobians) > max / 2)
             return false;
-    return true;
-}
-
-/* True also where a step fails, short of t: the displaced state is one that has no solution. */
-static bool go_to(struct regrowth *r, double t, double max, const struct cancel *cancel)
-{
-    const struct cost *cost = &r->step.cost;
-    while (r->step.t != t) {
-        if (cancelled(cancel) || (double)(cost->evals + cost->jacobians) > max)
-            return false;
-        if (method_adapt(r->method, &r->step, &r->controller, t) != STEP_OK)
+        if (method_adapt(r->method, &f->step, &f->controller, t) != STEP_OK)
             break;
     }
     return true;
 }
 
-/* What has become of errors of the tolerance. */
+/* What has become of errors of the second solution's tolerance. */
 struct growth {
-    double log;   /* of the error over the tolerance */
-    double began; /* [s] where errors were last no larger than it */
-    double lost;  /* [s] where they are no longer small and the values still are; NAN: nowhere */
+    double log;     /* of the error over the tolerance */
+    double error;   /* it, in sizes of the variables */
+    double began;   /* [s] where errors were last no larger than the tolerance */
+    double large;   /* [s] where it became ERROR_LOST, */
+    int large_rows; /* that many rows ago */
+    double lost;    /* [s] where no digit is certain any longer; NAN: nowhere */
+    double t;       /* [s] followed up to there */
+    double agreed;  /* [s] where the run last grew as the base did; NAN: nowhere */
 };
 
-/* Values that have grown again are compared with those of the second solution. */
-static void growth_add(struct growth *growth, double t, double change, bool is_below)
+static void growth_add(struct growth *growth, double t, double change, double unit)
 {
     growth->log += change;
-    if (growth->log <= 0 || !is_below) { /* steps leave new errors of that size */
+    growth->t = t;
+    if (growth->log < GROWTH_MIN) { /* steps leave new errors of that size */
         growth->log = 0;
         growth->began = t;
     }
-    if (growth->log < fixed_log(OPINION_WRONG))
-        growth->lost = NAN;
-    else if (isnan(growth->lost))
-        growth->lost = t;
+    growth->error = growth->log > 0 ? unit * fixed_exp(growth->log) : 0;
 }
 
-/* Compares at a row, from which the displaced solution goes on. */
+/* Returns true if the run has grown as the base has, by the variables that errors grow in. Values
+ * that two methods have lost grow from errors of their own. */
+static bool run_agrees(const struct regrowth *r, const double *own)
+{
+    double apart = 0, grown = 0;
+    for (int i = 0; i < r->run->system.n && !r->follows_jumps; i++) {
+        const double by = fabs(r->displaced.y[i] - r->base.y[i]) / r->scale[i];
+        if (!r->resting[i] || by < AGREEMENT * r->before)
+            continue;
+        apart = fmax(apart, fabs(own[i] - r->base.y[i]) / r->size[i]);
+        grown = fmax(grown, (fabs(own[i] - r->rest[i]) - r->rest_width[i]) / r->size[i]);
+    }
+    return apart < AGREEMENT * grown;
+}
+
+/* Compares the two, and goes on from `own`, which may be the base itself. */
 static void compare(struct regrowth *r, struct growth *growth, const double *own, double t)
 {
-    const bool failed = r->step.t != t;
-    const double now = failed ? 0 : distance(r, own);
-    if (!failed)
-        growth_add(growth, t, now > 0 ? fixed_log(now / r->before) : -HUGE_VAL, is_below(r, own));
-    r->before = now;
-    if (!(now > 0))
-        displace(r, own);
-    else if (now > SPREAD * r->displacement || now < r->displacement / SPREAD)
-        scale_back(r, own, r->displacement / now);
-    else
-        return;
-    r->before = r->displacement;
-    r->step.t = t;
-    r->step.warm = r->step.again = false;
+    double ratio, now = 0, factor = 1;
+    const bool failed = r->base.step.t != t || r->displaced.step.t != t;
+    if (failed) {
+        r->base.step.t = r->displaced.step.t = t;
+        copy_state(r->displaced.y, r->base.y, r->run->system.n);
+    } else {
+        now = distance(r, &ratio);
+        growth_add(growth, t, now > 0 ? fixed_log(now / r->before) : -HUGE_VAL,
+                   r->base.controller.tol * ratio);
+    }
+    if (now > SPREAD * r->displacement)
+        factor = r->displacement / now;
+    move(r, own, factor);
+    if (growth->log <= 0 || now == 0)
+        displace(r);
+    r->before = distance(r, &ratio);
+    r->base.step.warm = r->base.step.again = false;
+    r->displaced.step.warm = r->displaced.step.again = false;
 }
 
-/* Follows the displaced solution to the end of the run. Returns false if that takes too long. */
+/* Large errors that do not last are those of the moments of jumps. */
+static void growth_judge(struct growth *growth, double t, bool agrees, bool is_last)
+{
+    if (growth->error > 0 && agrees)
+        growth->agreed = t;
+    if (agrees || growth->error < ERROR_LOST) {
+        growth->large_rows = 0;
+        return;
+    }
+    if (growth->large_rows++ == 0)
+        growth->large = t;
+    if (growth->large_rows == ROWS_LASTING || is_last)
+        growth->lost = growth->large;
+}
+
+/* From a row to the next one, which may be many growth times away. */
+static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, double longest,
+                       double max, const struct cancel *cancel)
+{
+    const double t = r->base.step.t;
+    const int parts = (int)fmin(ROWS_COMPARED, 1 + fabs(t_end - t) / longest);
+    for (int part = 1; part <= parts; part++) {
+        const double next = part < parts ? t + (t_end - t) * part / parts : t_end;
+        if (!go_to(r, &r->base, next, max, cancel) || !go_to(r, &r->displaced, next, max, cancel))
+            return false;
+        if (part < parts)
+            compare(r, growth, r->base.y, next);
+    }
+    return true;
+}
+
+/* Follows both until no digit is certain, or to the end of the run. Returns false if that takes too
+ * long. */
 static bool follow(struct regrowth *r, struct growth *growth, double max,
                    const struct cancel *cancel)
 {
     const struct trace *trace = r->run->trace;
     const size_t rows = trace_count(trace) - 1 - r->row,
                  count = rows < ROWS_COMPARED ? rows : ROWS_COMPARED;
-    *growth = (struct growth){.began = trace_time(trace, r->row), .lost = NAN};
-    for (size_t k = 1; k <= count; k++) {
+    const double start = trace_time(trace, r->row),
+                 longest = fabs(r->run->t - start) / ROWS_COMPARED;
+    *growth = (struct growth){.began = start, .t = start, .lost = NAN, .agreed = NAN};
+    for (size_t k = 1; k <= count && isnan(growth->lost); k++) {
         const size_t row = r->row + (size_t)((double)k * (double)rows / (double)count);
-        if (!go_to(r, trace_time(trace, row), max, cancel))
+        const double t = trace_time(trace, row);
+        if (!follow_row(r, growth, t, longest, max, cancel))
             return false;
-        compare(r, growth, trace_state(trace, row), trace_time(trace, row));
+        compare(r, growth, r->follows_jumps ? trace_state(trace, row) : r->base.y, t);
+        growth_judge(growth, t, run_agrees(r, trace_state(trace, row)),
+                     row + 1 == trace_count(trace));
     }
     return true;
 }
 
-static bool begin(struct regrowth *r, double *work)
+static bool follower_begin(struct follower *f, const struct regrowth *r, double *work)
 {
-    const struct run *run = r->run;
-    r->system = run->system;
-    system_turn_at_kinks(&r->system);
-    r->step = (struct step){
-        .system = &r->system, .y = r->y, .work = work, .t = trace_time(run->trace, r->row)};
-    method_choose_kernels(r->method, &r->step, true);
-    r->controller.tol = run->opinion.tol;
-    r->before = r->displacement = sqrt(run->controller.tol);
-    displace(r, trace_state(run->trace, r->row));
-    return method_begin(r->method, &r->step);
+    f->step = (struct step){
+        .system = &r->system, .y = f->y, .work = work, .t = trace_time(r->run->trace, r->row)};
+    f->controller = (struct controller){.tol = r->run->opinion.tol};
+    method_choose_kernels(r->method, &f->step, true);
+    copy_state(f->y, trace_state(r->run->trace, r->row), r->run->system.n);
+    return method_begin(r->method, &f->step);
+}
+
+static void measure_sizes(struct regrowth *r)
+{
+    memset(r->size, 0, sizeof r->size);
+    for (size_t row = 0; row < r->row; row++)
+        for (int i = 0; i < r->run->system.n; i++)
+            r->size[i] = fmax(r->size[i], fabs(trace_state(r->run->trace, row)[i]));
+}
+
+static bool follow_both(struct regrowth *r, struct growth *growth, double max,
+                        const struct cancel *cancel)
+{
+    double ratio;
+    r->displacement = sqrt(r->run->controller.tol);
+    measure_sizes(r);
+    displace(r);
+    r->before = distance(r, &ratio);
+    return follow(r, growth, max, cancel);
 }
 
 static bool look_by(struct regrowth *r, const struct method *method, struct growth *growth,
                     double max, const struct cancel *cancel)
 {
-    double *work =
-        method ? calloc(method_work_size(method, r->run->system.n) + 1, sizeof *work) : NULL;
+    const size_t size = method ? method_work_size(method, r->run->system.n) + 1 : 0;
+    double *work = method ? calloc(2 * size, sizeof *work) : NULL;
     bool done = false;
     r->method = method;
     if (!work)
         return false;
-    if (begin(r, work)) {
-        done = follow(r, growth, max, cancel);
-        method_end(method, &r->step);
+    if (follower_begin(&r->base, r, work)) {
+        if (follower_begin(&r->displaced, r, work + size)) {
+            done = follow_both(r, growth, max, cancel);
+            method_end(method, &r->displaced.step);
+        }
+        method_end(method, &r->base.step);
     }
     free(work);
     return done;
@@ -223,20 +366,30 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     if (!opinion->by || isnan(opinion->t) || !isnan(opinion->lost))
         return;
     for (int i = 0; i < n; i++)
-        find_sunk(&r, i);
+        find_rest(&r, i);
     if (!r.any)
         return;
+    const struct run_private *p = run->private_state;
+    r.follows_jumps = p->kicks > 0 || p->epochs > 1;
+    r.system = run->system;
+    system_turn_at_kinks(&r.system);
     const double max = fmax(OPINION_BUDGET_DOUBT / n,
-                            OPINION_DOUBT * (double)(run->cost.evals + run->cost.jacobians)),
-                 sunk = trace_time(run->trace, r.row), way = fabs(sunk - run->system.t0);
+                            OPINION_DOUBT * (double)(run->cost.evals + run->cost.jacobians));
     /* The other one where dop853 has to take short steps for its stability. */
-    if (look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
-        look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel)) {
-        if (isnan(growth.lost))
-            return;
+    const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
+                          look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
+    if (!isnan(growth.lost)) {
         run->private_state->sunk = growth.began;
         opinion->lost = growth.lost;
-    } else if (growth.log > DOUBTFUL && way < fabs(opinion->t - run->system.t0)) {
-        opinion->t = sunk; /* what comes later is not known */
+        return;
     }
+    if (!followed && fabs(growth.t - run->system.t0) < fabs(opinion->t - run->system.t0))
+        opinion->t = growth.t; /* what comes later is not known */
+    if (growth.agreed == growth.t)
+        return;
+    opinion->error = fmax(opinion->error, growth.error);
+    opinion->max = fmax(opinion->max, growth.error);
+    for (int i = 0; i < n; i++)
+        if (r.resting[i])
+            opinion->end[i] = fmax(opinion->end[i], growth.error * r.size[i]);
 }

@@ -8,8 +8,11 @@
 /* The error at the run's present time; NAN if the second solution did not go there: struct
  * opinion's error is that at opinion.t, and nothing is known of what comes later. */
 double run_opinion_error(const struct run *run);
-/* [s] From there on errors of the tolerance grow, and were 100 times as large at opinion.lost,
- * where the variables are still below it: neither solution knows them. NAN: nowhere. */
+/* Error, in sizes of the variables, from which on no digit is certain. */
+#define OPINION_LOST 0.5
+
+/* Returns the time [s] from which on errors of variables that came to rest within the tolerance are
+ * multiplied, so that neither solution knows them from opinion.lost on; NAN if there is none. */
 double run_opinion_sunk(const struct run *run);
 
 #endif

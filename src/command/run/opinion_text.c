@@ -73,12 +73,12 @@ static void say_lost(const struct session *session, const struct run *run, struc
     if (isnan(run_opinion_sunk(run))) {
         buffer_put(&text, TEXT("there "));
         put_solution(opinion, &text);
-        buffer_format(&text, " is as far from run %d as the motion is large", run->number);
+        buffer_format(&text, " is further from run %d than half the size of the motion",
+                      run->number);
     } else {
-        buffer_put(&text,
-                   TEXT("values that fell below the tolerance should have grown since t = "));
+        buffer_put(&text, TEXT("values came to rest within the tolerance, and from t = "));
         buffer_measured(&text, (struct measured){run_opinion_sunk(run), 0}, QUANTITY_TIME, 4);
-        buffer_put(&text, TEXT(", and have not"));
+        buffer_put(&text, TEXT(" on their errors are multiplied"));
     }
     if (session->setup.settings.opinion == OPINIONS_WARN) {
         reply_warning(reply, "%s", buffer_view(&text));
@@ -161,9 +161,9 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
     if (count > NAMED)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
-        reply_line(reply, "no digit is certain of %s: below %s tolerance%s", buffer_view(&names),
-                   count > 1 ? "their" : "its",
-                   first < 0 ? ", or the error; a smaller tol may help" : "");
+        reply_line(reply, "no digit is certain of %s: below %s tolerance or error%s",
+                   buffer_view(&names), count > 1 ? "their" : "its",
+                   first < 0 ? "; a smaller tol may help" : "");
         if (first >= 0)
             reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
                        system_variable(&run->system, first).name);

@@ -262,66 +262,111 @@ static void test_what_sinks_beyond_it(void **state)
     typed_destroy(models);
 }
 
-/* Amplitude and phase of z' = ((t - a)/b + i w) z from 1: |z| falls until a and grows after it. */
+/*
+ * z' = ((t - a)/b + i w) z - |z|^power z from 1, about `shift`: |z| falls until a and grows after
+ * it. With z = r exp(i w t), r^-power obeys a linear equation. autonomous: (t - a)/b is a variable.
+ */
 struct passage {
     double a, b, w;
+    int power;
+    bool autonomous;
+    double shift;
 };
 
-static double passage_x(const struct passage *p, double t)
+static double passage_log(const struct passage *p, double t)
 {
-    return exp(((t - p->a) * (t - p->a) - p->a * p->a) / (2 * p->b)) * cos(p->w * t);
+    return ((t - p->a) * (t - p->a) - p->a * p->a) / (2 * p->b);
+}
+
+/* Simpson's rule, of what is scaled so that nothing overflows. */
+static double passage_r(const struct passage *p, double t)
+{
+    enum { PARTS = 4000 };
+    const double last = passage_log(p, t), max = fmax(0, last);
+    double sum = 0;
+    if (p->power == 0)
+        return exp(last);
+    for (int k = 0; k <= PARTS; k++)
+        sum += (k == 0 || k == PARTS ? 1 : 2 + 2 * (k & 1)) *
+               exp(p->power * (passage_log(p, t * k / PARTS) - max));
+    sum *= t / (3 * PARTS);
+    return exp(last - max) * pow(exp(-p->power * max) + p->power * sum, -1. / p->power);
+}
+
+static void passage_lines(const struct passage *p, char *lines, size_t size)
+{
+    static const char *const powers[] = {"0", "u", "(u^2 + y^2)"};
+    char rate[60], equation[400];
+    snprintf(rate, sizeof rate, p->autonomous ? "m" : "(t - %g)/%g", p->a, p->b);
+    int length =
+        snprintf(lines, size, "var x = %.17g;var y = 0;var z = 2;z' = cos(t);", 1 + p->shift);
+    if (p->autonomous)
+        length += snprintf(lines + length, size - (size_t)length, "var m = %.17g;m' = 1/%g;",
+                           -p->a / p->b, p->b);
+    snprintf(equation, sizeof equation, "x' = (%s)*u - %g*y - %s*u;y' = %g*u + (%s)*y - %s*y", rate,
+             p->w, powers[p->power], p->w, rate, powers[p->power]);
+    for (const char *c = equation; *c; c++)
+        length += *c == 'u' && p->shift != 0
+                      ? snprintf(lines + length, size - (size_t)length, "(x - %g)", p->shift)
+                      : snprintf(lines + length, size - (size_t)length, "%c", *c == 'u' ? 'x' : *c);
 }
 
 /* Whether something was said of an end that is not right: no number for it, no digits, a lost run,
  * an error of its size. */
-static bool is_said(struct run *run, double error)
+static bool is_said(struct run *run, double exact, double error)
 {
     double below[LIMIT_VARIABLES];
     const double said = run_opinion_error(run);
-    return isnan(said) || said > fmin(error / 10, 0.1) || !isnan(run->opinion.lost) ||
-           (run_below_tolerance(run, below) > 0 && error <= ABOVE_TOLERANCE * run->controller.tol);
+    return isnan(said) || (error < 0.9 && said > error / (error > 0.3 ? 2 : 10)) ||
+           !isnan(run->opinion.lost) ||
+           (run_below_tolerance(run, below) > 0 && below[0] > 0 && fabs(exact) <= 10 * below[0]);
 }
 
 /*
- * What falls below its tolerance and grows again. By the closed form, and where the values stay
- * above the tolerance nothing is withheld that is right.
+ * What comes to rest within its tolerance and grows again. By the closed form, and where the values
+ * stay above the tolerance nothing is withheld that is right.
  */
 static void test_slow_passages(void **state)
 {
     (void)state;
     static const struct passage passages[] = {
-        {30, 30, 5}, {30, 45, 5}, {30, 22, 2}, {40, 32, 0}, {40, 20, 1}, {20, 30, 3},
+        {30, 30, 5, 0, false, 0},    {30, 45, 5, 0, false, 0},      {30, 22, 2, 0, false, 0},
+        {40, 32, 0, 0, false, 0},    {40, 20, 1, 0, false, 0},      {20, 30, 3, 0, false, 0},
+        {30, 30, 5, 2, false, 0},    {30, 45, 0, 2, true, 0},       {30, 22, 2, 2, true, 0},
+        {40, 32, 0, 1, false, 0},    {30, 30, 0, 1, true, 0},       {40, 20, 1, 0, true, 0},
+        {30, 10, 0, 0, false, 5},    {30, 10, 0, 2, true, 5},       {30, 10, 2, 0, false, -7},
+        {300, 2300, 12, 2, true, 0}, {25.5, 16.4, 3.5, 2, true, 0},
     };
     struct typed_models *models = typed_create(&(struct error){0});
     int count = 0, lost = 0, right = 0, silent = 0, alarms = 0;
     for (size_t i = 0; i < COUNT_OF(passages); i++) {
         const struct passage *p = &passages[i];
-        char lines[300];
-        snprintf(lines, sizeof lines,
-                 "var x = 1;var y = 0;var z = 2;x' = (t - %g)/%g*x - %g*y;y' = %g*x + (t - "
-                 "%g)/%g*y;z' = cos(t)",
-                 p->a, p->b, p->w, p->w, p->a, p->b);
+        char lines[800];
+        passage_lines(p, lines, sizeof lines);
         const struct scene scene = typed_scene(models, lines);
-        const double t = 2.2 * p->a, exact = passage_x(p, t),
-                     largest = fmax(1, fabs(exact / cos(p->w * t)));
-        for (size_t m = 0; m < (is_long() ? COUNT_OF(methods) : 4); m++)
-            for (double tol = 1e-3; tol > 0.9 * tightest(methods[m]); tol /= is_long() ? 10 : 100) {
-                struct run *run = reach(&scene, methods[m], tol, 1e-3, t);
+        const double t = 2.2 * p->a, r = passage_r(p, t), exact = p->shift + r * cos(p->w * t),
+                     largest = fmax(1, r) + fabs(p->shift);
+        for (size_t m = 0; m < (is_long() ? COUNT_OF(methods) : 4); m++) {
+            const char *method = methods[(i + m) % COUNT_OF(methods)];
+            for (double tol = 1e-3; tol > 0.9 * tightest(method); tol /= is_long() ? 10 : 100) {
+                struct run *run = reach(&scene, method, tol, 1e-3, t);
                 run_second_opinion(run, false, NULL);
                 const double error = fabs(run->y[0] - exact) / largest;
-                const bool is_right = error < OPINION_WRONG * tol, said = is_said(run, error),
-                           is_lost = !isnan(run->opinion.lost);
+                const bool is_right = error < OPINION_WRONG * tol,
+                           said = is_said(run, exact, error), is_lost = !isnan(run->opinion.lost);
                 count++;
                 lost += is_lost;
                 right += error < 1e-2;
-                alarms += is_lost && error < 1e-2;
+                /* What is drawn to a branch is right there by chance. */
+                alarms += p->power == 0 && is_lost && error < 1e-2;
                 silent += !is_right && !said;
                 if (!is_right && !said)
                     print_message("%s by %s, tol %g: says %g by %s up to %g, is %g\n", lines,
-                                  methods[m], tol, run->opinion.error, run->opinion.by->row.name,
+                                  method, tol, run->opinion.error, run->opinion.by->row.name,
                                   run->opinion.t, error);
                 run_destroy(run);
             }
+        }
     }
     typed_destroy(models);
     print_message("%d passages, %d right to 1 %%, %d lost, %d of them right, %d silent\n", count,
