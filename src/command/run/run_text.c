@@ -226,12 +226,17 @@ void reply_unsound(struct run *run, struct reply *reply)
     const struct unsound_step *unsound = &run->unsound;
     if (run->warned_unsound || !(unsound->times > 0) || stop_is_failure(run->stop))
         return;
-    reply_warning(
-        reply,
-        "dt is too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is %.3g%s",
-        run->method->row.name, unsound->t, system_variable(&run->system, unsound->variable).name,
-        unsound->value, unsound->solution,
-        run->method->flags & METHOD_ADAPTIVE ? "; with tol = 1e-6 it chooses its own steps" : "");
+    const char *remedy = "";
+    if (run->plan.adaptive)
+        remedy = "; dt sets it: try a shorter one";
+    else if (run->method->flags & METHOD_ADAPTIVE)
+        remedy = "; with tol = 1e-6 it chooses its own steps";
+    reply_warning(reply,
+                  "%s too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is "
+                  "%.3g%s",
+                  run->plan.adaptive ? "the first step is" : "dt is", run->method->row.name,
+                  unsound->t, system_variable(&run->system, unsound->variable).name, unsound->value,
+                  unsound->solution, remedy);
     run->warned_unsound = true;
 }
 

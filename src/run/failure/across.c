@@ -61,13 +61,43 @@ static bool row_across(const struct run *run, size_t i)
     return false;
 }
 
+/* Returns true if a variable changes far more in the step across time t than in those beside it: a
+ * stage next to an infinite slope has made the step. Rows are searched from i on. */
+static bool step_stands_out(const struct run *run, size_t i, double t)
+{
+    static const double stands_out = 30;
+    const struct trace *trace = run->trace;
+    const size_t rows = trace_count(trace);
+    while (i + 1 < rows && fabs(trace_time(trace, i + 1) - t) < fabs(trace_time(trace, i) - t))
+        i++;
+    /* the row nearest to t: the step before or behind it goes across */
+    const size_t first = i > 1 ? i - 2 : 0, last = i + 2 < rows ? i + 2 : rows - 1;
+    for (int k = 0; k < run->system.n && last - first > 2; k++) {
+        double largest[3] = {0, 0, 0}; /* the two steps that meet at t may both be made by it */
+        for (size_t row = first; row < last; row++) {
+            double change = fabs(trace_state(trace, row + 1)[k] - trace_state(trace, row)[k]);
+            for (int j = 0; j < 3; j++) {
+                const double larger = fmax(largest[j], change);
+                change = fmin(largest[j], change);
+                largest[j] = larger;
+            }
+        }
+        if (largest[0] > stands_out * largest[2])
+            return true;
+    }
+    return false;
+}
+
 /* Whether the solution ends before `end`, next to the strange step from row i. */
 static bool ended_across(struct run *run, size_t i, double end)
 {
     const struct singularity found = run_singular_before(run, trace_time(run->trace, i), end,
                                                          STEPS_FIRST + (int64_t)i / LOOK_SHARE);
-    /* Past an integrable singularity in t the solution goes on. */
-    return !(found.finite && !run->system.autonomous) && run_end_singular(run, found);
+    /* Past an integrable singularity in t the solution goes on, and so do steps that keep off it.
+     */
+    const bool goes_on =
+        found.finite && !run->system.autonomous && !step_stands_out(run, i, found.t);
+    return !goes_on && run_end_singular(run, found);
 }
 
 /* Returns the row before the change of a variable that stands out most among the changes in a block

@@ -72,6 +72,47 @@ static enum solution_fate fate_of(const struct run *run)
     return run->private_state ? run->private_state->fate : SOLUTION_UNKNOWN;
 }
 
+/* Returns the variable whose derivative is not a finite number, or -1 if all are finite. */
+static int undefined_slope(const struct system *system, double t, const double *y, double *slope)
+{
+    system_derivative(system, t, y, slope);
+    for (int i = 0; i < system->n; i++)
+        if (!isfinite(slope[i]))
+            return i;
+    return -1;
+}
+
+/* Reports that a short way ahead, in the direction of motion, the equations have no value: beyond
+ * the end of a square root or a logarithm. Returns false if they have one. */
+static bool explain_domain(const struct run *run, struct buffer *text)
+{
+    static const double ahead[] = {1e-6, 1e-4, 0.01, 0.1, 1}; /* of the step that was set */
+    const struct system *system = &run->system;
+    double slope[LIMIT_VARIABLES], y[LIMIT_VARIABLES], ignored[LIMIT_VARIABLES];
+    const bool is_backward = !run->plan.adaptive && run->trace && trace_grid(run->trace)->h < 0;
+    if (undefined_slope(system, run->t, run->y, slope) >= 0)
+        return false;
+    for (size_t k = 0; k < COUNT_OF(ahead); k++) {
+        const double h = (is_backward ? -1 : 1) * ahead[k] * run->settings.dt;
+        for (int i = 0; i < system->n; i++)
+            y[i] = run->y[i] + h * slope[i];
+        const int undefined = undefined_slope(system, run->t + h, y, ignored);
+        if (undefined < 0 || !isnan(ignored[undefined]))
+            continue;
+        const double farther = 1.5 * h;
+        for (int i = 0; i < system->n; i++)
+            y[i] = run->y[i] + farther * slope[i];
+        if (undefined_slope(system, run->t + farther, y, ignored) < 0)
+            return false;
+        buffer_format(text,
+                      "%s' is not a number beyond t = ", system_variable(system, undefined).name);
+        put_time(text, run->t, 6);
+        buffer_put(text, TEXT(", where the motion leads: the equations end there"));
+        return true;
+    }
+    return false;
+}
+
 /* What is wrong with the state that no step leads on from. Returns false if nothing is. */
 static bool explain_state(const struct run *run, struct buffer *text)
 {
@@ -108,6 +149,14 @@ static bool explain_state(const struct run *run, struct buffer *text)
     return false;
 }
 
+/* An implicit method damps a fast oscillation that a longer step cannot follow. */
+static const char *remedy_for_rate(const struct run *run)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    return o->whole && 4 * o->stiffness > o->damping * o->damping ? "method exact"
+                                                                  : "an implicit method";
+}
+
 static void put_shorter_step(const struct run *run, double dt, bool implicit_helps,
                              struct buffer *text)
 {
@@ -118,7 +167,7 @@ static void put_shorter_step(const struct run *run, double dt, bool implicit_hel
         put_time(text, one_digit(dt), 1);
     }
     if (implicit_helps)
-        buffer_put(text, hopeless ? TEXT("an implicit method") : TEXT(" or an implicit method"));
+        buffer_format(text, "%s%s", hopeless ? "" : " or ", remedy_for_rate(run));
 }
 
 static void explain_adaptive_divergence(const struct run *run, struct buffer *text)
@@ -131,7 +180,8 @@ static void explain_adaptive_divergence(const struct run *run, struct buffer *te
                rate * run->settings.dt * STEP_HOPELESS > 1) {
         buffer_put(text, TEXT("the scene's fastest rate is about "));
         buffer_short(text, rate, 2);
-        buffer_format(text, " 1/s, too fast for %s; try an implicit method", run->method->row.name);
+        buffer_format(text, " 1/s, too fast for %s; try %s", run->method->row.name,
+                      remedy_for_rate(run));
     } else {
         buffer_put(text, TEXT("no step, however short, gives a state within the range of numbers; "
                               "it is not known why"));
@@ -190,7 +240,7 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
 
 static void explain_divergence(const struct run *run, struct buffer *text)
 {
-    if (explain_state(run, text))
+    if (explain_domain(run, text) || explain_state(run, text))
         return;
     if (solution_grows(run))
         buffer_put(text, TEXT("the solution itself grows beyond the range of numbers"));
@@ -202,7 +252,7 @@ static void explain_divergence(const struct run *run, struct buffer *text)
 
 static void explain_no_solution(const struct run *run, struct buffer *text)
 {
-    if (explain_state(run, text))
+    if (explain_domain(run, text) || explain_state(run, text))
         return;
     buffer_format(text, "the implicit equation of %s was not solved", run->method->row.name);
     if (run->plan.adaptive) {
@@ -218,7 +268,7 @@ static void explain_no_solution(const struct run *run, struct buffer *text)
 static void explain_stall(const struct run *run, struct buffer *text)
 {
     const double way = fabs(run->t - run->system.t0);
-    if (explain_state(run, text))
+    if (explain_domain(run, text) || explain_state(run, text))
         return;
     buffer_put(text, TEXT("the step for tol = "));
     buffer_short(text, run->settings.tol, 3);

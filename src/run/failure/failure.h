@@ -39,5 +39,8 @@ bool run_solve(const struct system *system, double t, const double *y, double en
                double tol, double *to, const struct cancel *cancel);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
+/* Compares the first steps of a method that is stable at any step with a solution that grows: what
+ * damps everything damps that, too. */
+void run_check_first_steps(struct run *run);
 
 #endif

@@ -383,6 +383,8 @@ void run_diagnose(struct run *run)
         run->stop == STOP_DIVERGED || run->stop == STOP_STALLED || run->stop == STOP_NO_SOLUTION;
     const bool never = run->system.linear && run->system.autonomous; /* ends in finite time */
     run->private_state->fate = SOLUTION_UNKNOWN;
+    if (!failed)
+        run_check_first_steps(run);
     if (run->stop == STOP_SINGULAR || never)
         return;
     if (!run->plan.adaptive && run->steps > 0 && run_went_across(run))

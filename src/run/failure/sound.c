@@ -58,6 +58,52 @@ static bool sizes(const struct run *run, double t, double h, const double *y, do
     return true;
 }
 
+/* Returns the largest value of a state in natural sizes; *variable is its index. */
+static double scaled_size(const struct system *system, const double *y, int *variable)
+{
+    double max = 0;
+    *variable = 0;
+    for (int k = 0; k < system->n; k++)
+        if (fabs(y[k]) / system->scale[k] > max) {
+            max = fabs(y[k]) / system->scale[k];
+            *variable = k;
+        }
+    return max;
+}
+
+/*
+ * Compares a step of h that does not grow with a solution that does: what is stable at any step
+ * damps that, too. Where the solution leaves the range of numbers in the step, a part of the step
+ * shows it. Returns false if the step follows the solution, or if that is not known.
+ */
+static bool skips_growth(const struct run *run, double t, double h, const double *y,
+                         const double *end, struct unsound_step *unsound)
+{
+    static const double grown = 8, missed = 0.25;
+    enum { SHORTER_MAX = 96 };
+    const struct system *system = &run->system;
+    const bool is_first = t == system->t0;
+    double solution[LIMIT_VARIABLES], part = 1;
+    int variable, ignored;
+    for (int i = 0; i < (is_first ? SHORTER_MAX : 1) && !cancelled(run->cancel); i++, part /= 16) {
+        if (!run_solve(system, t, y, t + part * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution,
+                       run->cancel))
+            continue;
+        const double size = scaled_size(system, solution, &variable);
+        if (!(size > grown * scaled_size(system, y, &ignored)) ||
+            !(scaled_size(system, end, &ignored) < missed * size))
+            return false;
+        *unsound =
+            (struct unsound_step){.times = size / scaled_size(system, y, &ignored),
+                                  .t = t + part * h,
+                                  .value = y[variable] + part * (end[variable] - y[variable]),
+                                  .solution = solution[variable],
+                                  .variable = variable};
+        return true;
+    }
+    return false;
+}
+
 void run_check_step(struct run *run, size_t i)
 {
     struct run_private *p = run->private_state;
@@ -68,6 +114,11 @@ void run_check_step(struct run *run, size_t i)
     p->unchecked = i + 1; /* and after many, fewer and fewer: a share of the run */
     if (++p->checks > CHECKS)
         p->unchecked += (size_t)ldexp(1, (int)fmin(40, (double)(p->checks - CHECKS) / 8));
+    struct unsound_step missed;
+    if (run->unsound.times == 0 && skips_growth(run, t, t_end - t, y, end, &missed)) {
+        run->unsound = missed;
+        return;
+    }
     if (run->plan.adaptive || !sizes(run, t, t_end - t, y, solution, size))
         return;
     for (int k = 0; k < run->system.n; k++) {
@@ -78,5 +129,33 @@ void run_check_step(struct run *run, size_t i)
                                                  .value = end[k],
                                                  .solution = solution[k],
                                                  .variable = k};
+    }
+}
+
+void run_check_first_steps(struct run *run)
+{
+    enum { FIRST_STEPS = 2 }; /* the first one of a multistep method is another method's */
+    struct run_private *p = run->private_state;
+    const struct trace *trace = run->trace;
+    const struct system *system = &run->system;
+    double slope[LIMIT_VARIABLES];
+    int ignored;
+    if (!trace || p->checks > 0 ||
+        !(run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock))
+        return;
+    const size_t first = run_own_start(run);
+    for (size_t i = first; i < first + FIRST_STEPS && i + 1 < trace_count(trace); i++) {
+        const double *y = trace_state(trace, i), t = trace_time(trace, i),
+                     h = trace_time(trace, i + 1) - t;
+        if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || run->unsound.times > 0)
+            return;
+        p->checks++;
+        system_derivative(system, t, y, slope);
+        for (int k = 0; k < system->n; k++)
+            slope[k] *= h;
+        struct unsound_step missed;
+        if (!(scaled_size(system, slope, &ignored) < scaled_size(system, y, &ignored)) &&
+            skips_growth(run, t, h, y, trace_state(trace, i + 1), &missed))
+            run->unsound = missed;
     }
 }
