@@ -146,10 +146,16 @@ static bool open_temporary(struct writer *writer)
 static bool open_all(struct writer *writer, bool confine, struct error *error)
 {
     mode_t mode;
-    if (!writer->path || !writer->chunk)
-        return error_memory(error);
-    return writer_open_folder(writer, confine, error) && writer_allows(writer, &mode, error) &&
-           (open_temporary(writer) || writer_refuse(writer, error, system_message(errno)));
+    if (!writer->path || !writer->chunk) {
+        error_memory(error);
+        return false;
+    }
+    if (!writer_open_folder(writer, confine, error) || !writer_allows(writer, &mode, error))
+        return false;
+    const bool is_open = open_temporary(writer);
+    if (!is_open)
+        writer_refuse(writer, error, system_message(errno));
+    return is_open;
 }
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,

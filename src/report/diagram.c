@@ -98,22 +98,33 @@ static size_t row_count(const struct swept *swept, int64_t i)
     return count > 0 ? (size_t)count : swept->sweep->status[i] != SWEEP_MISSING;
 }
 
+/* The numbers of a table, a column behind the other. */
+struct numbers {
+    double *value;
+    size_t rows;
+};
+
+static double *cell(const struct numbers *numbers, int column, size_t row)
+{
+    return numbers->value + (size_t)column * numbers->rows + row;
+}
+
 /* Rows of point i from `row` on; returns how many. */
-static size_t fill_rows(const struct swept *swept, int64_t i, double **value, size_t row)
+static size_t fill_rows(const struct swept *swept, int64_t i, const struct numbers *to, size_t row)
 {
     const struct sweep *sweep = swept->sweep;
     const int n = swept->measures, width = 1 + n, before = columns_before(sweep);
     const int64_t count = event_count(swept, i), rows = (int64_t)row_count(swept, i);
     for (int64_t k = 0; k < rows; k++, row++) {
         const double *at = events_of(swept, i) + k * width;
-        value[0][row] = (double)(sweep->first + i);
+        *cell(to, 0, row) = (double)(sweep->first + i);
         for (int a = 0; a < sweep->axes; a++)
-            value[1 + a][row] = position_at(sweep, a, i);
-        value[before - 2][row] = count > 0 ? (double)(swept->section->skip + k + 1) : NAN;
+            *cell(to, 1 + a, row) = position_at(sweep, a, i);
+        *cell(to, before - 2, row) = count > 0 ? (double)(swept->section->skip + k + 1) : NAN;
         for (int m = 0; m <= n; m++)
-            value[before - 1 + m][row] = at[m];
-        value[before + n][row] = k + 1 < count ? at[width + 1] : NAN;
-        value[before + n + 1][row] = repeats_at(swept, i);
+            *cell(to, before - 1 + m, row) = at[m];
+        *cell(to, before + n, row) = k + 1 < count ? at[width + 1] : NAN;
+        *cell(to, before + n + 1, row) = repeats_at(swept, i);
     }
     return (size_t)rows;
 }
@@ -123,20 +134,18 @@ bool diagram_table(const struct swept *swept, struct arena *arena, struct table 
     const struct sweep *sweep = swept->sweep;
     const int columns = columns_before(sweep) + swept->measures + 3, numbers = columns - 1;
     struct table_column *column = arena_array(arena, (size_t)columns, sizeof *column);
-    double *value[5 + SWEEP_MEASURES + 2];
     size_t rows = 0, row = 0;
     for (int64_t i = 0; i < sweep->count; i++)
         rows += row_count(swept, i);
     const char **status = arena_array(arena, rows + 1, sizeof *status);
-    if (!column || !status || !name_columns(swept, arena, column))
+    const struct numbers all = {arena_array(arena, (size_t)numbers * (rows + 1), sizeof *all.value),
+                                rows + 1};
+    if (!column || !status || !all.value || !name_columns(swept, arena, column))
         return false;
-    for (int c = 0; c < numbers; c++) {
-        if (!(value[c] = arena_array(arena, rows + 1, sizeof *value[c])))
-            return false;
-        column[c].value = value[c];
-    }
+    for (int c = 0; c < numbers; c++)
+        column[c].value = cell(&all, c, 0);
     for (int64_t i = 0; i < sweep->count; i++) {
-        const size_t more = fill_rows(swept, i, value, row);
+        const size_t more = fill_rows(swept, i, &all, row);
         for (size_t k = 0; k < more; k++)
             status[row + k] = sweep_status_name(sweep->status[i]);
         row += more;

@@ -49,12 +49,22 @@ static bool in_catalog(const struct catalog *catalog, struct text name, int *ind
     return row != NULL;
 }
 
-/* Whose state and observables have names; NULL: there is no run. */
+static const struct run *run_of(const struct names *names)
+{
+    return names->run || names->expects_run ? names->run : session_run(names->session);
+}
+
+/* Returns true if state and observables have names: there is a run, or one is expected. */
+static bool has_state(const struct names *names)
+{
+    return names->expects_run || run_of(names);
+}
+
+/* Whose state and observables these are: the run's or, without one, the scene's. */
 static const struct model *state_model(const struct names *names)
 {
-    const struct run *run =
-        names->run || names->expects_run ? names->run : session_run(names->session);
-    return run ? run->system.model : names->expects_run ? names->session->setup.scene.model : NULL;
+    const struct run *run = run_of(names);
+    return run ? run->system.model : names->session->setup.scene.model;
 }
 
 static bool in_state(const struct model *model, struct text name, int *index)
@@ -89,16 +99,17 @@ static bool find_name(const struct names *names, struct text name, int *slot)
     const struct session *session = names->session;
     const struct scene *scene = scene_of(names);
     const struct model *moving = state_model(names);
+    const bool moves = has_state(names);
     const struct run *run = names->run ? names->run : session_run(session);
     enum name_kind kind;
     int index = 0;
-    if (moving && in_state(moving, name, &index))
+    if (moves && in_state(moving, name, &index))
         kind = NAME_STATE;
-    else if (moving && (index = model_observation(moving, name)) >= 0)
+    else if (moves && (index = model_observation(moving, name)) >= 0)
         kind = NAME_OBSERVED;
     else if (scene->model->typed && in_catalog(scene_params(scene), name, &index))
         kind = NAME_PARAM;
-    else if (moving && model_observable(moving, name) &&
+    else if (moves && model_observable(moving, name) &&
              !lacks_energy(run, model_observable(moving, name)) &&
              in_catalog(&observable_catalog, name, &index))
         kind = NAME_OBSERVABLE;
@@ -234,9 +245,7 @@ static void suggest(void *context, const char *name, const char *brief)
 static void scope_offer(const void *context, struct suggestion *suggestion)
 {
     const struct names *names = context;
-    const struct model *moving = state_model(names);
-    each_name(names->session, moving ? moving : names->session->setup.scene.model, suggest,
-              suggestion);
+    each_name(names->session, state_model(names), suggest, suggestion);
     suggestion_offer(suggestion, "pi");
 }
 

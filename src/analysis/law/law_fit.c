@@ -219,7 +219,7 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
 {
     struct normal normal, next;
     struct law_fit trial;
-    double step[LAW_PARAMETERS] = {0}, full[LAW_PARAMETERS], lambda = 1e-3;
+    double step[LAW_PARAMETERS] = {0}, full[LAW_PARAMETERS] = {0}, lambda = 1e-3;
     int small = 0; /* steps in a row that went down by less than a hundredth of a variance */
     fit->converged = false;
     fit->rss = pass(x, fit, &normal);

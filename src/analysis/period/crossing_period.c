@@ -210,13 +210,14 @@ static bool regular_period(const struct series *series, double level, double reg
     double *scratch = arena_array(arena, capacity, sizeof *scratch);
     struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
     size_t first = 0, used;
+    if (!crossing || !scratch)
+        return false;
     for (size_t i = 0; i < series->n; i++) {
         o.low = series->y[i] < o.low ? series->y[i] : o.low;
         o.high = series->y[i] > o.high ? series->y[i] : o.high;
     }
     o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
-    const size_t up =
-        crossing && scratch ? up_crossings(series, &o, o.mean, crossing, capacity) : 0;
+    const size_t up = up_crossings(series, &o, o.mean, crossing, capacity);
     size_t pattern = crossing_pattern(crossing, up, regular);
     while (may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
         first++;

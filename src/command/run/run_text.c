@@ -39,7 +39,7 @@ static void say_apart(const struct session *session, const struct run *run, stru
     const bool bare = recording && recorded_bare(recording);
     const double gravity =
         recording && recorded_derivative(recording, run) == 2 ? gravity_in(recording) : NAN;
-    if (isfinite(gravity))
+    if (recording && isfinite(gravity))
         reply_line(reply,
                    "%s holds gravity: its mean is %.4g m/s^2, and the rms counts it ('data zero "
                    "%.6g m/s^2')",

@@ -188,6 +188,7 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
 static bool mend_clock(struct recording *recording, const struct arrivals *arrivals, int at,
                        bool said, struct arena *arena, struct clock_mended *mended)
 {
+    static const double units[] = {1, 1e3, 1e6}; /* of a second: 1, ms, us */
     if (at < 0)
         return true;
     const struct column *column = &recording->column[at];
@@ -195,8 +196,8 @@ static bool mend_clock(struct recording *recording, const struct arrivals *arriv
     if (!scratch)
         return false;
     const double pace = clock_pace(arrivals, column->value, scratch);
-    for (double unit = 1; unit <= 1e6; unit *= 1000)
-        said = said || fabs(pace / unit - 1) < UNIT_NEAR;
+    for (size_t i = 0; i < COUNT_OF(units); i++)
+        said = said || fabs(pace / units[i] - 1) < UNIT_NEAR;
     return clock_mend(arrivals, said || column->quantity == QUANTITY_TIME, arena, column->value,
                       mended);
 }
@@ -415,18 +416,19 @@ bool collected_lines(const struct table_text *text, const struct load_options *o
     struct arena arena = {0};
     struct collected_text lines = {.count = 0};
     struct collected *collected = arena_alloc(&recording->arena, sizeof *collected);
-    bool done = collected != NULL;
-    if (done) {
+    char *statement = NULL; /* outlives the text */
+    bool done = false;
+    if (collected) {
         *collected = (struct collected){.clock = CLOCK_DEVICE};
-        done = split_lines(text, &arena, collected, &lines);
+        if (split_lines(text, &arena, collected, &lines))
+            statement = arena_text(&recording->arena, collected->statement);
     }
-    char *statement =
-        done ? arena_text(&recording->arena, collected->statement) : NULL; /* outlives the text */
-    done = statement ? read_lines(text, &lines, options, recording, collected, &arena, error)
-                     : error_memory(error);
-    if (done) {
+    if (!statement) {
+        error_memory(error);
+    } else if (read_lines(text, &lines, options, recording, collected, &arena, error)) {
         collected->statement = text_of(statement);
         recording->collected = collected;
+        done = true;
     }
     buffer_free(&lines.lines);
     arena_reset(&arena);

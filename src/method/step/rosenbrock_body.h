@@ -277,7 +277,7 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
     const struct few sum = few_sum(n, rosenbrock->m, stages, u);
     for (int i = 0; i < n; i++)
         increment[i] = few_get(&sum, i);
-    return step_increase(step, increment);
+    return step_increase_all(step, n, increment);
 }
 
 #endif

@@ -313,16 +313,20 @@ static inline enum step_status step_finish(struct step *step, const double *z)
     return STEP_OK;
 }
 
-/* The same where the increment is known: y += increment. */
-static inline enum step_status step_increase(struct step *step, const double *increment)
+/* The same where the increment [n] is known: y += increment. */
+static inline enum step_status step_increase_all(struct step *step, int n, const double *increment)
 {
-    int n = step->system->n;
     for (int i = 0; i < n; i++)
         if (!isfinite(step->y[i] + increment[i]))
             return STEP_NONFINITE;
     for (int i = 0; i < n; i++)
         step_add(&step->y[i], step->low ? &step->low[i] : NULL, increment[i]);
     return STEP_OK;
+}
+
+static inline enum step_status step_increase(struct step *step, const double *increment)
+{
+    return step_increase_all(step, step->system->n, increment);
 }
 
 #define ALGORITHM(name, ...)                                                                       \

@@ -154,7 +154,7 @@ bool drawing_table(struct drawing *d, struct figure *figure)
             if (!add_curve(d, x, y, of, of ? group[g] : y->name))
                 return false;
     }
-    if (d->curves == 0)
+    if (!first || d->curves == 0)
         return error_at(d->error, request->column[0], "no row has numbers in both columns");
     *figure = (struct figure){.title = request->title,
                               .curve = d->curve,

@@ -5,6 +5,9 @@
 
 #include "scene/formula/expr.h"
 
+/* Zeros below a stack: the most values that one operation takes, so that none reads before it. */
+#define STACK_BOTTOM 3
+
 static inline double *apply(const struct op *op, double *top)
 {
     switch (op->kind) {
@@ -64,7 +67,7 @@ double *op_apply(const struct op *op, double *top)
 
 double expr_value(const struct expr *expr, const struct expr_scope *scope)
 {
-    double stack[LIMIT_EXPR_DEPTH], *top = stack;
+    double stack[STACK_BOTTOM + LIMIT_EXPR_DEPTH] = {0}, *top = stack + STACK_BOTTOM;
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
         if (op->kind == OP_NUMBER)
             *top++ = op->number;
@@ -90,7 +93,7 @@ static bool among(int wanted, const int *slot, int count)
  * linear. */
 bool expr_linear(const struct expr *expr, const int *slot, int count)
 {
-    int stack[LIMIT_EXPR_DEPTH], *top = stack;
+    int stack[STACK_BOTTOM + LIMIT_EXPR_DEPTH] = {0}, *top = stack + STACK_BOTTOM;
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
         if (op->kind == OP_NUMBER || op->kind == OP_NAME) {
             *top++ = op->kind == OP_NAME && among(op->slot, slot, count);
@@ -119,5 +122,5 @@ bool expr_linear(const struct expr *expr, const int *slot, int count)
             top[-1] = all == 0 ? 0 : 2;
         }
     }
-    return stack[0] < 2;
+    return stack[STACK_BOTTOM] < 2;
 }

@@ -300,7 +300,8 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)
         return false;
-    for (double by = SHORTEST * longest; by < AHEAD * longest; by *= 2) {
+    double by = SHORTEST * longest;
+    while (by < AHEAD * longest) {
         struct curve_place ahead = *at;
         struct solution s;
         for (int i = 0; i <= w->path->problem->n; i++)
@@ -309,6 +310,7 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
             return false;
         if (jumps(w, &s))
             return true;
+        by *= 2;
     }
     return false;
 }

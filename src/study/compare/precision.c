@@ -322,8 +322,8 @@ static bool sweep_all(const struct precision_request *request, struct precision 
     struct reference *reference = &precision->reference;
     double step;
     sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
-    bool ok =
-        (sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->choices)) ||
+    bool ok = sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->choices);
+    if (!ok)
         error_memory(error);
     ok = ok && sweep_once(&sweep, begin, seconds, error);
     if (ok && reference_suspect(reference, &sweep.witnesses, &step) && !reference->again) {

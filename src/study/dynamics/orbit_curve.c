@@ -232,7 +232,7 @@ static void make_unit(int n, double *x)
 static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
 {
     const int n = c->field->n;
-    double rate[CURVE_MAX], off = 0, by = 0;
+    double rate[CURVE_MAX] = {0}, off = 0, by = 0;
     rates_of(c, u, rate);
     for (int k = 0; k < n; k++) {
         off += c->along[k] * tangent[k];
