@@ -63,7 +63,8 @@ static bool refuse_endless(const char *path, const char *why, struct read_watch 
                            struct error *error)
 {
     char name[SAFE_NAME_SIZE];
-    watch->endless = true;
+    if (watch)
+        watch->endless = true;
     return error_set(error, ERROR_IO, "cannot read %s to its end: %s",
                      safe_name(text_of(path), name), why);
 }
@@ -168,7 +169,7 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
                      struct buffer *content, int *fd, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
-    struct stat st, after;
+    struct stat st = {0}, after;
     struct file_reading r = {path, limit, content->len, 0, watch, 0};
     if (!open_file(path, fd, &st, watch, content, error))
         return false;

@@ -222,7 +222,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
 {
     text_skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
-    struct number_part number, spread = {0};
+    struct number_part number = {0}, spread = {0};
     if (parser->rest.len == 0) {
         error_at(error, parser->rest, "%s needs a value", what);
         return false;

@@ -222,7 +222,8 @@ bool autosave_resume(struct session **session, const char *name, struct buffer *
     const char *shown = path ? strrchr(path, '/') + 1 : "";
     bool ok = path && file_read(path, SAVED_BYTES, &content, error);
     if (ok && !(restored = session_create(&(*session)->front))) {
-        ok = error_memory(error);
+        error_memory(error);
+        ok = false;
     }
     if (ok) {
         restored->safe = (*session)->safe;

@@ -27,7 +27,7 @@ bool overview_is_exact(const struct overview *o)
 /* Value at t of the polynomial through the `count` samples from `from` on (Neville). */
 static double interpolate(const struct series *s, size_t from, size_t count, double t)
 {
-    double p[6];
+    double p[6] = {0};
     for (size_t i = 0; i < count; i++) {
         p[i] = s->y[from + i];
     }

@@ -287,6 +287,9 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
             weight += (double)w->used;
         }
     }
+    if (!first) {
+        return false;
+    }
     const double omega = line.coefficient[1] / p.half, period = TWO_PI / omega;
     *out = (struct period){.period = {period, period * slope_sigma(&line) / p.half / omega},
                            .first = crossing_near(first),

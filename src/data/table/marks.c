@@ -84,8 +84,8 @@ enum { MILLI_DIGITS = 3, MICRO_DIGITS = 6 };
 struct unpadded_column {
     double whole, part, number; /* of the row before */
     double step_min, step_max;  /* of what is behind the mark, in rows of the same whole number */
+    size_t rows, back;          /* back: rows at which the number would fall */
     int digits_max;
-    size_t rows, back; /* back: rows at which the number would fall */
     bool excluded;
 };
 

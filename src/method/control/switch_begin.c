@@ -144,13 +144,13 @@ static bool settle(struct step *step, struct switches_state *state, double by,
                    struct sliding *sliding, struct system *frozen)
 {
     const int count = step->system->switches;
-    bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES];
+    bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES] = {false};
     int changed[LIMIT_SWITCHES] = {0};
     for (int i = 0; i < count; i++)
         changed[i] = state->fresh == i;
     state->by = fabs(by);
     for (int round = 0; round <= 4 * count; round++) {
-        double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
+        double now[LIMIT_SWITCHES] = {0}, soon[LIMIT_SWITCHES] = {0};
         if (!freeze(step, state, sliding, frozen))
             return false;
         look_ahead(step, frozen, by, now, soon, still);

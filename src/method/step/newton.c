@@ -181,7 +181,7 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
     const struct system *system = step->system;
     const bool adaptive = step->tol > 0 && !system->linear;
     struct workspace workspace = workspace_of(equations->tableau->stages, system->n, work);
-    double weight[LIMIT_VARIABLES];
+    double weight[LIMIT_VARIABLES] = {0};
     newton_weights(step_scale(step), system->n, y, weight);
     bool reused = *workspace.h == h && (system->linear || (adaptive && *workspace.rate <= FAST));
     if (!reused && !newton_factor(equations, step, system->n, t, h, y, &workspace))

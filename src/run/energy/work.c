@@ -193,7 +193,7 @@ static void work_of_any(const struct work *work, struct work_done *done)
     const struct system *system = work->system;
     double y[2][LIMIT_VARIABLES], a[2][LIMIT_VARIABLES], first[LIMIT_VARIABLES],
         second[LIMIT_VARIABLES];
-    struct power p[2];
+    struct power p[2] = {{0}};
     const bool drags = drags_only(system);
     scaled_state(work, 0, y[0]);
     if (!system->conservative) {

@@ -231,7 +231,8 @@ static double depart(struct event_search *look, double *value)
         watched->sign = sign_of(*value);
         return 0;
     }
-    for (double b = 1; b > 0x1p-44; b /= 2) {
+    for (int halvings = 0; halvings < 44; halvings++) {
+        const double b = ldexp(1, -halvings);
         const struct jet jet = events_watch_bounds(look->watch, watched, 0, b);
         int sign = (jet.slope.lo > 0) - (jet.slope.hi < 0);
         if (sign == 0 && jet.bend.lo * jet.bend.hi > 0) {

@@ -44,17 +44,18 @@ static bool sizes(const struct run *run, double t, double h, const double *y, do
                   double *size)
 {
     const struct system *system = &run->system;
-    double next[LIMIT_VARIABLES];
+    double next[LIMIT_VARIABLES] = {0};
     if (!run_solve(system, t, y, t + h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution, run->cancel))
         return false;
     for (int k = 0; k < system->n; k++)
         size[k] = fmax(fabs(y[k]), fabs(solution[k]));
-    for (double ahead = 2;
-         ahead <= STEPS_AHEAD &&
-         run_solve(system, t, y, t + ahead * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, next, run->cancel);
-         ahead *= 4)
+    double ahead = 2;
+    while (ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, RUN_SOLVE_STIFF,
+                                             RUN_SOLVE_TOL, next, run->cancel)) {
         for (int k = 0; k < system->n; k++)
             size[k] = fmax(size[k], fabs(next[k]));
+        ahead *= 4;
+    }
     return true;
 }
 
@@ -110,7 +111,7 @@ void run_check_step(struct run *run, size_t i)
     const struct trace *trace = run->trace;
     const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
     const double t = trace_time(trace, i), t_end = trace_time(trace, i + 1);
-    double solution[LIMIT_VARIABLES], size[LIMIT_VARIABLES];
+    double solution[LIMIT_VARIABLES] = {0}, size[LIMIT_VARIABLES] = {0};
     p->unchecked = i + 1; /* and after many, fewer and fewer: a share of the run */
     if (++p->checks > CHECKS)
         p->unchecked += (size_t)ldexp(1, (int)fmin(40, (double)(p->checks - CHECKS) / 8));

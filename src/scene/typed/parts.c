@@ -79,7 +79,7 @@ static double power(const double *c, double t, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
-    double out[LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    double out[LIMIT_VARIABLES] = {0}, mass[LIMIT_VARIABLES] = {0}, sum = 0;
     typed_masses(c, mass);
     typed_evaluate(term->add, c, t, y, out);
     for (int i = 0; i < rows; i++)
@@ -195,8 +195,12 @@ static bool make_whole(const struct part_making *m, struct typed_part *part)
     const struct typed *typed = m->typed;
     struct arena arena = {0};
     const struct expr **whole = arena_array(&arena, (size_t)typed_rows(typed), sizeof *whole);
-    bool fine = whole || error_memory(m->error);
+    bool fine = true;
     int first;
+    if (!whole) {
+        error_memory(m->error);
+        return false;
+    }
     for (int g = 0; fine && g < GROUPS; g++)
         for (int i = 0; fine && part->term[g].add && i < typed_rows(typed); i++) {
             const struct expr *more = typed->group[g][i];

@@ -390,7 +390,7 @@ static enum zero_kind zero_of(enum op_kind kind, enum zero_kind a, enum zero_kin
  * and of sums with them. NULL: not wanted. Is all of it left out? */
 static bool walk_absent(const struct expr *expr, const bool *zero, bool *left_out)
 {
-    size_t from[LIMIT_EXPR_DEPTH + 1];
+    size_t from[LIMIT_EXPR_DEPTH + 1] = {0};
     enum zero_kind is[LIMIT_EXPR_DEPTH + 1] = {NOT_ZERO};
     int top = 0;
     for (size_t i = 0; i < expr->count; i++) {

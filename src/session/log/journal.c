@@ -119,7 +119,7 @@ bool journal_list(const struct request *last, int first, const struct request **
     *count = journal_count(last) > first ? journal_count(last) - first : 0;
     *list = malloc(((size_t)*count + 1) * sizeof **list);
     *count = *list ? *count : 0;
-    for (int i = *count; *list && i-- > 0; last = last->before)
+    for (int i = *count; *list && last && i-- > 0; last = last->before)
         (*list)[i] = last;
     return *list != NULL;
 }
@@ -304,11 +304,15 @@ static int64_t common_way(const struct request *a, const struct request *b)
         return 0;
     while (a != b) {
         const int more = journal_count(a) - journal_count(b);
-        const bool differ = more != 0 || !same_request(a, b);
-        mine = differ && more >= 0 ? a->from : mine;
-        other = differ && more <= 0 ? b->from : other;
-        a = more >= 0 ? a->before : a;
-        b = more <= 0 ? b->before : b;
+        const bool differ = more != 0 || !a || !b || !same_request(a, b);
+        if (a && more >= 0) {
+            mine = differ ? a->from : mine;
+            a = a->before;
+        }
+        if (b && more <= 0) {
+            other = differ ? b->from : other;
+            b = b->before;
+        }
     }
     return mine < other ? mine : other;
 }

@@ -245,7 +245,8 @@ double precision_predict(const struct precision *precision, int c, double error)
         return NAN;
     /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one
      * before it is luck. Smaller errors lie on along the last slope. */
-    for (double x = 3; x > 1e-6; x /= 1.09) {
+    double x = 3;
+    while (x > 1e-6) {
         double matrix[4];
         if (!method_amplification(curve->by.method, curve->by.drag, x, 0, matrix))
             return NAN;
@@ -258,6 +259,7 @@ double precision_predict(const struct precision *precision, int c, double error)
             found = before > error ? x * pow(error / wrong, 1 / slope) : x;
         before = wrong;
         before_x = x;
+        x /= 1.09;
     }
     if (!(before <= error))
         found = before_x * pow(error / before, 1 / slope);

@@ -219,8 +219,9 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
                       bool conservative, struct solution *solution, struct equilibrium_form *form)
 {
     const int n = field->n;
-    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], copy[FIELD_VARIABLES * FIELD_VARIABLES],
-        rate[FIELD_VARIABLES];
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES] = {0},
+                                      copy[FIELD_VARIABLES * FIELD_VARIABLES],
+                                      rate[FIELD_VARIABLES] = {0};
     mean_field(bounded, solution->state, rate, jacobian);
     for (int i = 0; i < n * n; i++)
         copy[i] = jacobian[i];

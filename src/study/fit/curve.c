@@ -72,14 +72,15 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step,
     const struct wanted_solutions w = wanted_of(c, step->system);
     struct dense_polynomial polynomial[LIMIT_VARIABLES];
     double inside[LIMIT_VARIABLES];
-    if (*i < s->n && s->t[*i] < step->t)
+    if (*i < s->n && s->t[*i] < step->t) {
         for (int k = 0; k < w.count; k++)
             method_polynomial(c->method, step, w.index[k], &polynomial[k]);
-    for (; *i < s->n && s->t[*i] < step->t; ++*i) {
-        const double theta = (s->t[*i] - from) / step->h;
-        for (int k = 0; k < w.count; k++)
-            inside[w.index[k]] = dense_polynomial_at(&polynomial[k], theta);
-        put_sample(c, step->system, s, *i, inside);
+        do {
+            const double theta = (s->t[*i] - from) / step->h;
+            for (int k = 0; k < w.count; k++)
+                inside[w.index[k]] = dense_polynomial_at(&polynomial[k], theta);
+            put_sample(c, step->system, s, *i, inside);
+        } while (++*i < s->n && s->t[*i] < step->t);
     }
     for (; *i < s->n && s->t[*i] == step->t; ++*i)
         put_sample(c, step->system, s, *i, step->y);

@@ -86,8 +86,10 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
     const struct system *base = &v->base;
     double sum[2][LIMIT_VARIABLES / 2];
     const int rows = base->order == 2 ? base->n / 2 : base->n, above = base->n - rows;
-    for (int i = 0; i < rows; i++)
-        sum[0][i] = sum[1][i] = 0;
+    int row = 0;
+    do /* there is at least one */
+        sum[0][row] = sum[1][row] = 0;
+    while (++row < rows);
     for (int k = 0; k < d->changes; k++)
         for (int s = 0; s < 2; s++)
             if (d->change[k].in[s] && v->dry != 0 && d->change[k].row->flags & TERM_DRY)

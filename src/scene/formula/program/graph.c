@@ -22,7 +22,7 @@ int node_arity(enum node_kind kind)
         [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,      [NODE_ONE] = 1,     [NODE_TWO] = 2,
         [NODE_MUL_ADD] = 3,    [NODE_MUL_SUB] = 3, [NODE_SUB_MUL] = 3, [NODE_NEG_MUL] = 2,
     };
-    return arity[kind];
+    return kind < NODE_KINDS ? arity[kind] : 0;
 }
 
 static uint64_t payload(const struct node *node)
