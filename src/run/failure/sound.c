@@ -80,12 +80,15 @@ static double scaled_size(const struct system *system, const double *y, int *var
 static bool skips_growth(const struct run *run, double t, double h, const double *y,
                          const double *end, struct unsound_step *unsound)
 {
-    static const double grown = 8, missed = 0.25;
+    /* in natural sizes: what begins at 0 grows by any factor */
+    static const double grown = 8, missed = 0.25, start_min = 1e-3;
     enum { SHORTER_MAX = 96 };
     const struct system *system = &run->system;
     const bool is_first = t == system->t0;
     double solution[LIMIT_VARIABLES], part = 1;
     int variable, ignored;
+    if (!system->autonomous || !(scaled_size(system, y, &ignored) > start_min))
+        return false; /* a drive, which makes anything out of nothing */
     for (int i = 0; i < (is_first ? SHORTER_MAX : 1) && !cancelled(run->cancel); i++, part /= 16) {
         if (!run_solve(system, t, y, t + part * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution,
                        run->cancel))
