@@ -95,6 +95,8 @@ CASES = [
     ("--resume", "", "", "", ""),
     ("run long", "scene pendulum; method radau5 dt=1ms", "run 3000 s --force", "drop all", "+"),
     ("run adaptive", CHAOS + "; method dop853; tol = 1e-10", "run 2000", "drop all", "+"),
+    ("run energy", "scene driven; method dop853 tol=1e-13", "run 1e5 s --force", "drop all", "+"),
+    ("run energy stiff", "scene stiff-spring; method dopri5 tol=1e-8", "run 2 s --force", "drop all", "+"),
     ("run until", "scene pendulum; method rk4 dt=1ms; duration = 1000 s", "run until theta > 10 rad", "drop all", "+"),
     ("run events", LORENZ + "; event top when x*y - 8/3*z falling do record", "run 1000 --force", "drop all", "+"),
     ("run typed", "var x = 2; var y = 0; x' = y; y' = 5*(1 - x^2)*y - x; method rk4 dt=1ms",

@@ -4,17 +4,32 @@
 #include "command/study/sweep.h"
 
 #include <math.h>
+#include <time.h>
+#include <unistd.h>
 
 #define PLACES 8    /* evenly over the shard */
 #define SECONDS 1.0 /* that are measured, unless one place takes longer */
 #define HOUR 3600.0
+/* Times the processor time that the clock has to show before the machine counts as busy. */
+static const double busy_ratio = 1.3;
+/* Beginning and ending threads may take that much of the time of less [s]. */
+static const double busy_seconds_min = 0.05;
 
+/* Seconds are processor time, which other processes do not change, of each thread. */
 struct cost_sample {
     int64_t points;
-    double seconds, bytes;
+    double seconds, elapsed, bytes;
     double rate[PLACES]; /* points a second, of the last look at each place */
     int places;
 };
+
+/* Returns the processor time of all threads of the process [s]. */
+static double processor_seconds(void)
+{
+    struct timespec now = {0, 0};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
 
 /* So many points at each place: in the middle of each of as many parts as there are places, so that
  * ends which take longer have no more than their share; where blocks of lanes begin. */
@@ -37,14 +52,19 @@ static bool look(struct session *session, const struct sweep_request *request,
         const double middle = (double)shard->count * (2 * i + 1) / (2 * places);
         const int64_t at = shard->first + (int64_t)fmax(0, middle - (double)count / 2);
         part.first = at - at % batch < shard->first ? at : at - at % batch;
+        const double begin = processor_seconds();
         study_sweep(&part, &sweep, &why);
+        const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+        const double seconds =
+            (processor_seconds() - begin) / fmax(1, fmin(sweep.threads, (double)processors));
         ok = sweep.finished == count && sweep_rows(&part, &sweep, &rows);
         if (!ok)
             *error = why.code ? why : (struct error){.code = ERROR_COMMAND};
         sample->points += count;
-        sample->seconds += sweep.seconds;
+        sample->seconds += seconds;
+        sample->elapsed += sweep.seconds;
         sample->bytes += (double)rows.len;
-        sample->rate[i] = (double)count / fmax(sweep.seconds, 1e-9);
+        sample->rate[i] = (double)count / fmax(seconds, 1e-9);
         buffer_free(&rows);
         sweep_free(&sweep);
         report_fraction(&session->front, -1);
@@ -79,7 +99,7 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
     for (;;) {
         if (!look(session, request, &shard, each, &sample, error))
             return false;
-        const double wanted = SECONDS / fmax(sample.seconds, 1e-3);
+        const double wanted = SECONDS / fmax(sample.elapsed, 1e-3);
         if (wanted < 2 || PLACES * each >= shard.count)
             break;
         each = (int64_t)((double)each * fmin(wanted, 16));
@@ -105,6 +125,10 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
     reply_line(reply, "all %lld: %.3g s; %.0f shard%s of an hour each at most (measured on %lld)",
                (long long)shard.total, whole, shards, shards > 1 ? "s" : "",
                (long long)sample.points);
+    const double busy = sample.elapsed / fmax(sample.seconds, 1e-9);
+    reply_real(reply, "busy", busy);
+    if (busy > busy_ratio && sample.elapsed > busy_seconds_min)
+        reply_line(reply, "the machine is busy: as it is now, %.1f times as long", busy);
     reply_end(reply);
     return true;
 }

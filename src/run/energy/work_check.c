@@ -18,8 +18,9 @@ static const double solution_tolerance_fraction = 1e-3;
 static const double solution_tolerance_max = 1e-12, solution_tolerance_min = 1e-14;
 /* Share of the difference after a step that may come from the quadrature. */
 static const double quadrature_error_fraction = 0.05;
-/* Steps of fixed size that are solved anew in a run: more would take longer than the run itself. */
-enum { SOLVED_STEPS_MAX = 10000 };
+/* Steps that are solved anew in a run: more would take longer than the run itself, and nobody could
+ * interrupt it meanwhile. What more of them do is not known. */
+enum { SOLVED_STEPS_MAX = 4000 };
 
 /* Returns the state after k steps of the block, in the run's own units. */
 static const double *state_after(const struct work *work, int k)
@@ -67,11 +68,11 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                                               : solution_tolerance_max),
              solution_tolerance_min);
     const bool all_drag = memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0,
-               allowed = run->plan.adaptive || balance->solved++ < SOLVED_STEPS_MAX;
+               allowed = balance->solved++ < SOLVED_STEPS_MAX;
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
-    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, run->cancel) ||
-                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, run->cancel)))
+    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, NULL) ||
+                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, NULL)))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
     else if ((done->any_jumps && done->jumps[k]) ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))
@@ -101,6 +102,8 @@ void work_check(const struct run *run, struct balance *balance, const struct wor
     const double share =
         fmax(run->plan.adaptive ? missing_tolerance_fraction * run->settings.tol : 0,
              energy_rounding_units * DBL_EPSILON);
+    if (isnan(balance->tally.work.high)) /* nothing is known from there on */
+        return;
     /* all but the first step at once: most blocks have nothing to solve */
     const bool any = done->any_jumps || (run->plan.adaptive ? is_any_missing(done, balance->initial,
                                                                              share, 1, work->count)
