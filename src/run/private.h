@@ -417,8 +417,9 @@ bool run_in_bounds(const struct run *run, const double *y);
 
 void opinion_forget(struct run *run); /* it starts anew */
 /*
- * regrowth.c: looks for variables that came to rest within their tolerance, so that neither solution of the
- * opinion knows them, and follows what becomes of errors of that size: opinion.sunk and lost.
+ * regrowth.c: looks for variables that came to rest within their tolerance, so that neither of the
+ * solutions of the opinion knows them, and follows what becomes of errors of that size:
+ * opinion.sunk and lost.
  */
 void regrowth_look(struct run *run, const struct cancel *cancel);
 

@@ -265,6 +265,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
     if (branch->count > 1) {
         buffer_format(out, ", steps of %s up to ", row->row.name);
         buffer_quantity(out, longest_step(branch), row->quantity, 2);
+        buffer_put(out, TEXT(" (special points closer together than that may be missed)"));
     }
     buffer_put(out, TEXT("; all points: 'export FILE table'"));
 }
@@ -430,6 +431,8 @@ HANDLER(branch)
     put_branch(session, kept, args->arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
+    reply_own_solver(
+        session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
     reply_branch(session, kept, reply);
     keep_rows(session, kept, reply);
     return !stopped || error_set(error, ERROR_CANCELLED, "cancelled: what there is so far is kept");

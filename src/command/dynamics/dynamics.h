@@ -46,6 +46,11 @@ bool find_label(const struct session *session, const struct dynamics *dynamics, 
  * in words. */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request);
+/* What equilibria and flows are solved by, whatever the session's method is. */
+#define NEWTON_SOLVER "bounds of the equations and Newton's method"
+#define FLOW_SOLVER "dop853, or radau5 where that takes too many steps, at tolerances of its own"
+/* orbit.c: adds a line that says so where the user has chosen a method, a step or a tolerance. */
+void reply_own_solver(const struct session *session, const char *solver, struct reply *reply);
 /* ", 12 ms", where times are shown. */
 void put_seconds(struct buffer *out, const struct session *session, double seconds);
 /* `use` of what is no run. */

@@ -269,6 +269,7 @@ HANDLER(equilibria)
     put_seconds(&text, session, found.seconds);
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);
+    reply_own_solver(session, NEWTON_SOLVER, reply);
     reply_equilibria(&system, &found, full, reply);
     const bool kept = dynamics_keep_equilibria(session, &found, error);
     equilibria_free(&found);

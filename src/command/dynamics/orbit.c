@@ -106,6 +106,13 @@ static void put_multipliers(struct buffer *out, const struct solution *s)
                       s->trivial);
 }
 
+void reply_own_solver(const struct session *session, const char *solver, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    if (setup->method_chosen || setup->settings.tol_chosen || setup->settings.dt_chosen)
+        reply_line(reply, "solved by %s ('method', 'dt' and 'tol' do not matter here)", solver);
+}
+
 static void put_orbit(struct buffer *out, const struct system *system, int number,
                       const struct found_orbit *orbit)
 {
@@ -225,6 +232,7 @@ HANDLER(orbit)
             put_from(&text, &found, request.settles ? from : "the guess");
         }
         reply_text(reply, buffer_text(&text));
+        reply_own_solver(session, FLOW_SOLVER, reply);
         reply_orbit(&system, kept->number, &found, reply);
         keep_table(&system, &found, reply);
     }

@@ -65,6 +65,7 @@ void reply_portrait(const struct session *session, struct reply *reply)
     put_seconds(&cost, session, portrait->seconds);
     reply_text(reply, buffer_text(&cost));
     buffer_free(&cost);
+    reply_own_solver(session, FLOW_SOLVER, reply);
     if (!portrait->found.complete && portrait->found.count > 0)
         reply_line(reply, "equilibria: may be incomplete (%s)", portrait->found.reason);
 }
