@@ -53,6 +53,9 @@ struct spectrum {
 /* false: no memory */
 bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
 double samples_noise(const struct samples *samples, double *scratch);
+/* quantum.c: the step to which values are rounded: the smallest between neighbours or a part of it,
+ * if nearly all are multiples of it; else 0. */
+double samples_quantum(const struct samples *samples);
 /* clears `use` of short far excursions */
 void samples_flag_spikes(struct samples *samples, double *scratch);
 
@@ -163,6 +166,15 @@ bool motion_refuse(const struct motion *motion, const struct series *series, str
  * of the part that does. */
 bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
                     const struct cancel *cancel, struct error *error);
+
+/* ---- quantum.c ---- */
+
+/*
+ * Returns the relative standard uncertainty of the period that the step of the sensor leaves open
+ * where every period reads the same: its rounding errors do not average out, and no scatter shows
+ * them. 0 where readings differ.
+ */
+double quantum_pace(const struct motion *motion);
 
 /* ---- swing.c ---- */
 

@@ -53,24 +53,6 @@ static void extremes(struct motion *m)
     o->mean = used ? sum / (double)used : NAN;
 }
 
-/* The step to which values are rounded: the smallest between neighbours, if nearly all are
- * multiples of it; else 0. */
-static double find_quantum(const struct samples *x)
-{
-    const double rounding = 1e-12 * fmax(fabs(x->y[0]), fabs(x->y[x->n - 1]));
-    double quantum = HUGE_VAL;
-    for (size_t i = 1; i < x->n && !cancelled_at(x->cancel, i); i++) {
-        double step = fabs(x->y[i] - x->y[i - 1]);
-        quantum = step > rounding && step < quantum ? step : quantum;
-    }
-    size_t others = 0;
-    for (size_t i = 1; i < x->n && 100 * others <= x->n; i++) {
-        double multiple = (x->y[i] - x->y[i - 1]) / quantum;
-        others += fabs(multiple - nearbyint(multiple)) > 0.01;
-    }
-    return 100 * others <= x->n && isfinite(quantum) ? quantum : 0;
-}
-
 /* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least
  * correlated. */
 static double centre(const struct samples *x, double gamma)
@@ -348,7 +330,7 @@ static bool fit_once(struct motion *m, const struct series *series, struct arena
         refuse(o, "it is constant");
         return true;
     }
-    m->quantum = find_quantum(&m->samples);
+    m->quantum = samples_quantum(&m->samples);
     if (cancelled(m->samples.cancel)) {
         return false;
     }
@@ -377,8 +359,14 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!fit_once(m, series, arena, cancel, &use)) {
         return false;
     }
-    return m->overview.oscillates || !use || cancelled(m->samples.cancel) ||
-           look_closer(m, use, arena);
+    if (!m->overview.oscillates && use && !cancelled(m->samples.cancel) &&
+        !look_closer(m, use, arena)) {
+        return false;
+    }
+    if (m->overview.oscillates) {
+        m->samples.pace = hypot(m->samples.pace, quantum_pace(m));
+    }
+    return true;
 }
 
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)

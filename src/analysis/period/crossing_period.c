@@ -102,23 +102,29 @@ static size_t up_crossings(const struct series *series, const struct overview *o
 
 /*
  * Returns the uncertainty of a crossing [s] that lies in an edge: somewhere between two samples, as
- * much of the swing is passed between them. 0 if the series passes the level smoothly.
+ * much of the swing is passed between them, or only a step of the sensor. 0 if the series passes
+ * the level smoothly.
  */
-static double edge_uncertainty(const struct series *s, const struct overview *o, double t)
+static double edge_uncertainty(const struct series *s, const struct overview *o, double quantum,
+                               double t)
 {
     static const double edge_share = 0.3;
     const struct samples all = {.t = s->t, .n = s->n};
     const size_t after = samples_index(&all, t);
     if (after == 0 || after >= s->n)
         return 0;
-    const double jump = fabs(s->y[after] - s->y[after - 1]);
-    return jump > edge_share * (o->high - o->low) ? (s->t[after] - s->t[after - 1]) / sqrt(12) : 0;
+    const double jump = fabs(s->y[after] - s->y[after - 1]),
+                 width = (s->t[after] - s->t[after - 1]) / sqrt(12);
+    if (jump > edge_share * (o->high - o->low))
+        return width;
+    return quantum > 0 ? width * fmin(quantum / jump, 1) : 0; /* jump may be 0 */
 }
 
 /* Adds what equal errors of all edges do to the period, as they do not show in their scatter. */
 static void widen_by_edges(const struct series *s, const struct overview *o, struct period *period)
 {
-    const double edge = edge_uncertainty(s, o, period->first);
+    const double quantum = samples_quantum(&(struct samples){.y = s->y, .n = s->n}),
+                 edge = edge_uncertainty(s, o, quantum, period->first);
     period->period.uncertainty =
         hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
 }

@@ -186,6 +186,47 @@ static void one_clean_period_is_as_good_as_its_interpolation(void **state)
     }
 }
 
+/*
+ * A sensor without noise whose step is 1/2 to 1/13 of the amplitude: what lies within a step is not
+ * known, though no scatter shows it, least of all where a period is nearly a whole number of rows.
+ */
+static void coarse_steps_leave_the_period_open(void **state)
+{
+    (void)state;
+    static const double steps[] = {1.5, 2, 3, 5, 8, 13};
+    const int runs = is_long() ? 1500 : 200;
+    struct coverage of[2] = {{0}};
+    random_state = 85;
+    for (int run = 0; run < runs; run++) {
+        struct truth truth = {.amplitude = 40,
+                              .offset = run % 3 ? 200 : 0,
+                              .rate = 50,
+                              .phase = random_between(-3, 3)};
+        const double samples = random_between(8, 120);
+        truth.period =
+            (run % 2 ? samples : nearbyint(samples) + random_between(-0.05, 0.05)) / truth.rate;
+        truth.span = truth.period * random_between(2.2, 25);
+        truth.gamma = run % 4 == 3 ? random_between(0.1, 1) / truth.span : 0;
+        truth.quantum = truth.amplitude / steps[run % (int)COUNT_OF(steps)];
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct error error = {0};
+        struct period p;
+        struct fit fit;
+        if (series_period(&s.series, &arena, &p, &error))
+            count_value(&of[0], p.period, truth.period);
+        if (fit_named("damped", &s.series, &fit, &error))
+            count_value(&of[1], fit.period, truth.period);
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+    print_coverage("period of coarse steps", &of[0]);
+    print_coverage("fit of coarse steps", &of[1]);
+    for (int i = 0; i < 2; i++)
+        assert_true(of[i].judged >= 0.95 * runs && of[i].covered >= 0.9 * of[i].judged &&
+                    of[i].worst < 5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -193,6 +234,7 @@ int main(void)
         cmocka_unit_test(amplitudes_cover_the_truth),
         cmocka_unit_test(lines_of_spectra_cover_the_truth),
         cmocka_unit_test(reciprocals_of_what_may_be_zero_have_a_bound),
+        cmocka_unit_test(coarse_steps_leave_the_period_open),
         cmocka_unit_test(one_clean_period_is_as_good_as_its_interpolation)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -48,7 +48,7 @@ static int rows_left_out(const struct sensed *s, bool *warned)
     assert_int_equal(r->rows, s->n);
     for (size_t i = 0; i < r->rows; i++)
         missing += isnan(r->y[i]);
-    *warned = fixture_warns(r, "far from all others");
+    *warned = fixture_warns(r, "that see nothing: left out");
     recording_destroy(r);
     buffer_free(&text);
     return missing;
