@@ -87,6 +87,25 @@ static void carry_amplitude(const struct motion *m, double from, double width, d
     amplitude->uncertainty = amplitude->value * relative;
 }
 
+/*
+ * Adds by how much the amplitude of half the window differs: where the envelope bends within the
+ * window, what is read is its mean, which is off by 4/3 of that.
+ */
+static void widen_by_bend(const struct motion *m, double from, double width,
+                          const struct reading *whole, struct measured *amplitude)
+{
+    static const double chance = 2; /* standard deviations */
+    const struct samples *x = &m->samples;
+    struct reading half;
+    if (!local_amplitude(m, samples_index(x, from + (0.25 - 1e-9) * width),
+                         samples_index(x, from + (0.75 + 1e-9) * width), &half))
+        return;
+    const double bend = fabs(half.amplitude.value / whole->amplitude.value - 1),
+                 noise = half.amplitude.uncertainty / half.amplitude.value;
+    if (bend > chance * noise)
+        amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
+}
+
 bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
                        int count, double width, struct reading *out, struct error *error)
 {
@@ -110,7 +129,9 @@ bool series_amplitudes(const struct series *series, struct arena *arena, const d
             return error_set(error, ERROR_COMMAND,
                              "too few samples for an amplitude within %g s around %g s", w, at[i]);
         }
+        const struct reading whole = out[i];
         carry_amplitude(&m, from, w, at[i], &out[i].amplitude);
+        widen_by_bend(&m, from, w, &whole, &out[i].amplitude);
         out[i].t = at[i];
     }
     return true;

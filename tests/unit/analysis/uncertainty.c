@@ -113,6 +113,33 @@ static void amplitudes_cover_the_truth(void **state)
     }
 }
 
+/* Within a window of two periods out of four, an envelope under quadratic drag bends by much more
+ * than the noise. */
+static void amplitudes_of_bent_envelopes_are_wider(void **state)
+{
+    (void)state;
+    const int runs = is_long() ? 600 : 80;
+    struct coverage of = {0};
+    random_state = 86;
+    for (int run = 0; run < runs; run++) {
+        struct truth truth = random_truth(0);
+        truth.span = truth.period * random_between(3.5, 6);
+        truth.rate = random_between(50, 150);
+        truth.quadratic = random_between(1, 6) / truth.span;
+        struct synthetic s = synthetic_make(&truth);
+        struct arena arena = {0};
+        struct error error = {0};
+        struct reading reading;
+        const double at = random_between(0.3, 0.7) * truth.span;
+        if (series_amplitudes(&s.series, &arena, &at, 1, 0, &reading, &error))
+            count_value(&of, reading.amplitude, true_amplitude(&truth, at));
+        arena_reset(&arena);
+        synthetic_free(&s);
+    }
+    print_coverage("bent envelopes", &of);
+    assert_true(of.judged >= 0.9 * runs && of.covered >= 0.85 * of.judged && of.worst < 7);
+}
+
 /* Covered, and no more uncertain than the noise makes it: for a tone that decays as exp(-gamma t/2)
  * the bound is some times that of a steady one. */
 static void lines_of_spectra_cover_the_truth(void **state)
@@ -232,6 +259,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(periods_by_the_autocorrelation_cover_the_truth),
         cmocka_unit_test(amplitudes_cover_the_truth),
+        cmocka_unit_test(amplitudes_of_bent_envelopes_are_wider),
         cmocka_unit_test(lines_of_spectra_cover_the_truth),
         cmocka_unit_test(reciprocals_of_what_may_be_zero_have_a_bound),
         cmocka_unit_test(coarse_steps_leave_the_period_open),
