@@ -254,7 +254,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (segment->target->condition && noticed && meet(run, segment, t, h, &off_grid)) {
         cold = true;
         stop = STOP_CONDITION;
-        noticed = responses_add_moment(run, p->watch->until, h);
+        noticed = responses_add_moment(run, p->watch->until);
     }
     if (run->trace->interval > 0)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);

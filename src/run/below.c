@@ -30,7 +30,8 @@ int run_below_tolerance(const struct run *run, double *below)
         return 0;
     system_derivative(system, run->t, run->y, slope);
     for (int i = 0; i < system->n; i++) {
-        const double up = ADDED_UP * tol * run->controller.scale[i], error = known_error(run, i);
+        const double size = fmin(run->controller.scale[i], opinion_size(run, i)),
+                     up = ADDED_UP * tol * size, error = known_error(run, i);
         const double allowed = fmax(up, DIGIT * error);
         if (run->y[i] == 0 || !(fabs(run->y[i]) < allowed && fabs(slope[i]) * soon < allowed))
             continue;

@@ -25,10 +25,7 @@
 #define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
 #define TOL_EXPLICIT 2e-14 /* at least: rounding */
 #define TOL_IMPLICIT 1e-13
-#define ROWS 256  /* compared in one call */
-#define LOOKS 32  /* at the Jacobian, whose spectral radius is found in */
-#define ROUNDS 12 /* multiplications, the last of which count: */
-#define COUNTED 6 /* an even number, so that pairs +-lambda do not matter */
+#define ROWS 256 /* compared in one call */
 /* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
 #define STIFF 0.5
 /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
@@ -102,13 +99,14 @@ static void measure_sizes(const struct run *run, struct distances *d)
     }
 }
 
-/* Returns what errors of variable i are measured by: its largest value, or its natural size where
- * the run leaves it next to that at rest. */
-static double size_of(const struct run *run, const struct distances *d, int i)
+/* Returns what a distance of variable i is measured by: its largest value, or its natural size
+ * where the run leaves it next to that at rest, so that what is seen of it may be errors alone. */
+static double size_of(const struct run *run, const struct distances *d, int i, double distance)
 {
-    static const double at_rest = 0.01;
+    static const double at_rest = 0.01, unknown = 0.1;
     const double natural = run->controller.scale[i];
-    return d->size[i] >= at_rest * natural ? d->size[i] : natural;
+    return d->size[i] >= at_rest * natural || distance < unknown * d->size[i] ? d->size[i]
+                                                                              : natural;
 }
 
 /* Of state y from the run's `own` at t. */
@@ -122,7 +120,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
         const double distance = fabs(own[i] - y[i]);
         opinion->end[i] = distance;
         if (distance > 0)
-            here = fmax(here, distance / size_of(run, d, i));
+            here = fmax(here, distance / size_of(run, d, i, distance));
     }
     d->t = t;
     d->sum += by * here;
@@ -140,19 +138,26 @@ static void compare(struct run *run, struct distances *d, double t, const double
     opinion->t = t;
 }
 
-/* The k-th of `count` rows that are spread over those from `first` on; the last is the last. */
-static size_t spread_row(const struct run *run, size_t first, size_t k, size_t count)
-{
-    const size_t rows = trace_count(run->trace) - first;
-    return first + (size_t)((double)(k + 1) * (double)rows / (double)count) - 1;
-}
-
 /* The first row that it has not been compared with; the last one at the latest. */
 static size_t next_row(const struct run *run, const struct second *second)
 {
     const size_t found = second->at > 0 ? trace_row_from(run->trace, second->at + 1) : 1;
     const size_t rows = trace_count(run->trace);
     return found < rows ? found : rows - 1;
+}
+
+/* Returns false if the closed form may have met an event up to the state after `step` that the run
+ * only came near to. */
+static bool closed_form_misses(const struct run *run, struct saltation *saltation, int64_t step)
+{
+    double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    for (const struct response *miss;
+         (miss = saltation_next_miss(run, saltation, step)) && isnan(saltation->lost);) {
+        const struct epoch *epoch = run_epoch(run, step);
+        system_exact(&epoch->system, epoch->t, epoch->start, miss->t, exact, floor);
+        saltation_pass_miss(run, saltation, exact);
+    }
+    return isnan(saltation->lost);
 }
 
 /* The rows since the last time: what it says of those before stays. */
@@ -164,15 +169,20 @@ static void against_closed_form(struct run *run)
         return;
     struct second *second = p->second;
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
-    if (second->at == 0)
+    if (second->at == 0) {
         second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
+        second->saltation.lost = NAN;
+    }
     measure_sizes(run, &second->distances);
     const size_t first = next_row(run, second), rows = trace_count(trace) - first,
                  count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
-        const size_t row = spread_row(run, first, k, count);
+        const size_t row = run_spread_row(run, first, k, count);
         const struct epoch *epoch = run_epoch(run, trace_step(trace, row));
+        if (!closed_form_misses(run, &second->saltation, trace_step(trace, row)))
+            return;
         system_exact(&epoch->system, epoch->t, epoch->start, trace_time(trace, row), exact, floor);
+        saltation_note(&second->saltation, run->system.n, trace_state(trace, row), exact);
         compare(run, &second->distances, trace_time(trace, row), trace_state(trace, row), exact);
     }
     second->at = trace_step(trace, trace_count(trace) - 1);
@@ -180,55 +190,10 @@ static void against_closed_form(struct run *run)
 
 /* ---- the second solution ---- */
 
-/* Spectral radius of the Jacobian [n][n], by powers. */
-static double spectral_radius(const double *jacobian, int n)
-{
-    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 0;
-    /* nothing in particular */
-    for (int i = 0; i < n; i++)
-        v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
-    for (int round = 0; round < ROUNDS; round++) {
-        double before = 0, after = 0;
-        for (int i = 0; i < n; i++) {
-            w[i] = 0;
-            for (int j = 0; j < n; j++)
-                w[i] += jacobian[i * n + j] * v[j];
-            before += v[i] * v[i];
-            after += w[i] * w[i];
-        }
-        if (after == 0)
-            return 0;
-        if (round >= ROUNDS - COUNTED)
-            grown += fixed_log(after / before) / 2;
-        for (int i = 0; i < n; i++)
-            v[i] = w[i] / sqrt(after);
-    }
-    return fixed_exp(grown / COUNTED);
-}
-
-/* Its integral over the run, from some of the rows. */
-static double stiffness_over(const struct run *run)
-{
-    const struct system *system = &run->system;
-    const size_t rows = trace_count(run->trace) - 1, count = rows < LOOKS ? rows : LOOKS;
-    double *jacobian = malloc((size_t)system->n * (size_t)system->n * sizeof *jacobian), sum = 0;
-    size_t row = 0;
-    for (size_t k = 0; jacobian && k < count; k++) {
-        const size_t next = spread_row(run, 1, k, count);
-        system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row),
-                        jacobian);
-        sum += spectral_radius(jacobian, system->n) *
-               fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
-        row = next;
-    }
-    free(jacobian);
-    return sum;
-}
-
 static const struct method *choose_method(const struct run *run, bool other)
 {
     const double evals = (double)run->cost.evals;
-    const bool stiff = !(EVALS_A_UNIT * stiffness_over(run) <= fmax(STIFF * evals, EVALS_FREE));
+    const bool stiff = !(EVALS_A_UNIT * run_stiffness(run) <= fmax(STIFF * evals, EVALS_FREE));
     return stiff == other ? method_find("dop853")
                           : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
@@ -253,10 +218,12 @@ static bool second_begin(struct run *run, bool other)
     method_choose_kernels(method, &second->step, true);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     /* a run of a higher order may be far better than its tolerance */
-    const double tighter = run->method->order > method->order ? TIGHTER * TIGHTER : TIGHTER;
+    const double tighter =
+        run->method->order > method->order ? TIGHTER * TIGHTER * TIGHTER : TIGHTER;
     second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
                                    : fmax(tighter * run->controller.tol, TOL_EXPLICIT);
     second->distances = (struct distances){.t = epoch->t, .lost = NAN};
+    second->saltation.lost = NAN;
     second->epoch = 1;
     second->each = 1;
     run->private_state->second = second;
@@ -300,9 +267,16 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         const struct kick *kick = second->kick < p->kicks ? &p->kick[second->kick] : NULL;
         const bool bind = epoch && epoch->first < step, jump = kick && kick->step <= step;
         const bool first = bind && !(jump && kick->step <= epoch->first);
+        const struct response *miss = saltation_next_miss(run, &second->saltation, step);
+        const double t = first ? epoch->t : jump ? kick->t : NAN;
+        if (miss && !((miss->t - t) * (run->t - run->system.t0) > 0)) {
+            if (!second_go(run, second, miss->t, max, cancel) ||
+                !saltation_pass_miss(run, &second->saltation, second->y))
+                return false;
+            continue;
+        }
         if (!bind && !jump)
             return true;
-        const double t = first ? epoch->t : kick->t;
         if (!second_go(run, second, t, max, cancel) ||
             !saltation_enter(run, &second->saltation, &second->system, t, second->y))
             return false;
@@ -354,7 +328,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
     const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
     const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
-        const size_t row = spread_row(run, first, k, count);
+        const size_t row = run_spread_row(run, first, k, count);
         const double t = trace_time(trace, row),
                      ahead = (t - second->step.t) * (run->t - run->system.t0);
         if (ahead < 0)
@@ -364,6 +338,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
             return false;
         second->at = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->y);
+        saltation_note(&second->saltation, run->system.n, trace_state(trace, row), second->y);
         remember(second, t, run->opinion.error);
         if (lost && is_lost(run))
             return false;
@@ -406,7 +381,8 @@ static bool second_try(struct run *run, double max, const struct cancel *cancel)
             return false;
         if (second_follow(run, max, false, cancel))
             return true;
-        if (work_of(&p->second->step.cost) > max || cancelled(cancel))
+        if (work_of(&p->second->step.cost) > max || cancelled(cancel) ||
+            !isnan(p->second->saltation.lost))
             return false;
         if (try == 0)
             opinion_forget(run);
@@ -437,6 +413,8 @@ void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel
     if (p->second &&
         run->plan.exact_known != !p->second->method) /* the scene was changed on the way */
         opinion_forget(run);
+    if (p->second && !isnan(p->second->saltation.lost))
+        return;
     if (run->plan.exact_known) {
         against_closed_form(run);
         return;
@@ -458,9 +436,22 @@ bool run_opinion_known(const struct run *run)
     return known && !blind && isnan(run_opinion_sunk(run));
 }
 
+double opinion_size(const struct run *run, int i)
+{
+    const struct second *second = run->private_state->second;
+    const bool known = second && !isnan(run_opinion_error(run));
+    return known ? size_of(run, &second->distances, i, run->opinion.end[i]) : HUGE_VAL;
+}
+
 double run_opinion_sunk(const struct run *run)
 {
     return run->private_state->sunk;
+}
+
+double run_opinion_event(const struct run *run)
+{
+    const struct second *second = run->private_state->second;
+    return second ? second->saltation.lost : NAN;
 }
 
 double run_opinion_error(const struct run *run)

@@ -415,7 +415,18 @@ enum stop stop_of_step(enum step_status status);
 /* all finite, and not what counts as diverged */
 bool run_in_bounds(const struct run *run, const double *y);
 
+/* ---- stiffness.c ---- */
+
+/* Returns the k-th of `count` rows that are spread over those from `first` on; the last is the last
+ * row of the run. */
+size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t count);
+/* Returns the integral of the Jacobian's spectral radius over the run, from some of its rows. */
+double run_stiffness(const struct run *run);
+
 void opinion_forget(struct run *run); /* it starts anew */
+/* Returns what the opinion measures errors of variable i by, or infinity where it does not know the
+ * present state. */
+double opinion_size(const struct run *run, int i);
 /*
  * regrowth.c: looks for variables that came to rest within their tolerance, so that neither of the
  * solutions of the opinion knows them, and follows what becomes of errors of that size:

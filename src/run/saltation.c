@@ -6,6 +6,8 @@
  * Appl. Math. Mech. 22:1065; Leine, Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth
  * Mechanical Systems, chapter 7).
  */
+#include <hooke/scene/formula.h>
+
 #include "run/event/watch.h"
 
 #include <float.h>
@@ -80,33 +82,85 @@ void run_set_jump_slopes(struct run *run, const double *slope)
         memcpy(slopes_of(run, all->count - 1), slope, ((size_t)run->system.n + 1) * sizeof *slope);
 }
 
-bool responses_add_moment(struct run *run, int event, double h)
+/*
+ * Sets the derivatives of the event's function by the variables and by time at a state. A function
+ * that jumps there has none: differences still tell its moment where it depends on one of them
+ * alone, and NAN is set where it depends on more.
+ */
+static void find_moment_slopes(struct run *run, const struct watched *watched, double t,
+                               const double *state, double *slope)
 {
     struct event_watch *watch = run->private_state->watch;
-    const struct watched *watched = &watch->event[event];
     const int n = run->system.n;
-    if (!add_response(run, &(struct response){run->steps, run->t, 0, -1}, run->y))
-        return false;
-    double *slope = slopes_of(run, run->private_state->responses.count - 1);
+    const double h = watch->path.inside.h;
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
-    copy_state(y, run->y, n);
-    system_derivative(&run->system, run->t, y, f);
+    double largest = 0, jump = 0;
+    int moving = 0;
+    copy_state(y, state, n);
+    system_derivative(&run->system, t, y, f);
+    const double here = events_watch_value(watch, watched, t, y);
     for (int i = 0; i <= n; i++) {
         const double size = i < n ? fmax(watch->size[i], fabs(h * f[i])) : fabs(h);
-        const double rounding = i < n ? 0 : 4 * DBL_EPSILON * fabs(run->t) / difference;
+        const double rounding = i < n ? 0 : 4 * DBL_EPSILON * fabs(t) / difference;
         const double by = difference * (size > 0 ? fmax(size, rounding) : 1);
         double value[2];
         for (int side = 0; side < 2; side++) {
             const double off = side ? by : -by;
             if (i < n)
-                y[i] = run->y[i] + off;
-            value[side] = events_watch_value(watch, watched, i < n ? run->t : run->t + off, y);
+                y[i] = state[i] + off;
+            value[side] = events_watch_value(watch, watched, i < n ? t : t + off, y);
         }
         if (i < n)
-            y[i] = run->y[i];
+            y[i] = state[i];
         slope[i] = (value[1] - value[0]) / (2 * by);
+        moving += slope[i] != 0;
+        largest = fmax(largest, fabs(value[1] - value[0]));
+        jump = fmax(jump, fabs(value[1] - 2 * here + value[0]));
     }
+    for (int i = 0; i <= n && moving > 1 && jump > largest / 2; i++)
+        slope[i] = NAN;
+}
+
+static bool add_event_response(struct run *run, int event, const struct response *response,
+                               const double *state)
+{
+    const struct watched *watched = &run->private_state->watch->event[event];
+    if (!add_response(run, response, state))
+        return false;
+    find_moment_slopes(run, watched, response->t, state,
+                       slopes_of(run, run->private_state->responses.count - 1));
     return true;
+}
+
+bool responses_add_moment(struct run *run, int event)
+{
+    struct event_watch *watch = run->private_state->watch;
+    const double h = watch->path.inside.h,
+                 theta = fmin(fmax((run->t - watch->path.inside.t) / h, 0), 1);
+    const struct interval bend =
+        events_watch_bounds(watch, &watch->event[event], theta, theta).bend;
+    const double mean = (bend.lo / 2 + bend.hi / 2) / (h * h);
+    return add_event_response(run, event,
+                              &(struct response){.step = run->steps,
+                                                 .t = run->t,
+                                                 .value = isfinite(mean) ? mean : 0,
+                                                 .variable = RESPONSE_MOMENT},
+                              run->y);
+}
+
+bool responses_add_miss(struct run *run, int event, double theta)
+{
+    struct event_watch *watch = run->private_state->watch;
+    const double t = path_time(&watch->path, theta);
+    double y[LIMIT_VARIABLES];
+    path_state(&watch->path, theta, y);
+    return add_event_response(
+        run, event,
+        &(struct response){.step = run->steps,
+                           .t = t,
+                           .value = events_watch_value(watch, &watch->event[event], t, y),
+                           .variable = RESPONSE_MISS},
+        y);
 }
 
 bool responses_moment_moves(const struct run *run)
@@ -114,7 +168,7 @@ bool responses_moment_moves(const struct run *run)
     const struct responses *all = &run->private_state->responses;
     bool moves = false;
     for (size_t i = all->count; i > 0 && all->at[i - 1].t == run->t; i--)
-        for (int k = 0; k < run->system.n && all->at[i - 1].variable < 0; k++)
+        for (int k = 0; k < run->system.n && all->at[i - 1].variable == RESPONSE_MOMENT; k++)
             moves = moves || slopes_of(run, i - 1)[k] != 0;
     return moves;
 }
@@ -139,29 +193,86 @@ static double difference_by(const struct run *run, size_t i, const double *y, do
     return sum;
 }
 
-/* Returns by how much later the solution at y meets the event of response i. */
-static double moment_moved(const struct run *run, const struct system *system, size_t i,
-                           const double *y)
+/* Returns what the event's function of response i may be off by: each variable by as much as it has
+ * been off so far. The difference of two solutions may be small by chance. */
+static double function_error(const struct run *run, const struct saltation *saltation, size_t i,
+                             const double *y)
 {
     const double *slope = slopes_of(run, i), *state = state_of(run, i);
-    const int n = run->system.n;
-    double f[LIMIT_VARIABLES], rate = slope[n];
-    system_derivative(system, run->private_state->responses.at[i].t, state, f);
-    for (int k = 0; k < n; k++)
-        rate += slope[k] * f[k];
-    const double off = difference_by(run, i, y, 0);
-    return off == 0 ? 0 : -off / rate;
+    double sum = 0;
+    for (int k = 0; k < run->system.n; k++)
+        if (slope[k] != 0)
+            sum += fabs(slope[k]) * fmax(fabs(y[k] - state[k]), saltation->reach[k]);
+    return sum;
 }
 
+/*
+ * Returns by how much later the solution at y meets the event of response i, with the function's
+ * second derivative along the motion; NAN where the event is met so slowly that errors may be as
+ * large as the whole dip of the function below 0.
+ */
+static double moment_moved(const struct run *run, const struct saltation *saltation,
+                           const struct system *system, size_t i, const double *y)
+{
+    static const double bent = 0.3; /* share of rate^2: errors twice as large still meet it */
+    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    const struct response *response = &run->private_state->responses.at[i];
+    const int n = run->system.n;
+    double f[LIMIT_VARIABLES], rate = slope[n];
+    system_derivative(system, response->t, state, f);
+    for (int k = 0; k < n; k++)
+        rate += slope[k] * f[k];
+    const double exact = difference_by(run, i, y, 0), bend = response->value;
+    if (exact == 0 && rate == 0)
+        return 0;
+    /* The moment itself is rounded. */
+    const double off = exact + copysign(DBL_EPSILON * fabs(response->t * rate), exact);
+    if (!(2 * fabs(bend) * function_error(run, saltation, i, y) <= bent * rate * rate))
+        return NAN;
+    return -2 * off / (rate + copysign(sqrt(rate * rate - 2 * bend * off), rate));
+}
+
+/* Moves y by the motion over the time between the two moments (midpoint rule). */
 static void move(const struct saltation *saltation, const struct system *system, double sign,
                  double *y)
 {
-    double f[LIMIT_VARIABLES];
+    double f[LIMIT_VARIABLES], middle[LIMIT_VARIABLES];
+    const double by = sign * saltation->moved;
     if (saltation->moved == 0)
         return;
     system_derivative(system, saltation->t, y, f);
     for (int i = 0; i < system->n; i++)
-        y[i] += sign * saltation->moved * f[i];
+        middle[i] = y[i] + by / 2 * f[i];
+    system_derivative(system, saltation->t + by / 2, middle, f);
+    for (int i = 0; i < system->n; i++)
+        y[i] += by * f[i];
+}
+
+void saltation_note(struct saltation *saltation, int n, const double *own, const double *y)
+{
+    for (int i = 0; i < n; i++)
+        saltation->reach[i] = fmax(saltation->reach[i], fabs(y[i] - own[i]));
+}
+
+const struct response *saltation_next_miss(const struct run *run, struct saltation *saltation,
+                                           int64_t step)
+{
+    const struct responses *all = &run->private_state->responses;
+    while (saltation->miss < all->count && all->at[saltation->miss].variable != RESPONSE_MISS)
+        saltation->miss++;
+    const bool due = saltation->miss < all->count && all->at[saltation->miss].step <= step;
+    return due ? &all->at[saltation->miss] : NULL;
+}
+
+bool saltation_pass_miss(const struct run *run, struct saltation *saltation, const double *y)
+{
+    static const double margin = 3; /* times the errors of an estimate */
+    const size_t i = saltation->miss++;
+    const struct response *miss = &run->private_state->responses.at[i];
+    if (margin * function_error(run, saltation, i, y) < fabs(miss->value))
+        return true;
+    saltation->lost = miss->t;
+    return false;
 }
 
 bool saltation_enter(const struct run *run, struct saltation *saltation,
@@ -176,11 +287,27 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
         while (saltation->next < all->count && (all->at[saltation->next].t - t) * ahead < 0)
             saltation->next++;
         const size_t i = saltation->next;
-        if (i < all->count && all->at[i].t == t && all->at[i].variable < 0)
-            saltation->moved = moment_moved(run, system, i, y);
+        if (i < all->count && all->at[i].t == t && all->at[i].variable == RESPONSE_MOMENT) {
+            saltation->moved = moment_moved(run, saltation, system, i, y);
+            saltation_note(saltation, system->n, state_of(run, i), y);
+            saltation->lost = isnan(saltation->moved) ? t : saltation->lost;
+        }
     }
     move(saltation, system, 1, y);
     return isfinite(saltation->moved);
+}
+
+/* Returns what rounding has typically done to the value of a jump: to each of its terms, and to it.
+ */
+static double jump_rounding(const struct run *run, size_t i)
+{
+    static const double typical = DBL_EPSILON / 4;
+    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    double sum = 0;
+    for (int k = 0; k < run->system.n; k++)
+        sum += slope[k] != 0 ? fabs(slope[k] * state[k]) : 0;
+    const double value = fabs(run->private_state->responses.at[i].value);
+    return sum > 0 ? typical * fmax(sum, value) : 0;
 }
 
 bool saltation_jump(const struct run *run, const struct saltation *saltation, int64_t step,
@@ -191,7 +318,10 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
         const struct response *response = &all->at[i];
         if (response->step != step || response->variable < 0)
             continue;
-        y[response->variable] = response->value + difference_by(run, i, y, saltation->moved);
+        /* Both solutions would be rounded alike: errors of a map that spreads them would be lost.
+         */
+        const double off = difference_by(run, i, y, saltation->moved);
+        y[response->variable] = response->value + off + copysign(jump_rounding(run, i), off);
         return isfinite(y[response->variable]);
     }
     return false;

@@ -5,13 +5,20 @@
 
 #include <hooke/run.h>
 
+/* What a response is of, beside the variable that jumped. */
+enum { RESPONSE_MOMENT = -1, RESPONSE_MISS = -2 };
+
 /*
- * How the moment of an event that stopped the run (variable < 0), or the new value of a variable,
- * answers to the state there: the derivatives of the event's function, or of the value.
+ * How the moment of an event that stopped the run (RESPONSE_MOMENT), an event that nearly happened
+ * (RESPONSE_MISS), or the new value of a variable answers to the state there: the derivatives of
+ * the event's function, or of the value.
  */
 struct response {
     int64_t step;
-    double t, value; /* [s]; of the variable after the jump */
+    double t; /* [s] */
+    /* of the variable after the jump; the function's second derivative along the motion; the
+     * function where it was nearest to 0 */
+    double value;
     int variable;
 };
 
@@ -23,8 +30,10 @@ struct responses {
     size_t count, capacity;
 };
 
-/* Add a response where the run is; false if out of memory. */
-bool responses_add_moment(struct run *run, int event, double h); /* after a step over h */
+/* Add a response; false if out of memory. */
+bool responses_add_moment(struct run *run,
+                          int event); /* in the step just taken, where the run is */
+bool responses_add_miss(struct run *run, int event, double theta); /* at that share of the step */
 bool responses_add_jump(struct run *run, int variable, double before);
 /* The run stands at an event whose moment depends on the state: another solution has another. */
 bool responses_moment_moves(const struct run *run);
@@ -36,7 +45,19 @@ struct saltation {
     bool begun;
     double t, moved; /* [s] of the last jump, and by how much later this solution meets it */
     size_t next;     /* response */
+    size_t miss;     /* response from which on misses were not yet looked at */
+    double reach[LIMIT_VARIABLES]; /* largest distances from the run so far */
+    double lost;                   /* [s] of an event that errors decide about; NAN: none so far */
 };
+
+/* Takes note of the distance of a solution y from the run's state `own`. */
+void saltation_note(struct saltation *saltation, int n, const double *own, const double *y);
+/* Returns the next response to an event that nearly happened up to the state after `step`, or NULL.
+ */
+const struct response *saltation_next_miss(const struct run *run, struct saltation *saltation,
+                                           int64_t step);
+/* Goes on beyond that response. Returns false if the solution y there may have met the event. */
+bool saltation_pass_miss(const struct run *run, struct saltation *saltation, const double *y);
 
 /* Moves the solution y at t to its own moment of the event; false if that is not known. */
 bool saltation_enter(const struct run *run, struct saltation *saltation,

@@ -245,7 +245,7 @@ static bool get_responses(struct run *run, struct text in)
         return false;
     all->capacity = all->count;
     for (size_t i = 0; i < all->count; i++)
-        if (all->at[i].variable >= run->system.n)
+        if (all->at[i].variable >= run->system.n || all->at[i].variable < RESPONSE_MISS)
             return false;
     return true;
 }

@@ -53,11 +53,15 @@ static void put_witness(const struct run *run, struct buffer *text)
 {
     const struct opinion *opinion = &run->opinion;
     put_solution(opinion, text);
-    if (!opinion->by || opinion->t == run->t)
+    if (opinion->t == run->t || (!opinion->by && isnan(run_opinion_event(run))))
         return;
     buffer_put(text, TEXT(" up to t = "));
     buffer_measured(text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
-    buffer_put(text, TEXT(", not known beyond ('set opinion full' goes to the end)"));
+    if (isnan(run_opinion_event(run)))
+        buffer_put(text, TEXT(", not known beyond ('set opinion full' goes to the end)"));
+    else
+        buffer_put(text,
+                   TEXT(", not known beyond: errors may decide whether the next event happens"));
 }
 
 /* Where no digit is right any longer: by the second solution, or because variables fell below their

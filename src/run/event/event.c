@@ -90,6 +90,11 @@ bool events_begin(struct run *run, const struct segment *segment)
             (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
         watched->sign = watched->departs ? 0 : sign_of(watched->value);
         watched->touched = run->steps == 0 && watched->departs ? run->t : watched->touched;
+        if (watched->value == 0 && watch->left[i].event == watched->event &&
+            watch->left_step == run->steps && watch->left_t == run->t) {
+            watched->departs = false;
+            watched->sign = watch->left[i].sign;
+        }
         if (i == watch->until && run->stop == STOP_CONDITION)
             depart_from_condition(watch, watched);
         else if (i == watch->until && watched->value == 0) {
@@ -113,8 +118,10 @@ struct event_search {
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
+    double largest; /* of the values at both ends of the stretch that is searched */
     /* where it comes so near to 0 that nobody knows whether it touches; NAN: nowhere */
     double near;
+    double miss; /* where an event that would have stopped the run nearly happened; NAN: nowhere */
     const struct root_search *roots; /* that goes on */
 };
 
@@ -172,6 +179,15 @@ static bool look_touches(void *context, double theta)
     return false;
 }
 
+/* Notes where an event nearly happens: another solution, a tolerance away, may meet it. */
+static bool look_misses(void *context, double theta)
+{
+    struct event_search *look = context;
+    if (is_zero(look, theta, doubt_fraction(look->watch->run)))
+        look->miss = theta;
+    return false;
+}
+
 static bool add(struct event_watch *watch, const struct event_crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
@@ -189,6 +205,23 @@ static bool add(struct event_watch *watch, const struct event_crossing *crossing
     return true;
 }
 
+/*
+ * Returns true if the value goes through infinity where its sign changes: towards theta it grows
+ * from both sides. A comparison becomes true there, too, but a value does not pass through 0.
+ */
+static bool is_pole(struct event_search *look, double theta)
+{
+    static const double far = 1e-4, near = 1e-10, grows = 30; /* of the step; from far to near */
+    if (look->watched->right || !(fabs(look_value(look, theta)) > grows * look->largest))
+        return false;
+    bool pole = true;
+    for (int side = -1; side <= 1; side += 2)
+        if (theta + side * far >= 0 && theta + side * far <= 1)
+            pole = pole && fabs(look_value(look, theta + side * near)) >
+                               grows * fabs(look_value(look, theta + side * far));
+    return pole;
+}
+
 static bool look_found(void *context, double theta, int sign)
 {
     struct event_search *look = context;
@@ -199,6 +232,8 @@ static bool look_found(void *context, double theta, int sign)
     const bool touches =
         sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
     if (event->direction != 0 && event->direction != direction && !touches)
+        return true;
+    if (sign != 0 && is_pole(look, theta))
         return true;
     if (event->touching && is_same_touch(look, theta, error_fraction(path->inside.run)))
         return true;
@@ -313,14 +348,22 @@ static void search(struct event_search *look, double from, double value, double 
                                 .budget = watched->budget,
                                 .sign = watched->sign};
     roots.nonzero = value != 0 || watched->value != 0;
+    const bool misses = watched->event->stop && !watched->event->touching && !is_until(look) &&
+                        watch->run->plan.adaptive;
+    if (misses)
+        roots.touches = look_misses;
     if (roots.touches && !is_until(look))
         roots.near = events_watch_error(watch, watched, path->end_t, path->end,
                                         doubt_fraction(path->inside.run));
-    look->near = NAN;
+    const double end = to < 1 ? look_value(look, to) : watched->value;
+    look->near = look->miss = NAN;
     look->roots = &roots;
-    roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
+    look->largest = fmax(fabs(value), fabs(end));
+    roots_find(&roots, from, value, to, end);
     look->roots = NULL;
     watched->sign = roots.sign;
+    if (!isnan(look->miss) && !(look->until < 1))
+        look->failed |= !responses_add_miss(watch->run, look->event, look->miss);
     if (roots.unsure && roots.nonzero)
         doubt(watch->run, look, roots.unsure_from, false);
     else if (!isnan(look->near))
@@ -403,12 +446,23 @@ static void put_in_order(struct event_watch *watch)
             path_state(path, found[i].theta, watch->state + i * n);
 }
 
+/* Keeps the signs for where the run goes on from here: a value may be 0 for longer than a step. */
+static void leave_signs(struct event_watch *watch)
+{
+    for (int i = 0; i < watch->events; i++) {
+        watch->left[i].event = watch->event[i].event;
+        watch->left[i].sign = watch->event[i].sign;
+    }
+    watch->left_step = watch->run->steps;
+    watch->left_t = watch->run->t;
+}
+
 /* Those that stop the run first: the others are looked for up to there. */
 bool events_find(struct run *run, const struct segment *segment, double t, double h)
 {
     struct event_watch *watch = run->private_state->watch;
     const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
-    struct event_search look = {.watch = watch, .until = 1};
+    struct event_search look = {.watch = watch, .until = 1, .largest = HUGE_VAL};
     path_begin(&watch->path, &inside);
     watch->count = 0;
     note_sizes(watch, run->y);
@@ -422,5 +476,6 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
         }
     if (watch->count > 0 && !look.failed)
         put_in_order(watch);
+    leave_signs(watch);
     return !look.failed;
 }

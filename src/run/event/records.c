@@ -86,7 +86,7 @@ bool events_keep(struct run *run, const struct segment *segment, double h, bool 
         forget_rounding(run->private_state, n);
         run->private_state->step.warm = false;
         *stops = true;
-        if (!responses_add_moment(run, crossing->event, h))
+        if (!responses_add_moment(run, crossing->event))
             return false;
     }
     return true;

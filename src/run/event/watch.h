@@ -69,6 +69,13 @@ struct event_watch {
     struct run *run;
     const struct expr_scope *scope;
     struct watched event[LIMIT_EVENTS + 1];
+    /* The signs of the events after a step, and where the run was then. */
+    struct {
+        const struct event *event;
+        int sign;
+    } left[LIMIT_EVENTS + 1];
+    int64_t left_step;
+    double left_t;
     /* with the condition, if there is one: the last, and `until` is its place, else -1 */
     int events;
     int until;

@@ -244,56 +244,111 @@ static struct interval value_of(const struct jet *jet, const struct root_interva
     return value;
 }
 
-/* True: nothing is left to be found in it. */
-static bool decided(struct root_search *roots, const struct root_interval *s)
+/* Takes the sign with which the stretch begins. */
+static void enter(struct root_search *roots, const struct root_interval *s)
 {
     const int before = sign_of(s->fa);
     if (before != 0 && roots->sign != 0 && before != roots->sign)
         found(roots, s->a, before);
     roots->sign = before != 0 ? before : roots->sign;
+}
+
+/* Handles adjacent stretches that no bound decides as one: their values differ by errors only, so
+ * that the sign changes once if it is another one beyond. */
+static void pass_undecided(struct root_search *roots, struct root_interval *all)
+{
+    if (!(all->b > all->a))
+        return;
+    enter(roots, all);
+    const int before = roots->sign;
+    pass(roots, all);
+    if (roots->sign == before)
+        touch(roots, all->a + (all->b - all->a) / 2);
+    all->b = all->a;
+}
+
+static void add_undecided(struct root_interval *all, const struct root_interval *s)
+{
+    if (!(all->b > all->a)) {
+        *all = *s;
+        return;
+    }
+    all->b = s->b;
+    all->fb = s->fb;
+}
+
+static bool excludes_zero(const struct interval *bound)
+{
+    return bound->lo > 0 || bound->hi < 0;
+}
+
+/* Returns true if the bounds of the single point x leave open whether the value changes its sign
+ * there: x is as near to a jump as the errors of what it jumps in. */
+static bool is_undecided(struct root_search *roots, double x)
+{
+    const struct jet jet = roots->bounds(roots->context, x, x);
     roots->used++;
+    return !interval_empty(jet.value) && !excludes_zero(&jet.value) && !excludes_zero(&jet.slope) &&
+           !excludes_zero(&jet.bend);
+}
+
+/* Returns true if cutting the stretch decides nothing: it is too short, or all of it is within the
+ * errors of one jump. */
+static bool is_uncuttable(struct root_search *roots, const struct root_interval *s, double middle)
+{
+    static const double longest = 1e-3; /* longer ones may end near two jumps */
+    return s->b - s->a <= roots->min || !(middle > s->a && middle < s->b) ||
+           (s->b - s->a < longest && is_undecided(roots, middle) && is_undecided(roots, s->a) &&
+            is_undecided(roots, s->b));
+}
+
+/* True: nothing is left to be found in it. `undecided` is what comes before it. */
+static bool decided(struct root_search *roots, const struct root_interval *s,
+                    struct root_interval *undecided)
+{
     const struct jet jet = roots->bounds(roots->context, s->a, s->b);
-    if (interval_empty(jet.value))
-        return true;
+    roots->used++;
     const struct interval value = value_of(&jet, s);
-    if (value.lo > roots->near || value.hi < -roots->near)
-        pass(roots, s);
-    else if (jet.slope.lo >= 0 || jet.slope.hi <= 0)
-        pass(roots, s);
-    else if (jet.bend.lo > 0 || jet.bend.hi < 0)
-        bent(roots, s, &jet.bend);
-    else
+    const bool empty = interval_empty(jet.value), one = value.lo > roots->near ||
+                                                        value.hi < -roots->near ||
+                                                        jet.slope.lo >= 0 || jet.slope.hi <= 0;
+    if (!empty && !one && !excludes_zero(&jet.bend))
         return false;
+    pass_undecided(roots, undecided);
+    enter(roots, s);
+    if (!empty && one)
+        pass(roots, s);
+    else if (!empty)
+        bent(roots, s, &jet.bend);
     return true;
 }
 
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb)
 {
-    struct root_interval stack[DEPTH] = {{a, b, fa, fb}};
+    struct root_interval stack[DEPTH] = {{a, b, fa, fb}}, undecided = {0};
     int depth = 1;
     roots->used = roots->count = 0;
     roots->unsure = roots->stopped = roots->touched = false;
     while (depth > 0 && !roots->stopped) {
         const struct root_interval s = stack[--depth];
-        if (decided(roots, &s))
+        if (decided(roots, &s, &undecided))
             continue;
         const double middle = s.a + (s.b - s.a) / 2;
-        if (s.b - s.a <= roots->min || !(middle > s.a && middle < s.b) || depth + 2 > DEPTH) {
-            const int before = roots->sign;
-            pass(roots, &s);
-            if (roots->sign == before)
-                touch(roots, middle);
+        if (depth + 2 > DEPTH || is_uncuttable(roots, &s, middle)) {
+            add_undecided(&undecided, &s);
             continue;
         }
         if (roots->used > roots->budget + EACH * roots->count || roots->count >= MOST) {
             roots->unsure = true;
             roots->unsure_from = s.a;
-            pass(roots, &(struct root_interval){s.a, b, s.fa, fb});
-            return;
+            add_undecided(&undecided, &(struct root_interval){s.a, b, s.fa, fb});
+            break;
         }
         const double fm = value_at(roots, middle);
         roots->nonzero = roots->nonzero || fm != 0;
         stack[depth++] = (struct root_interval){middle, s.b, fm, s.fb};
         stack[depth++] = (struct root_interval){s.a, middle, s.fa, fm};
     }
+    if (!roots->stopped)
+        pass_undecided(roots, &undecided);
 }

@@ -12,7 +12,7 @@
 #include "long_form.h"
 #include "unit/command/testing.h"
 
-#include <hooke/run.h>
+#include <hooke/run/opinion.h>
 
 enum { TEXT_MAX = 600, EVENTS_MAX = 500 };
 
@@ -189,6 +189,37 @@ static struct state thermostat_jump(const double *p, double t, struct state s)
     return (struct state){s.x, 0, 1 - s.mode};
 }
 
+/* ---- a ball that falls in any gravity, with restitution b ---- */
+
+static void ball_text(const double *p, char *text)
+{
+    const double g = pow(10, p[0]);
+    snprintf(text, TEXT_MAX,
+             "var x = 1; var v = 0; x' = v; v' = -%.17g-%.17g*v; event e when x falling do "
+             "'v = -%.17g*v; continue'",
+             g, p[2] * sqrt(g), p[1]);
+}
+
+static struct state ball_flow(const double *p, double d, double t, struct state s)
+{
+    (void)t;
+    const double g = pow(10, p[0]), k = p[2] * sqrt(g), fall = -g / k, part = -expm1(-k * d);
+    return (struct state){s.x + fall * d + (s.v - fall) * part / k, s.v + (fall - s.v) * part, 0};
+}
+
+static double above_floor(const double *p, double t, struct state s)
+{
+    (void)p;
+    (void)t;
+    return s.x;
+}
+
+static struct state ball_jump(const double *p, double t, struct state s)
+{
+    (void)t;
+    return (struct state){0, -p[1] * s.v, 0};
+}
+
 static const struct system_row systems[] = {
     {"fire",
      fire_text,
@@ -240,14 +271,30 @@ static const struct system_row systems[] = {
      5,
      20,
      0},
+    {"ball",
+     ball_text,
+     ball_flow,
+     above_floor,
+     ball_jump,
+     at_one,
+     {{-3, 6}, {0.7, 1}, {0.05, 0.7}},
+     1.6,
+     5,
+     1e-3},
 };
+
+/* Returns what times of the row are in units of [s]: a ball's follow from its gravity. */
+static double time_unit(const struct system_row *row, const double *p)
+{
+    return row->flow == ball_flow ? pow(10, -p[0] / 2) : 1;
+}
 
 /* Returns the first time up to `end` at which the event's function falls through 0, or NAN. */
 static double first_event(const struct system_row *row, const double *p, double t, struct state s,
                           double end)
 {
-    static const double scan = 0.004; /* [s] far below the time between two events */
-    double before = t + row->look;
+    const double unit = time_unit(row, p), scan = 0.004 * unit; /* far below the time between two */
+    double before = t + row->look * unit;
     if (!(row->event(p, before, row->flow(p, before - t, t, s)) > 0))
         return NAN;
     while (before < end) {
@@ -310,7 +357,8 @@ static void errors_count_the_moments(void **state)
         struct state s, size = {0, 0, 0};
         for (int k = 0; k < 5; k++)
             p[k] = uniform(row->range[k].low, row->range[k].high);
-        const double end = uniform(row->shortest, row->longest), tol = pow(10, uniform(-9, -4));
+        const double end = uniform(row->shortest, row->longest) * time_unit(row, p),
+                     tol = pow(10, uniform(-9, -4));
         row->text(p, text);
         bench_open(&b, false);
         type_ok(&b, text);
@@ -327,6 +375,11 @@ static void errors_count_the_moments(void **state)
         const bool fine = fmax(error, told) < rounding || (told >= error / 5 && told <= error * 5);
         good += fine;
         low += told < error / 10 && error > rounding;
+        double below[LIMIT_VARIABLES];
+        run_below_tolerance(run, below);
+        for (int k = 0; k < run->system.n; k++)
+            if (below[k] > 0 && fabs(run->y[k]) > 20 * fmax(told, tol) * (k ? size.v : size.x))
+                fail_msg("%s: no digit of %g is certain, by an error of %g", text, run->y[k], told);
         if (!fine)
             print_message("# %s by %s at tol = %.1e, %d events: error %.2g, stated %.2g\n",
                           row->name, method, tol, events, error, told);
@@ -338,10 +391,127 @@ static void errors_count_the_moments(void **state)
     assert_true(known > tries * 0.8);
 }
 
+/* What a run has said of its error. */
+struct told {
+    bool lost;    /* no digit is certain */
+    double error; /* NAN: not known */
+    double x, v;  /* the first two variables */
+};
+
+static struct told run_told(const char *text)
+{
+    struct bench b;
+    bench_open(&b, false);
+    type_ok(&b, "set opinion warn");
+    type_ok(&b, text);
+    const struct run *run = session_run(b.session);
+    const struct told told = {!isnan(run->opinion.lost), run_opinion_error(run), run->y[0],
+                              run->y[1]};
+    bench_close(&b);
+    return told;
+}
+
+/* Counts of runs. */
+struct tally {
+    int known, good, low;
+};
+
+static void tally_add(struct tally *tally, const struct told *told, double error, double rounding,
+                      const char *text)
+{
+    if (told->lost || isnan(told->error))
+        return;
+    tally->known++;
+    const bool good = fmax(error, told->error) < rounding ||
+                      (told->error >= error / 5 && told->error <= 5 * error);
+    tally->good += good;
+    if (!(told->error < error / 10 && error > rounding))
+        return;
+    tally->low++;
+    print_message("# error %.2g, stated %.2g: %s\n", error, told->error, text);
+}
+
+/*
+ * A spring that hardly reaches a wall, or hardly does not: x = sin(w t + 2 n arccos c) after n
+ * elastic hits at x = -c. Errors that are as large as the dip decide whether it is hit at all.
+ */
+static void grazing_hits_are_not_known(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"dop853", "dopri5", "radau5", "rodas5p", "odex"};
+    const int tries = is_long() ? 600 : 60;
+    struct tally tally = {0};
+    int clear = 0, unknown = 0;
+    for (int i = 0; i < tries; i++) {
+        char text[TEXT_MAX];
+        const double k = uniform(1, 16), w = sqrt(k), tol = pow(10, uniform(-9, -3)),
+                     depth = pow(10, uniform(-9, -2)) * (i % 3 ? 1 : -1), c = 1 - depth,
+                     end = uniform(3, 8), skip = depth > 0 ? acos(c) : 0;
+        snprintf(text, TEXT_MAX,
+                 "var x = 0; var v = %.17g; x' = v; v' = -%.17g*x; event e when x+%.17g falling do "
+                 "'v = -1*v; continue'; method %s tol=%.17g; run %.17g",
+                 w, k, c, methods[i % (int)COUNT_OF(methods)], tol, end);
+        double phase = w * end;
+        for (double hit = 1.5 * M_PI - skip; depth > 0 && phase > hit; hit += 2 * M_PI)
+            phase += 2 * skip;
+        const struct told told = run_told(text);
+        tally_add(&tally, &told, fmax(fabs(told.x - sin(phase)), fabs(told.v / w - cos(phase))),
+                  1e-12, text);
+        if (fabs(depth) > 300 * tol) {
+            clear++;
+            unknown += isnan(told.error);
+        }
+    }
+    print_message("# %d grazing runs: %d errors known, %d within a factor of 5, %d below a tenth\n",
+                  tries, tally.known, tally.good, tally.low);
+    assert_int_equal(tally.low, 0);
+    assert_true(tally.good >= tally.known * 0.9);
+    assert_true(clear > tries / 6 && unknown <= clear / 10);
+}
+
+static double start_of_map(int64_t k, int m)
+{
+    const long double sine = sinl(acosl(-1) * (long double)k / m);
+    return (double)(sine * sine);
+}
+
+/*
+ * x = 4 x (1 - x) at each event: x = sin^2(2^n pi k / m), with 2^n k modulo m in integers. Rounding
+ * errors double with each.
+ */
+static void maps_that_spread_rounding_are_told(void **state)
+{
+    (void)state;
+    const int tries = is_long() ? 300 : 40;
+    struct tally tally = {0};
+    int lost = 0;
+    for (int i = 0; i < tries; i++) {
+        char text[TEXT_MAX];
+        const int m = 1001 + 2 * (int)uniform(0, 4000), times = 3 + (int)uniform(0, 60);
+        int64_t k = 1 + (int64_t)uniform(0, m - 1);
+        snprintf(text, TEXT_MAX,
+                 "var x = %.17g; var c = 0.5; x' = 0; c' = 1; event e when 1-c falling do "
+                 "'c = 0; x = 4*x*(1-x); continue'; method dop853; run %d.25",
+                 start_of_map(k, m), times);
+        for (int n = 0; n < times; n++)
+            k = 2 * k % m;
+        const struct told told = run_told(text);
+        tally_add(&tally, &told, fabs(told.x - start_of_map(k, m)), 1e-12, text);
+        lost += told.lost;
+    }
+    print_message(
+        "# %d chaotic maps: %d lost, %d known, %d within a factor of 5, %d below a tenth\n", tries,
+        lost, tally.known, tally.good, tally.low);
+    assert_int_equal(tally.low, 0);
+    assert_true(lost > 0 && tally.known > tries / 2 && tally.good >= tally.known / 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_count_the_moments),
+        cmocka_unit_test(grazing_hits_are_not_known),
+        cmocka_unit_test(maps_that_spread_rounding_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

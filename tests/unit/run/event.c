@@ -268,7 +268,8 @@ static void test_odd_values(void **state)
                {"sign(x)", 3},
                {"step(x)-0.5", 3},
                {"floor(t) - 2.5", 1},
-               {"1/x", 3},
+               {"1/x", 0},
+               {"1/x > 0", 1},
                {"(x-0.5)^3", 3},
                {"t - 10", 1},
                {"t > 3", 1}};
@@ -535,6 +536,83 @@ static void test_conditions_are_met(void **state)
         }
 }
 
+/* Returns how often the sign of a function of x = cos t changes up to t_end; the function jumps. */
+static int sign_changes(double (*function)(double x, double c), double c, double t_end)
+{
+    int changes = 0, sign = 0;
+    for (int k = 0; k <= 20000; k++) {
+        const double value = function(cos(t_end * k / 20000), c);
+        const int now = (value > 0) - (value < 0);
+        changes += now != 0 && sign != 0 && now != sign;
+        sign = now != 0 ? now : sign;
+    }
+    return changes;
+}
+
+static double jump_sign(double x, double c)
+{
+    return x > c ? 1 : -1;
+}
+
+static double jump_stairs(double x, double c)
+{
+    return floor(3 * (x - c) + 1);
+}
+
+static double jump_cut(double x, double c)
+{
+    return (x > 0 ? 1 : -1) * (x - c);
+}
+
+static double jump_pole(double x, double c)
+{
+    (void)x;
+    (void)c;
+    return 1;
+}
+
+static double pole_and_zero(double x, double c)
+{
+    return sin(2 * (x - c));
+}
+
+/* A function that jumps changes its sign once where it jumps over 0, and a pole is no zero. */
+static void test_jumps_are_found_once(void **state)
+{
+    struct fixture *f = *state;
+    static const struct {
+        const char *before, *after; /* of x - c */
+        double (*function)(double x, double c);
+    } rows[] = {{"sign(", ")", jump_sign},
+                {"step(", ")-0.5", jump_sign},
+                {"floor(3*(", ")+1)", jump_stairs},
+                {"sign(x)*(", ")", jump_cut},
+                {"1/(", ")", jump_pole},
+                {"tan(2*(", "))", pole_and_zero}};
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } by[] = {{"odex", 0.1, 1e-9},   {"odex", 0.1, 1e-4},   {"dop853", 0.1, 1e-6},
+              {"dopri5", 0.1, 1e-6}, {"radau5", 0.1, 1e-6}, {"gauss6", 0.01, 0},
+              {"yoshida8", 0.3, 0},  {"exact", 0.01, 0},    {"exact", 0.4, 0},
+              {"rk4", 0.1, 0}};
+    static const double at[] = {-0.61, -0.23, 0.17, 0.77};
+    for (size_t m = 0; m < COUNT_OF(by); m++)
+        for (size_t i = 0; i < COUNT_OF(rows); i++)
+            for (size_t k = 0; k < COUNT_OF(at); k++) {
+                char text[100];
+                snprintf(text, sizeof text, "%sx-(%.17g)%s", rows[i].before, at[k], rows[i].after);
+                start(f, by[m].method, by[m].dt, by[m].tol);
+                add(f, text, false);
+                go(f, 12, -1);
+                const size_t wanted = (size_t)sign_changes(rows[i].function, at[k], 12);
+                if (run_event_records(f->run) != wanted || run_event_doubt(f->run, 0).steps > 0)
+                    fail_msg("%s, dt %g, tol %g, %s: %zu times, not %zu%s", by[m].method, by[m].dt,
+                             by[m].tol, text, run_event_records(f->run), wanted,
+                             run_event_doubt(f->run, 0).steps > 0 ? ", in doubt" : "");
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -555,6 +633,7 @@ int main(void)
         TEST_CASE(test_kick),
         TEST_CASE(test_observed),
         TEST_CASE(test_text),
+        TEST_CASE(test_jumps_are_found_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How stiff a scene is along a run: the spectral radius of its Jacobian. */
+#include <hooke/base/elementary.h>
+
+#include "run/private.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define LOOKS 32  /* at the Jacobian, whose spectral radius is found in */
+#define ROUNDS 12 /* multiplications, the last of which count: */
+#define COUNTED 6 /* an even number, so that pairs +-lambda do not matter */
+
+size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t count)
+{
+    const size_t rows = trace_count(run->trace) - first;
+    return first + (size_t)((double)(k + 1) * (double)rows / (double)count) - 1;
+}
+
+/* Spectral radius of the Jacobian [n][n], by powers. */
+static double spectral_radius(const double *jacobian, int n)
+{
+    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 0;
+    /* nothing in particular */
+    for (int i = 0; i < n; i++)
+        v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
+    for (int round = 0; round < ROUNDS; round++) {
+        double before = 0, after = 0;
+        for (int i = 0; i < n; i++) {
+            w[i] = 0;
+            for (int j = 0; j < n; j++)
+                w[i] += jacobian[i * n + j] * v[j];
+            before += v[i] * v[i];
+            after += w[i] * w[i];
+        }
+        if (after == 0)
+            return 0;
+        if (round >= ROUNDS - COUNTED)
+            grown += fixed_log(after / before) / 2;
+        for (int i = 0; i < n; i++)
+            v[i] = w[i] / sqrt(after);
+    }
+    return fixed_exp(grown / COUNTED);
+}
+
+double run_stiffness(const struct run *run)
+{
+    const struct system *system = &run->system;
+    const size_t rows = trace_count(run->trace) - 1, count = rows < LOOKS ? rows : LOOKS;
+    double *jacobian = malloc((size_t)system->n * (size_t)system->n * sizeof *jacobian), sum = 0;
+    size_t row = 0;
+    for (size_t k = 0; jacobian && k < count; k++) {
+        const size_t next = run_spread_row(run, 1, k, count);
+        system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row),
+                        jacobian);
+        sum += spectral_radius(jacobian, system->n) *
+               fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
+        row = next;
+    }
+    free(jacobian);
+    return sum;
+}
