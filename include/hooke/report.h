@@ -122,9 +122,9 @@ struct run_record {
     double y, v;    /* NAN: the scene has no such variable, or none of its digits is certain */
     double rest;    /* [s] held by dry friction from then on; NAN */
     double seconds; /* [s] that it took; NAN with 'timing off' */
-    struct ledger ledger;
     struct data_distance data;
     /* Only for records: */
+    struct ledger ledger;
     struct run_errors errors;
     double below[LIMIT_VARIABLES];
 };

@@ -57,8 +57,6 @@ struct run_settings {
     /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
     bool compensated;
     struct recording_rule record;
-    /* somebody will ask for the energy balance: it is taken up while rows are in the cache */
-    bool balanced;
     /* nobody will ask for the work of a run whose rows are more than a step apart: it is not
      * kept */
     bool unbalanced;
@@ -458,6 +456,9 @@ struct ledger {
     double factor;    /* E/E0 at the end, where both may be below the smallest number */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
+/* As run_ledger() where that takes little time next to the run; otherwise the energies at both ends
+ * and NAN for the rest. */
+void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /*
  * Largest energy of a recorded state over that at the start, where the motion went through far
  * larger energies than it began and ended with: what an error "of E0" is then to be seen against.

@@ -20,10 +20,6 @@ void run_record_init(struct run_record *record, const struct session *session,
         .seconds = session->setup.settings.timing == TIMING_OFF ? NAN : run->seconds,
         .data = run_data_distance(run, session_recording(session)),
         .status = stop_name(run->stop)};
-    run_ledger(run, &record->ledger);
-    /* the difference of numbers without bound */
-    if (run->stop == STOP_SINGULAR)
-        record->ledger.error_max = NAN;
 }
 
 /* What takes long, and only records say. */
@@ -31,6 +27,10 @@ static void complete(struct run_record *record)
 {
     const struct run *run = record->run;
     const struct model *model = run->system.model;
+    run_ledger(run, &record->ledger);
+    /* the difference of numbers without bound */
+    if (run->stop == STOP_SINGULAR)
+        record->ledger.error_max = NAN;
     run_errors(run, &record->errors);
     run_below_tolerance(run, record->below);
     const int variable[] = {model_variable(model, TEXT("y")), model_variable(model, TEXT("v"))};

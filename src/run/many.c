@@ -173,7 +173,6 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     *stop = good < taken ? STOP_DIVERGED : stop_of_step(status);
     if (in_trace) {
         trace_close(run->trace, (size_t)good);
-        ledger_warm(run);
     } else {
         const int64_t recorded =
             ledger_ready(run, good) ? trace_record_many(run->trace, run->steps + 1, row, good) : 0;

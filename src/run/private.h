@@ -487,8 +487,6 @@ bool ledger_ready(struct run *run, int64_t rows);
 /* After steps to these states were offered to the trace; the marks of those that it took are set.
  */
 void ledger_take(struct run *run, const double *row, int64_t count);
-/* after steps went straight into the trace, if settings.balanced */
-void ledger_warm(struct run *run);
 /* the last row is this state, inside of the next step */
 void ledger_inside(struct run *run, double t, const double *y);
 void ledger_back(struct run *run); /* the run went back to a recorded row, the last one */

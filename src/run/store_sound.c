@@ -16,7 +16,6 @@ static const struct field settings_sound[] = {
     SETTING_IN(kernel, KERNEL_PROPAGATOR, KERNEL_GENERAL),
     SETTING_IN(compensated, 0, 1),
     SETTING_IN(record.rule, RECORD_AUTO, RECORD_TIMES),
-    SETTING_IN(balanced, 0, 1),
     SETTING_IN(unbalanced, 0, 1),
     SETTING_IN(memory, 0, 0x1p50),
 };

@@ -314,8 +314,7 @@ struct run_settings session_run_settings(const struct session *session)
                                  .drag = session->setup.drag,
                                  .kernel = (enum kernel)settings->kernel,
                                  .compensated = settings->sums == SUMS_COMPENSATED,
-                                 .record = settings->record,
-                                 .balanced = true};
+                                 .record = settings->record};
 }
 
 enum charset session_charset(const struct session *session)

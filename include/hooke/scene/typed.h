@@ -49,6 +49,10 @@
  * quantities are those of the built-in one. So are forces on top of it.
  */
 
+/* Whether the energy of a state takes a quadrature: no potential was typed, and the one that was
+ * found is an integral along a path. */
+bool typed_potential_is_integrated(const struct system *system);
+
 enum typed_kind {
     TYPED_VAR,
     TYPED_PARAM,

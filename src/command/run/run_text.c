@@ -121,11 +121,23 @@ static void put_peak(const struct run *run, const struct ledger *ledger, struct 
     buffer_put(text, TEXT(" E0)"));
 }
 
-/* Says how far the energy, or its balance where drag or a drive changes it, has been off. */
-static void put_energy_error(const struct run *run, const struct ledger *ledger,
-                             struct buffer *text)
+/* Says how far the energy, or its balance where drag or a drive changes it, has been off; of a long
+ * run whose balance would take as long as the run, what the energy is now. */
+static void put_energy(const struct run *run, struct buffer *text)
 {
     const bool balanced = run->plan.ledger;
+    struct ledger found, *ledger = &found;
+    run_ledger_brief(run, ledger);
+    if (run->stop == STOP_SINGULAR)
+        return;
+    if (!isfinite(ledger->error_max)) {
+        if (run->steps == 0 || !isfinite(ledger->factor))
+            return;
+        buffer_put(text, balanced ? TEXT(", E = ") : TEXT(", dE/E0 "));
+        buffer_short(text, balanced ? ledger->factor : ledger->factor - 1, balanced ? 3 : 2);
+        buffer_put(text, balanced ? TEXT(" E0") : TEXT(" at the end"));
+        return;
+    }
     buffer_format(text, balanced ? ", energy balance within " : ", dE/E0 max ");
     buffer_short(text, ledger->error_max, 2);
     buffer_put(text, balanced ? TEXT(" of E0") : TEXT(""));
@@ -135,8 +147,9 @@ static void put_energy_error(const struct run *run, const struct ledger *ledger,
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct run_record record;
+    if (reply->quiet && !reply_wants_records(reply))
+        return;
     run_record_init(&record, session, run);
-    const struct ledger *ledger = &record.ledger;
     const struct data_distance *data = &record.data;
     const int digits = session->setup.settings.digits;
     struct buffer text = {0};
@@ -144,9 +157,7 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
     buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s",
                   run->method->row.name);
-    if (isfinite(ledger->error_max)) {
-        put_energy_error(run, ledger, &text);
-    }
+    put_energy(run, &text);
     if (run->cost.turns > 0)
         buffer_format(&text, ", %lld extra step%s to end at %s", (long long)run->cost.turns,
                       run->cost.turns == 1 ? "" : "s",
@@ -198,7 +209,7 @@ void reply_growth(struct run *run, struct reply *reply)
     if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
         stop_is_failure(run->stop))
         return;
-    run_ledger(run, &ledger);
+    run_ledger_brief(run, &ledger);
     if (!(ledger.final > 100 * ledger.initial))
         return;
     struct buffer text = {0};

@@ -8,6 +8,8 @@
  * operations in the same order: the balance does not depend on what is recorded, nor on how a run
  * is cut into calls.
  */
+#include <hooke/scene/typed.h>
+
 #include "run/energy/work.h"
 
 #include <math.h>
@@ -84,12 +86,6 @@ bool ledger_ready(struct run *run, int64_t rows)
     }
     trace_thinned(trace);
     return marked;
-}
-
-void ledger_warm(struct run *run)
-{
-    if (run->settings.balanced && run->system.order == 2)
-        settle(run);
 }
 
 void ledger_take(struct run *run, const double *row, int64_t count)
@@ -192,6 +188,20 @@ void ledger_rescale(struct run *run, double factor)
 
 /* ---- asking ---- */
 
+/* At the start and now; what was done on the way is not looked at. */
+static void energies_alone(const struct run *run, struct ledger *ledger)
+{
+    const double unit = run->private_state->factor * run->private_state->factor,
+                 initial = run->private_state->balance.initial,
+                 final = balance_energy(run, &run_epoch(run, run->steps)->system, run->y);
+    *ledger = (struct ledger){.initial = initial / unit,
+                              .final = final / unit,
+                              .work = NAN,
+                              .error = NAN,
+                              .error_max = NAN,
+                              .factor = final / initial};
+}
+
 void run_ledger(const struct run *run, struct ledger *ledger)
 {
     *ledger = (struct ledger){NAN, NAN, NAN, NAN, NAN, NAN};
@@ -200,10 +210,7 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     const double unit = run->private_state->factor * run->private_state->factor;
     struct balance balance;
     if (!ledger_known(run)) {
-        const double final = balance_energy(run, &run_epoch(run, run->steps)->system, run->y);
-        ledger->initial = run->private_state->balance.initial / unit;
-        ledger->final = final / unit;
-        ledger->factor = final / run->private_state->balance.initial;
+        energies_alone(run, ledger);
         return;
     }
     balance_present(run, &balance);
@@ -222,6 +229,30 @@ void run_ledger(const struct run *run, struct ledger *ledger)
         /* The largest so far skips what is unknown, so that it is unknown from there on. */
         ledger->error_max = isnan(work) && isfinite(energy) ? NAN : tally->max / scale;
     }
+}
+
+/* Steps whose energy a line shows that nobody asked for. The work of long adaptive ones is found by
+ * solving the equations again. */
+#define BRIEF_STEPS 4096
+#define BRIEF_ADAPTIVE 256
+
+/* Whether the balance of all steps takes little of the time that the run took. */
+static bool is_brief(const struct run *run)
+{
+    const struct run_private *p = run->private_state;
+    const int64_t brief =
+        run->plan.adaptive && run->plan.ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS;
+    if (trace_marked(run->trace) || run->steps - p->balance.step <= brief)
+        return true;
+    return !run->plan.ledger && !typed_potential_is_integrated(&run->system);
+}
+
+void run_ledger_brief(const struct run *run, struct ledger *ledger)
+{
+    if (run->system.energy && !is_brief(run))
+        energies_alone(run, ledger);
+    else
+        run_ledger(run, ledger);
 }
 
 #define PEAK 100       /* times the energy at both ends */

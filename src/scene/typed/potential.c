@@ -279,6 +279,15 @@ void typed_found_rows(struct typed_part *part)
     }
 }
 
+bool typed_potential_is_integrated(const struct system *system)
+{
+    for (int t = 0; t < system->terms; t++)
+        for (int i = 1; i < TYPED_FOUND; i++)
+            if (system->term[t].row->potential == potentials[i])
+                return true;
+    return false;
+}
+
 /* ---- is there one? ---- */
 
 #define POINTS 8

@@ -192,7 +192,6 @@ struct run *sweep_run(struct sweep_worker *worker, int64_t i)
         settings.record = sweep_needs_trace(job)
                               ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
                               : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
-        settings.balanced = false;
         settings.unbalanced = !needs_work(job);
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
     }

@@ -94,7 +94,6 @@ bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *c
         sweep_point(request, worker->job->sweep, i, &worker->scene, &worker->settings, &error);
     struct run_settings settings = worker->settings;
     settings.record = (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
-    settings.balanced = false;
     settings.unbalanced = true;
     if (ok && section->strobe && (ok = scene_bind_motion(&worker->scene, bound, &error))) {
         crossings->period = system_drive(bound);

@@ -204,7 +204,7 @@ static void test_ledger_of_the_pendulum(void **state)
         put(&scene, "gamma", begins[i].gamma);
         put(&scene, "F0", begins[i].drive);
         struct run *run =
-            start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 20);
+            start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 20);
         go_to(run, 20);
         struct ledger ledger;
         run_ledger(run, &ledger);
@@ -233,7 +233,7 @@ static void test_ledger_of_each_term(void **state)
         struct scene scene = preset_named(terms[i].scene);
         put(&scene, terms[i].name, terms[i].value);
         struct run *run =
-            start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 10);
+            start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 10);
         go_to(run, 10);
         struct ledger ledger;
         run_ledger(run, &ledger);
