@@ -28,6 +28,13 @@ HANDLER(record)
         reply_line(reply, "commands are no longer recorded in %s", session->record_path);
         return record_close(session, error);
     }
+    if (text_is(name, "auto") || text_is(name, "all") || text_is(name, "every")) {
+        error_at(error, name, "'%s' is what 'set record' takes, no file", path);
+        return error_hint(error,
+                          "'set record %s' sets how much of a run is kept; 'record ./%s' "
+                          "writes commands to a file of that name",
+                          path, path);
+    }
     if (!record_open(session, path, error)) {
         error->where = name;
         return false;

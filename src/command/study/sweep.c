@@ -76,6 +76,14 @@ static bool count_points(struct sweep_axis *axis, double step, struct text where
                           axis->name);
     }
     axis->count = 1 + (int)floor(steps + 1e-6);
+    if (axis->count == 1)
+        return error_at(error, where,
+                        "%s: the first step already leads past the other end: only %s = %.6g is "
+                        "left, which needs no sweep",
+                        axis->name, axis->name, axis->from) ||
+               (!axis->log && step >= 2 && step == floor(step) &&
+                error_hint(error, "for %.0f points: %s=%.6g:%.6g:%.12g", step, axis->name,
+                           axis->from, axis->to, (axis->to - axis->from) / (step - 1)));
     if (fabs(steps - (axis->count - 1)) > 1e-6)
         axis->to = axis->log ? axis->from * pow(step, axis->count - 1)
                              : axis->from + step * (axis->count - 1);
