@@ -116,7 +116,7 @@ static void proc_name(const struct writer *writer, char out[32])
 /* Unnamed where the file system and /proc allow it, else under a temporary name. */
 static bool open_temporary(struct writer *writer)
 {
-    char proc[32];
+    char proc[32], name[STRAY_NAME_SIZE];
     writer->fd = openat(writer->folder, ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     if (writer->fd >= 0) {
         proc_name(writer, proc);
@@ -127,19 +127,19 @@ static bool open_temporary(struct writer *writer)
     } else if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) {
         return false;
     }
-    for (int i = 0; i < NAME_ATTEMPTS && stray_name(writer->temporary, writer->base, STRAY_NEW);
-         i++) {
-        writer->fd = openat(writer->folder, writer->temporary,
+    for (int i = 0; i < NAME_ATTEMPTS && stray_name(name, writer->base, STRAY_NEW); i++) {
+        writer->fd = openat(writer->folder, name,
                             O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
-        if (writer->fd >= 0 && stray_is_held(writer->folder, writer->temporary, writer->fd))
+        if (writer->fd >= 0 && stray_is_held(writer->folder, name, writer->fd)) {
+            memcpy(writer->temporary, name, sizeof name);
             return true;
+        }
         if (writer->fd >= 0)
             close(writer->fd);
         else if (errno != EEXIST)
             break;
         writer->fd = -1;
     }
-    writer->temporary[0] = '\0';
     return false;
 }
 

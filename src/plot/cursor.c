@@ -264,6 +264,8 @@ static void put_point(struct cursors *cursors, int which, const struct snap_poin
 void cursor_put(struct cursors *cursors, const struct ground *g, int which, double t, double reach)
 {
     const struct series *s = &g->series;
+    if (s->n == 0)
+        return;
     t = fmin(fmax(t, s->t[0]), s->t[s->n - 1]);
     struct snap_search search = {.t = t};
     if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)

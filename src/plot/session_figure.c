@@ -266,7 +266,7 @@ static enum quantity y_quantity(const struct drawing *d)
         d->request->runs == 0 || (plot_row(kind)->residual && !recorded_bare(recording));
     if (recording && own && !drawing_needs_motion(d, recording))
         return recording->column[recording->value].quantity;
-    if (d->omega0 != 1)
+    if (d->model && d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
         return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0])
@@ -474,7 +474,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
         across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
-    else if (plane)
+    else if (plane && d.model)
         across = d.model->variable[0];
     *figure = (struct figure){.title = values           ? "values"
                                        : is_kinetic(&d) ? "kinetic"

@@ -118,7 +118,7 @@ static bool take_blocks(struct checking *check, int index, struct sweep_file *fi
         all->seed = file->seed;
     }
     struct sweep_block *more =
-        realloc(all->block, (all->blocks + file->blocks) * sizeof *all->block);
+        realloc(all->block, (all->blocks + file->blocks + 1) * sizeof *all->block);
     if (!more)
         return false;
     all->block = more;
@@ -134,7 +134,8 @@ static void compare_blocks(struct checking *check)
 {
     const struct sweep_file *all = &check->all;
     int64_t next = 0;
-    qsort(all->block, all->blocks, sizeof *all->block, by_first);
+    if (all->blocks > 0)
+        qsort(all->block, all->blocks, sizeof *all->block, by_first);
     for (size_t i = 0; i < all->blocks; i++) {
         const struct sweep_block *block = &all->block[i];
         const int64_t end = block->first + block->count;

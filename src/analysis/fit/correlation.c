@@ -55,8 +55,8 @@ static bool fill_blocks(const struct series *s, double dt, double period, struct
         return false;
     for (size_t k = 0; k < b->count; k++) {
         const size_t first = b->count > 1 ? (s->n - b->length) * k / (b->count - 1) : 0;
-        sum += series_fill_grid(s, s->t[0] + (double)first * dt, dt, b->length,
-                                b->y + k * b->length);
+        sum +=
+            series_fill_grid(s, s->t[0] + (double)first * dt, dt, b->length, b->y + k * b->length);
     }
     for (size_t i = 0; i < all; i++)
         b->y[i] -= sum / (double)all;
@@ -218,7 +218,7 @@ bool series_correlation_period(const struct series *series, const struct period 
     even_times_find(series->t, series->y, series->n, series->cancel, &even);
     const double dt = even.step, span = dt * (double)(series->n - 1);
     const double expected = known->period.value / dt, periods = span / known->period.value;
-    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt;
+    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0, doubts = 0, doubt = NAN;
     struct blocks blocks;
     if (!(dt > 0) || !(periods > 0) || !fill_blocks(series, dt, expected, arena, &blocks))
         return false;

@@ -273,7 +273,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
                   double *residual)
 {
     struct harmonic best = *out;
-    struct factor factor;
+    struct factor factor = {0};
     int unknowns = (int)wanted;
     best.converged = false;
     if (x->n == 0 || cancelled(x->cancel)) {
@@ -315,7 +315,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         double step[COLUMNS];
         damped_step(&factor, unknowns, lambda, step);
         struct harmonic trial = best;
-        struct factor trial_factor;
+        struct factor trial_factor = {0};
         trial.omega += step[RATE_OMEGA];
         trial.gamma += step[RATE_GAMMA];
         trial.iterations = ++best.iterations;

@@ -101,29 +101,38 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
     return refuse_rest(parser, NULL, error);
 }
 
-/* In a scope of the scene's own names. */
-static bool read_event_of(struct parser *parser, const struct event_line *line, struct event *event,
-                          struct error *error)
+static bool read_event_in(struct parser *parser, struct expr_scope *scope,
+                          const struct event_line *line, struct event *event, struct error *error)
 {
-    const struct names names = {
-        .session = parser->session, .expects_run = true, .saved_only = line != NULL};
-    struct expr_scope scope = names_scope(&names);
-    parser->scope = &scope;
     if (line)
         parser->rest = text_of(line->when);
-    if (!read_event_text(parser, &scope, event, error)) {
+    if (!read_event_text(parser, scope, event, error)) {
         if (line) {
             error->where = (struct text){NULL, 0};
             error_hint(error, "in the event %s", line->name);
         }
         return false;
     }
-    event->left = expr_of_point(event->left, &scope, parser->arena, error);
+    event->left = expr_of_point(event->left, scope, parser->arena, error);
     if (event->left && event->right)
-        event->right = expr_of_point(event->right, &scope, parser->arena, error);
+        event->right = expr_of_point(event->right, scope, parser->arena, error);
     else if (event->left)
         return true;
     return event->left && event->right;
+}
+
+/* In a scope of the scene's own names, which is the parser's no longer than this. */
+static bool read_event_of(struct parser *parser, const struct event_line *line, struct event *event,
+                          struct error *error)
+{
+    const struct names names = {
+        .session = parser->session, .expects_run = true, .saved_only = line != NULL};
+    const struct expr_scope *before = parser->scope;
+    struct expr_scope scope = names_scope(&names);
+    parser->scope = &scope;
+    const bool ok = read_event_in(parser, &scope, line, event, error);
+    parser->scope = before;
+    return ok;
 }
 
 static bool is_driven(const struct session *session, struct text where, struct error *error)

@@ -60,7 +60,7 @@ static double size_of(const struct step *step, double by_position, double by_vel
     int n = step->system->n, d = n / 2;
     double largest = 0;
     for (int i = 0; i < n; i++) {
-        double size = fabs((i < d ? by_position : by_velocity) * move[i % d]) /
+        double size = fabs((i < d ? by_position : by_velocity) * move[i < d ? i : i - d]) /
                       fmax(step->system->scale[i], fabs(step->y[i]));
         if (!(size <= largest))
             largest = size;

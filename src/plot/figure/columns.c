@@ -107,7 +107,7 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
             if (!text_is(request->at, slot->events->line[record->event].name) ||
                 record->t < d->window[0] || record->t > d->window[1])
                 continue;
-            double up;
+            double up = 0;
             if (!value_at(run, plot_is_plane(request->kind) ? &d->against : &time, i, &x[seen],
                           d->error) ||
                 !value_at(run, &d->column[c], i, &up, d->error))

@@ -191,8 +191,8 @@ static void scaled_state(const struct work *work, int k, double *y)
 static void work_of_any(const struct work *work, struct work_done *done)
 {
     const struct system *system = work->system;
-    double y[2][LIMIT_VARIABLES], a[2][LIMIT_VARIABLES], first[LIMIT_VARIABLES],
-        second[LIMIT_VARIABLES];
+    double y[2][LIMIT_VARIABLES] = {{0}}, a[2][LIMIT_VARIABLES] = {{0}};
+    double first[LIMIT_VARIABLES], second[LIMIT_VARIABLES];
     struct power p[2] = {{0}};
     const bool drags = drags_only(system);
     scaled_state(work, 0, y[0]);

@@ -343,7 +343,7 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
             return false;
         const struct pending *last = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
         size_t length = strlen(sign->sign);
-        if (sign->precedence == COMPARISON && last->what == WAIT_OPERATOR)
+        if (sign->precedence == COMPARISON && last && last->what == WAIT_OPERATOR)
             return error_at(c->error, compiler_slice(c, c->at, length),
                             "comparisons do not chain: for a < b < c write (a < b)*(b < c)");
         return push(c, (struct pending){.op = sign->op, .precedence = sign->precedence}, length);

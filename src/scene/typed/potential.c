@@ -153,10 +153,12 @@ static bool add_smooth(const struct force_path *path, double from, double to,
 static double integral(const struct force_path *path, double *size)
 {
     struct quadrature sums = {0};
-    for (double from = 0, to = 0; from < 1; from = to) {
-        to = next_switch(path, from);
+    double from = 0;
+    while (from < 1) {
+        const double to = next_switch(path, from);
         if (!add_smooth(path, from, to, &sums))
             return NAN;
+        from = to;
     }
     *size = sums.size;
     return sums.value;
@@ -374,7 +376,7 @@ static bool find_masses(const struct typed_term *term, const double *c,
                         double point[][LIMIT_VARIABLES], int count, double *ratio)
 {
     const int rows = typed_rows(term->typed), n = term->typed->model.n, size = rows * n;
-    double *jac = malloc((size_t)(count * size + 1) * sizeof *jac);
+    double *jac = calloc((size_t)(count * size + 1), sizeof *jac);
     bool alike = jac, found = jac;
     for (int i = 0; i < rows; i++)
         ratio[i] = 1;

@@ -214,7 +214,7 @@ static bool bench_init(struct stress_state *bench, const struct stress_case *wha
         snprintf(bench->refused, sizeof bench->refused, "%.150s", error.text);
         return true;
     }
-    bench->grid = malloc((size_t)STUDY_TIMES * (size_t)bench->system.n * sizeof *bench->grid);
+    bench->grid = calloc((size_t)STUDY_TIMES * (size_t)bench->system.n + 1, sizeof *bench->grid);
     if (!bench->grid)
         return false;
     find_reference(bench);

@@ -50,7 +50,8 @@ bool expression_column(const struct run *run, const struct sweep_expression *of,
                        const struct scene *scene, double *out)
 {
     const size_t n = trace_count(run->trace);
-    double *column = malloc((n * (size_t)of->columns + 1) * sizeof *column), value[SWEEP_COLUMNS];
+    double *column = calloc(n * (size_t)of->columns + 1, sizeof *column);
+    double value[SWEEP_COLUMNS] = {0};
     const struct numbers numbers = {value, scene};
     const struct expr_scope scope = {.context = &numbers, .load = load_number};
     bool ok = column;

@@ -76,7 +76,8 @@ static int add_operation(struct graph *g, const struct op *op, const int *x)
 
 static int add_expr(struct equations *e, const struct expr *expr)
 {
-    int stack[LIMIT_EXPR_DEPTH], *top = stack;
+    enum { BOTTOM = 3 }; /* zeros below the stack, as many as a function takes */
+    int stack[BOTTOM + LIMIT_EXPR_DEPTH] = {0}, *top = stack + BOTTOM;
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
         if (op->kind == OP_NUMBER) {
             *top++ = graph_number(&e->graph, op->number);
@@ -89,7 +90,7 @@ static int add_expr(struct equations *e, const struct expr *expr)
             top++;
         }
     }
-    return stack[0];
+    return stack[BOTTOM];
 }
 
 bool equations_let(struct equations *e, int name, const struct expr *expr, struct error *error)

@@ -335,7 +335,7 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
 
 static void count_up(struct basins *basins, const struct basin_walk *walk)
 {
-    int order[BASINS_MOST], place[BASINS_MOST];
+    int order[BASINS_MOST] = {0}, place[BASINS_MOST] = {0};
     int64_t count[BASINS_MOST] = {0};
     for (int64_t i = 0; i < basins->total; i++) {
         const int fate = basins->fate[i];

@@ -210,7 +210,7 @@ static double widest_side_of(const struct zero_search *s, int i)
 static void put_place(const struct equilibria_search *search, struct buffer *text)
 {
     const struct zero_search *s = &search->zeros;
-    double place[FIELD_VARIABLES][PLACES_MAX + 1];
+    double place[FIELD_VARIABLES][PLACES_MAX + 1] = {{0}};
     int places[FIELD_VARIABLES], named = 0, put = 0;
     bool elsewhere = false;
     for (int i = 0; i < s->n; i++) {
