@@ -24,7 +24,8 @@ struct field {
         FIELD_UNSIGNED, /* enums, too */
         FIELD_INT64S,
         FIELD_UINT64S,
-        FIELD_REALS
+        FIELD_REALS,
+        FIELD_QUANTITY /* an enum quantity, by its place among the names that the file has */
     } kind;
     double least, most;
 };

@@ -51,16 +51,25 @@ const struct field store_view[] = {
 };
 const size_t store_view_count = COUNT_OF(store_view);
 
+#define QUANTITY_OF(type, member)                                                                  \
+    {                                                                                              \
+#member, offsetof(type, member), sizeof(enum quantity), FIELD_QUANTITY, 0, 0               \
+    }
+
 #define OF_VALUE(member) FIELD_OF(struct named_value, member)
 static const struct field named_value_members[] = {
-    OF_VALUE(name), OF_VALUE(value), OF_VALUE(uncertainty), OF_VALUE(quantity), OF_VALUE(below),
+    OF_VALUE(name),        OF_VALUE(value),
+    OF_VALUE(uncertainty), QUANTITY_OF(struct named_value, quantity),
+    OF_VALUE(below),
 };
 
 #define OF_MEASUREMENT(member) FIELD_OF(struct measurement, member)
 static const struct field measurement_members[] = {
-    OF_MEASUREMENT(quantity), OF_MEASUREMENT(exact),     OF_MEASUREMENT(value),
-    OF_MEASUREMENT(unit),     OF_MEASUREMENT(periods),   OF_MEASUREMENT(at),
-    OF_MEASUREMENT(energy),   OF_MEASUREMENT(statement), OF_MEASUREMENT(of),
+    OF_MEASUREMENT(quantity), OF_MEASUREMENT(exact),
+    OF_MEASUREMENT(value),    QUANTITY_OF(struct measurement, unit),
+    OF_MEASUREMENT(periods),  OF_MEASUREMENT(at),
+    OF_MEASUREMENT(energy),   OF_MEASUREMENT(statement),
+    OF_MEASUREMENT(of),
 };
 
 #define OF_FIT(member) FIELD_OF(struct stored_fit, member)
@@ -87,7 +96,7 @@ static const struct field stored_fit_members[] = {
     OF_FIT(fit.drift),
     OF_FIT(fit.drag),
     OF_FIT(fit.covariance),
-    OF_FIT(quantity),
+    QUANTITY_OF(struct stored_fit, quantity),
     OF_FIT(k),
     OF_FIT(exact),
     OF_FIT(statement),

@@ -74,6 +74,29 @@ void store_put_members(const struct field *member, size_t count, struct buffer *
         field_put(to, member[i].name, &place, sizeof place);
     }
     field_end(to, begun);
+    const size_t names = field_begin(to, "quantities");
+    for (int i = 0; i < QUANTITY_COUNT; i++)
+        buffer_put(to, (struct text){quantity_name((enum quantity)i),
+                                     strlen(quantity_name((enum quantity)i)) + 1});
+    field_end(to, names);
+}
+
+/* Returns the quantity whose name is number `index` of those that end with a NUL each. */
+static enum quantity find_quantity(struct text names, unsigned index)
+{
+    while (names.len > 0) {
+        const char *end = memchr(names.at, 0, names.len);
+        if (!end)
+            break;
+        const struct text name = {names.at, (size_t)(end - names.at)};
+        for (int i = 0; index == 0 && i < QUANTITY_COUNT; i++)
+            if (text_is(name, quantity_name((enum quantity)i)))
+                return (enum quantity)i;
+        if (index-- == 0)
+            break;
+        names = (struct text){end + 1, names.len - name.len - 1};
+    }
+    return QUANTITY_OTHER;
 }
 
 size_t reader_item(struct text in, size_t item)
@@ -86,7 +109,7 @@ size_t reader_item(struct text in, size_t item)
 bool reader_members(struct text in, const struct field *member, size_t members, struct text stored,
                     size_t item, void *to)
 {
-    struct text places;
+    struct text places, names;
     if (!field_find(in, "members", &places)) {
         if (stored.len == item)
             memcpy(to, stored.at, item);
@@ -99,6 +122,12 @@ bool reader_members(struct text in, const struct field *member, size_t members, 
             place.bytes == member[i].bytes && place.bytes <= stored.len &&
             place.offset <= stored.len - place.bytes)
             memcpy((char *)to + member[i].offset, stored.at + place.offset, place.bytes);
+        unsigned quantity;
+        if (member[i].kind != FIELD_QUANTITY || !field_find(in, "quantities", &names))
+            continue;
+        memcpy(&quantity, (char *)to + member[i].offset, sizeof quantity);
+        const enum quantity found = find_quantity(names, quantity);
+        memcpy((char *)to + member[i].offset, &found, sizeof found);
     }
     return true;
 }

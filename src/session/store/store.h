@@ -52,7 +52,7 @@ struct store_array {
 extern const struct field store_entry[]; /* of struct entry */
 extern const size_t store_entry_count;
 
-/* Writes which bytes of an element each member has, as a field. */
+/* Writes which bytes of an element each member has, and the names of quantities in their order. */
 void store_put_members(const struct field *member, size_t count, struct buffer *to);
 
 /* dynamics.c: what was found of the equations; NULL: nothing. */

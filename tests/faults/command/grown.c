@@ -13,6 +13,8 @@
 
 #include "unit/command/testing.h"
 
+#include "session/store/read.h"
+
 static const char *session_path = "session.hks", *answers_path = "session.txt";
 
 static const char *const typed[] = {
@@ -92,10 +94,38 @@ static void a_kept_session_is_read(void **state)
     buffer_free(&notes);
 }
 
+/* A file of a program whose quantities stand in another order: each is found by its name, and one
+ * that this program does not have is unknown. */
+static void quantities_are_found_by_name(void **state)
+{
+    (void)state;
+    const struct store_array *lets = &store_arrays[STORE_LETS];
+    struct buffer in = {0};
+    size_t begun = field_begin(&in, "quantities");
+    buffer_put(&in, (struct text){"a new one", sizeof "a new one"});
+    for (int i = QUANTITY_COUNT - 1; i >= 0; i--) {
+        const char *name = quantity_name((enum quantity)i);
+        buffer_put(&in, (struct text){name, strlen(name) + 1});
+    }
+    field_end(&in, begun);
+    store_put_members(lets->member, lets->members, &in);
+    for (int i = 0; i <= QUANTITY_COUNT + 1; i++) {
+        struct named_value stored = {.name = "A", .value = 1, .quantity = (enum quantity)i}, read;
+        assert_true(reader_members(buffer_text(&in), lets->member, lets->members,
+                                   (struct text){(const char *)&stored, sizeof stored}, sizeof read,
+                                   &read));
+        const bool is_known = i > 0 && i <= QUANTITY_COUNT;
+        assert_int_equal(read.quantity, is_known ? QUANTITY_COUNT - i : QUANTITY_OTHER);
+        assert_true(read.value == 1);
+    }
+    buffer_free(&in);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_session_is_kept),
-                                       cmocka_unit_test(a_kept_session_is_read)};
+                                       cmocka_unit_test(a_kept_session_is_read),
+                                       cmocka_unit_test(quantities_are_found_by_name)};
     char path[256];
     if (argc < 3)
         return cmocka_run_group_tests(tests, enter_folder, leave_folder);
