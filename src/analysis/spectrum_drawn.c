@@ -148,7 +148,7 @@ static size_t bins_of(double points, size_t n)
 bool samples_spectrum(const struct samples *all, struct arena *arena, struct spectrum *out)
 {
     struct samples x;
-    double gap, *weight = arena_array(arena, all->n + 1, sizeof *weight);
+    double gap = 0, *weight = arena_array(arena, all->n + 1, sizeof *weight);
     *out = (struct spectrum){.amplitude = NULL};
     if (!weight || !take_used(all, arena, &x) || cancelled(all->cancel))
         return false;

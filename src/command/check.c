@@ -53,7 +53,8 @@ static bool is_of_moved(const struct session *session, struct text line)
         if (moved(session, i))
             recording_describe(moved(session, i), &about);
         const char *end = strchr(buffer_view(&about), ',');
-        const bool found = end && memmem(line.at, line.len, about.data, (size_t)(end - about.data));
+        const bool found =
+            end && about.data && memmem(line.at, line.len, about.data, (size_t)(end - about.data));
         buffer_free(&about);
         if (found)
             return true;

@@ -206,7 +206,7 @@ command_complete(struct session *session, struct text line, size_t cursor, size_
                  void *context)
 {
     struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
-    struct error ignored;
+    struct error ignored = {0};
     while (rest.len > 0) {
         statement = rest;
         if (!next_statement(&rest, &statement, &ignored)) {

@@ -235,9 +235,11 @@ bool load_scene(struct session *session, const struct arguments *args, struct te
         error->where = file;
         return false;
     }
-    bool fine = (lower && before) || error_memory(error);
+    bool fine = lower && before;
     if (fine)
         *before = session->setup;
+    else
+        error_memory(error);
     if (fine && !ode_read(buffer_text(&content), &options, args->arena, &from, error))
         fine = in_file(file, error);
     buffer_free(&content);

@@ -118,7 +118,8 @@ size_t motion_quiet(const struct motion_rows *x, double period)
         return x->n;
     size_t rest = first_from(x->t, x->n, last - min), to = rest;
     int moves = 0; /* half stretches in a row: a single one may be chance */
-    for (double t = last - min - 0.5 * stretch; t > first + min; t -= 0.5 * stretch) {
+    double t = last - min - 0.5 * stretch;
+    while (t > first + min) {
         const size_t from = first_from(x->t, x->n, t);
         const struct spread s = spread_of(x, from, to);
         const double off = fabs(s.mean - end.mean);
@@ -128,6 +129,7 @@ size_t motion_quiet(const struct motion_rows *x, double period)
         if (moves == 2)
             return rest;
         to = from;
+        t -= 0.5 * stretch;
         rest = moves == 0 ? from : rest;
     }
     return x->n; /* it never moved */

@@ -92,10 +92,10 @@ static double root(const struct switch_search *look, int i, double a, double fa,
 /* A point before `theta` where guard i is above 0; `theta` itself: there is none. */
 static double inside(const struct switch_search *look, int i, double theta)
 {
-    for (double x = theta / 2; x > 1e-12; x /= 4)
-        if (guard_at(look, i, x) > 0)
-            return x;
-    return theta;
+    double x = theta / 2;
+    while (x > 1e-12 && !(guard_at(look, i, x) > 0))
+        x /= 4;
+    return x > 1e-12 ? x : theta;
 }
 
 /* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */

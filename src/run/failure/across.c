@@ -110,8 +110,10 @@ static size_t largest_change(const struct trace *trace, size_t block, size_t cou
     double max[LIMIT_VARIABLES], sum[LIMIT_VARIABLES];
     size_t at[LIMIT_VARIABLES];
     const double *y = trace_state(trace, block);
-    for (int k = 0; k < trace->n; k++)
+    for (int k = 0; k < trace->n; k++) {
         max[k] = sum[k] = 0;
+        at[k] = block;
+    }
     for (size_t i = block; i < end; i++) {
         const double *next = trace_state(trace, i + 1);
         for (int k = 0; k < trace->n; k++) {

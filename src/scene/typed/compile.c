@@ -286,7 +286,7 @@ static bool make_tables(struct compile *c)
     if (!param || !typed->row)
         return error_memory(c->error);
     for (size_t i = 0; i < params; i++)
-        param[i] = i < (size_t)c->bases
+        param[i] = base && i < (size_t)c->bases
                        ? *(const struct param_row *)(const void *)catalog_row(base->params, i)
                        : c->own[i - (size_t)c->bases];
     size_t count = 0;

@@ -331,11 +331,12 @@ static void read_owns(struct reader *reader)
     while (field_next(&in, &name, &value)) {
         struct error why = {0};
         struct text script;
-        if (text_is(name, "own") && field_find(value, "script", &script) &&
-            !reader->restorer->execute(reader->restorer->context, reader->session, script, &why))
+        if (!text_is(name, "own") || !field_find(value, "script", &script))
+            continue;
+        if (!reader->restorer->execute(reader->restorer->context, reader->session, script, &why))
             reader_note(reader, "a scene is left out: %s", why.text);
         scene = reader->session->setup.scene;
-        if (text_is(name, "own") && scene.preset)
+        if (scene.preset)
             reader_made(reader, script, &scene);
     }
 }

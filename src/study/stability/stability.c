@@ -353,8 +353,8 @@ static void name_weakness(struct stability *s)
     }
     if (!(s->dt_max > 0) || isinf(s->dt_max) || s->refused)
         return;
-    double max = 0;
-    for (double part = 0; part < WINDOW_MAX; part += WINDOW_MAX / 2000) {
+    double max = 0, part = 0;
+    while (part < WINDOW_MAX) {
         const double growth = mode_growth(&s->by, &s->tightest, s->dt_max * (1 + part));
         if (max > 0 && growth <= 1 + ROUNDING) {
             s->window[0] = s->dt_max;
@@ -363,6 +363,7 @@ static void name_weakness(struct stability *s)
             return;
         }
         max = growth > 1 + ROUNDING ? fmax(max, growth) : max;
+        part += WINDOW_MAX / 2000;
     }
 }
 
