@@ -11,6 +11,7 @@
 enum {
     LONG_RECORD = 32768,
     NOISE_SAMPLES = 4096,
+    CYCLES_SURE = 6,
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
 };
 
@@ -32,6 +33,28 @@ enum {
 #define EDGE 0.4
 #define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
 
+/* Returns half the difference of the periods that a damped sine finds in the two halves, where it
+ * is more than chance, else 0: an envelope that is not exponential shifts each of them. */
+static double halves_doubt(const struct motion *m)
+{
+    struct measured half[2];
+    for (size_t i = 0; i < 2; i++) {
+        const size_t n = m->samples.n;
+        const struct samples part = samples_part(&m->samples, i * (n / 2), i ? n : n / 2);
+        struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
+        h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
+        if (!harmonic_fit(&part, FREE_GAMMA, &h, m->scratch) || !h.converged)
+            return 0;
+        half[i] = (struct measured){TWO_PI / h.omega, TWO_PI / (h.omega * h.omega) *
+                                                          harmonic_sigma(&h, FREE_GAMMA) *
+                                                          sqrt(h.inverse[RATE_OMEGA][RATE_OMEGA])};
+    }
+    const double difference = fabs(half[0].value - half[1].value);
+    return difference > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty)
+               ? 0.5 * difference
+               : 0;
+}
+
 /* Of one damped sine, where there are too few windows for a line through their phases. */
 static bool whole_period(const struct motion *m, struct period *period)
 {
@@ -47,7 +70,8 @@ static bool whole_period(const struct motion *m, struct period *period)
     /* what rests has no periods */
     const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1];
     *period = (struct period){
-        .period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
+        .period = {TWO_PI / h->omega,
+                   fmax(TWO_PI / (h->omega * h->omega) * sigma, halves_doubt(m))},
         .first = x->t[0],
         .last = last,
         .periods = floor(fmin(m->overview.periods, (last - x->t[0]) * h->omega / TWO_PI + 0.01)),
@@ -316,6 +340,10 @@ static void prefer_cycles(const struct series *series, struct arena *arena, stru
         is_same(period, other.period.value) && has_harmonics(series, period->period.value) &&
         fabs(other.period.value - period->period.value) >
             CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
+        /* of few cycles it is not sure which of the two is wrong */
+        if (other.periods < CYCLES_SURE)
+            other.period.uncertainty =
+                hypot(other.period.uncertainty, 0.5 * (other.period.value - period->period.value));
         memcpy(other.warning, period->warning, sizeof other.warning);
         *period = other;
     }

@@ -119,7 +119,7 @@ static void amplitudes_of_bent_envelopes_are_wider(void **state)
 {
     (void)state;
     const int runs = is_long() ? 600 : 80;
-    struct coverage of = {0};
+    struct coverage of = {0}, periods = {0};
     random_state = 86;
     for (int run = 0; run < runs; run++) {
         struct truth truth = random_truth(0);
@@ -133,10 +133,16 @@ static void amplitudes_of_bent_envelopes_are_wider(void **state)
         const double at = random_between(0.3, 0.7) * truth.span;
         if (series_amplitudes(&s.series, &arena, &at, 1, 0, &reading, &error))
             count_value(&of, reading.amplitude, true_amplitude(&truth, at));
+        struct period p;
+        if (series_period(&s.series, &arena, &p, &error))
+            count_value(&periods, p.period, truth.period);
         arena_reset(&arena);
         synthetic_free(&s);
     }
     print_coverage("bent envelopes", &of);
+    print_coverage("their periods", &periods);
+    assert_true(periods.judged >= 0.9 * runs && periods.covered >= 0.85 * periods.judged &&
+                periods.worst < 5);
     assert_true(of.judged >= 0.9 * runs && of.covered >= 0.85 * of.judged && of.worst < 7);
 }
 
