@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in so short a time that no step of a run has seen it. */
+#include <hooke/scene/bursts.h>
+
 #include "run/private.h"
-#include "scene/typed/bursts.h"
 
 #include <float.h>
 #include <math.h>

@@ -5,7 +5,8 @@
  * samples show; where they allow more, a stretch is cut in two, until it is seen, or until nothing
  * that matters can hide in it.
  */
-#include "scene/typed/bursts.h"
+#include <hooke/scene/bursts.h>
+
 #include "scene/typed/typed.h"
 
 #include <float.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef HOOKE_SCENE_TYPED_BURSTS_H
-#define HOOKE_SCENE_TYPED_BURSTS_H
+/* The search of typed equations for bursts, within a number of looks. */
+#ifndef HOOKE_SCENE_BURSTS_H
+#define HOOKE_SCENE_BURSTS_H
 
 #include <hooke/scene/model.h>
 
