@@ -217,7 +217,7 @@ HANDLER(zoom)
 {
     const double factor = argument_value(args, "FACTOR")->item->value.value;
     struct view *view = &session->view;
-    double shown[2], whole[2];
+    double shown[2] = {0}, whole[2] = {0};
     if (!shown_span(session, shown, whole, error))
         return false;
     /* About the cursor that moves, where it is in sight. */
@@ -233,7 +233,7 @@ HANDLER(zoom)
 HANDLER(pan)
 {
     const double by = argument_value(args, "TIME")->item->value.value;
-    double shown[2], whole[2];
+    double shown[2] = {0}, whole[2] = {0};
     if (!shown_span(session, shown, whole, error))
         return false;
     set_span(session, shown[0] + by, shown[1] - shown[0], whole);

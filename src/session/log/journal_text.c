@@ -102,7 +102,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
     const struct run *run = slot->run;
     const size_t before = text->len;
     struct composer c = {session, run, number, since >= 0, false, text};
-    const struct request **list, *going = slot->last;
+    const struct request **list, *going;
     int64_t at = since < 0 ? 0 : since;
     int count;
     if (!journal_list(slot->last, first, &list, &count)) {

@@ -204,7 +204,7 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     const double before = b->point[b->count - 1].solution.param[0],
                  at = best ? best->solution.param[0] : NAN, apart = fabs(value - at) / fabs(at);
     const bool flat = w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FLAT;
-    if (flat && best->special == SPECIAL_FOLD) {
+    if (flat && best && best->special == SPECIAL_FOLD) {
         best->special = SPECIAL_NONE;
         w->fold_spread = fmax(w->fold_spread, apart);
         return false;
