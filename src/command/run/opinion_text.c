@@ -120,6 +120,11 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
         say_lost(session, run, reply, error, &ok);
         return ok;
     }
+    const bool asked = session->setup.settings.opinion != OPINIONS_OFF && run->plan.adaptive &&
+                       run->steps > 0 && !stop_is_failure(run->stop);
+    if (asked && isnan(opinion->t))
+        reply_line(reply,
+                   "error not known: a second solution came nowhere with the work it may use");
     if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;
