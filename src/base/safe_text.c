@@ -47,8 +47,12 @@ static struct text visible(struct text text, bool keep_layout, char piece[16], s
 void safe_text(struct buffer *out, struct text text, bool keep_layout)
 {
     char piece[16];
-    for (size_t used; text.len > 0; text.at += used, text.len -= used)
-        buffer_put(out, visible(text, keep_layout, piece, &used));
+    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+        for (used = 0; used < text.len && text.at[used] >= ' ' && text.at[used] < 0x7F;)
+            used++;
+        buffer_put(out, used > 0 ? (struct text){text.at, used}
+                                 : visible(text, keep_layout, piece, &used));
+    }
 }
 
 const char *safe_name(struct text name, char out[SAFE_NAME_SIZE])

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { TABLE_ROWS = 40, MAP_MAX = 1 << 24 /* points */ };
+/* A curve of many points is drawn from THIN_BLOCKS stretches: several to each column of dots. */
+enum { TABLE_ROWS = 40, THIN_BLOCKS = 2048, MAP_MAX = 1 << 24 /* points */ };
 
 static double value_at(const struct sweep *sweep, int64_t i, int measure)
 {
@@ -132,6 +133,33 @@ static bool spans_decades(const double *value, size_t count)
     return low > 0 && high > 300 * low;
 }
 
+/* Keeps the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
+ * how many points are left. */
+static size_t thin(double *x, double *y, size_t n, size_t each)
+{
+    size_t kept = 0;
+    for (size_t begin = 0; begin < n; begin += each) {
+        const size_t end = begin + each < n ? begin + each : n;
+        size_t low = begin, high = begin;
+        for (size_t i = begin; i < end; i++) {
+            low = y[i] < y[low] || isnan(y[low]) ? i : low;
+            high = y[i] > y[high] || isnan(y[high]) ? i : high;
+        }
+        const size_t place[] = {begin, low < high ? low : high, low < high ? high : low, end - 1};
+        double column[COUNT_OF(place)][2];
+        for (size_t k = 0; k < COUNT_OF(place); k++) {
+            column[k][0] = x[place[k]];
+            column[k][1] = y[place[k]];
+        }
+        for (size_t k = 0; k < COUNT_OF(place); k++)
+            if (k == 0 || place[k] > place[k - 1]) {
+                x[kept] = column[k][0];
+                y[kept++] = column[k][1];
+            }
+    }
+    return kept;
+}
+
 static void put_curve(const struct session *session, const struct swept *swept, int measure,
                       struct arena *arena, struct buffer *text)
 {
@@ -147,7 +175,9 @@ static void put_curve(const struct session *session, const struct swept *swept, 
     }
     const enum quantity across = sweep->axis[0].quantity, up = quantity_of(swept, measure);
     const struct unit *x_unit = unit_of(x, n, across), *y_unit = unit_of(y, n, up);
-    const struct curve curve = {.x = x, .y = y, .n = n};
+    const bool decades = spans_decades(y, n), many = n / THIN_BLOCKS > 4;
+    const struct curve curve = {
+        .x = x, .y = y, .n = many ? thin(x, y, n, n / THIN_BLOCKS) : n, .thinned = many};
     const struct figure figure = {.title = "sweep",
                                   .x = {.label = sweep->axis[0].name,
                                         .unit = unit_name(x_unit, across),
@@ -156,7 +186,7 @@ static void put_curve(const struct session *session, const struct swept *swept, 
                                   .y = {.label = sweep_measure_name(&swept->measure[measure]),
                                         .unit = unit_name(y_unit, up),
                                         .factor = y_unit ? y_unit->factor : 1,
-                                        .log = spans_decades(y, n)},
+                                        .log = decades},
                                   .curve = &curve,
                                   .curves = 1};
     session_size(session, &width, &height);

@@ -207,46 +207,60 @@ static bool inside_array(const struct reply *reply)
     return false;
 }
 
-/* A cell of the row; inside arrays the values of all elements share the cell of the array. */
-static void put_cell(struct reply *reply, const char *key, struct text value)
+static bool is_special(char c)
 {
-    static const char special[] = ",\"\n\r";
-    struct buffer *row = &reply->row;
-    if (inside_array(reply)) {
-        if (row->len > 0 && row->data[row->len - 1] != ',')
-            buffer_char(row, ' ');
-        for (size_t i = 0; i < value.len; i++)
-            buffer_char(row, strchr(special, value.at[i]) ? ';' : value.at[i]);
-        return;
-    }
-    if (reply->header.len > 0)
-        buffer_char(row, ',');
-    put_path(reply, key);
+    return c == ',' || c == '"' || c == '\n' || c == '\r';
+}
+
+/* A value of a CSV row, quoted where it has to be. */
+static void put_value(struct buffer *row, struct text value)
+{
     bool quote = value.len > 0 && strchr("=+-@", value.at[0]) &&
                  (value.len < 2 || !strchr("0123456789.", value.at[1]));
-    for (size_t i = 0; i < value.len; i++)
-        quote |= strchr(special, value.at[i]) != NULL;
-    if (quote)
-        buffer_char(row, '"');
+    for (size_t i = 0; i < value.len && !quote; i++)
+        quote = is_special(value.at[i]);
+    if (!quote) {
+        buffer_put(row, value);
+        return;
+    }
+    buffer_char(row, '"');
     for (size_t i = 0; i < value.len; i++) {
         if (value.at[i] == '"')
             buffer_char(row, '"');
         buffer_char(row, value.at[i]);
     }
-    if (quote)
-        buffer_char(row, '"');
+    buffer_char(row, '"');
+}
+
+/* A cell of the row; inside arrays the values of all elements share the cell of the array. */
+static void put_cell(struct reply *reply, const char *key, struct text value)
+{
+    struct buffer *row = &reply->row;
+    if (reply->format != FORMAT_CSV)
+        return;
+    if (inside_array(reply)) {
+        if (row->len > 0 && row->data[row->len - 1] != ',')
+            buffer_char(row, ' ');
+        for (size_t i = 0; i < value.len; i++)
+            buffer_char(row, is_special(value.at[i]) ? ';' : value.at[i]);
+        return;
+    }
+    if (reply->header.len > 0)
+        buffer_char(row, ',');
+    put_path(reply, key);
+    put_value(row, value);
 }
 
 /* The comma and the key before a JSON value. */
 static void put_key(struct reply *reply, const char *key)
 {
     if (reply->depth > 0) {
-        if (!reply->level[reply->depth - 1].empty)
+        if (reply->format == FORMAT_JSON && !reply->level[reply->depth - 1].empty)
             buffer_char(&reply->json, ',');
         reply->level[reply->depth - 1].empty = false;
         reply->level[reply->depth - 1].element++;
     }
-    if (key && !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
+    if (reply->format == FORMAT_JSON && key && !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
         buffer_json_text(&reply->json, text_of(key));
         buffer_char(&reply->json, ':');
     }
@@ -255,7 +269,8 @@ static void put_key(struct reply *reply, const char *key)
 static void put_literal(struct reply *reply, const char *key, struct text json, struct text cell)
 {
     put_key(reply, key);
-    buffer_put(&reply->json, json);
+    if (reply->format == FORMAT_JSON)
+        buffer_put(&reply->json, json);
     put_cell(reply, key, cell);
 }
 
@@ -263,7 +278,7 @@ static void open_level(struct reply *reply, const char *key, bool array)
 {
     put_key(reply, key);
     buffer_char(&reply->json, array ? '[' : '{');
-    if (array && !inside_array(reply)) {
+    if (reply->format == FORMAT_CSV && array && !inside_array(reply)) {
         if (reply->header.len > 0)
             buffer_char(&reply->row, ',');
         put_path(reply, key);
@@ -312,12 +327,15 @@ void reply_string(struct reply *reply, const char *key, const char *value)
         reply_null(reply, key);
         return;
     }
-    struct buffer safe = {0};
     const bool names = names_object(reply, key, value);
     put_key(reply, key);
     if (!names)
         collect(reply, key, NULL, "", value);
-    buffer_json_text(&reply->json, text_of(value));
+    if (reply->format == FORMAT_JSON)
+        buffer_json_text(&reply->json, text_of(value));
+    if (reply->format != FORMAT_CSV)
+        return;
+    struct buffer safe = {0};
     safe_text(&safe, text_of(value), true);
     reply->row.failed |= safe.failed;
     put_cell(reply, key, buffer_text(&safe));
@@ -423,7 +441,8 @@ void reply_end(struct reply *reply)
     }
 }
 
-void reply_table_row(struct reply *reply, const char *kind, const struct table *table, size_t row)
+static void put_table_row(struct reply *reply, const char *kind, const struct table *table,
+                          size_t row)
 {
     reply_begin(reply, kind);
     for (const struct table_column *c = table->column; c < table->column + table->columns; c++)
@@ -431,6 +450,46 @@ void reply_table_row(struct reply *reply, const char *kind, const struct table *
             reply_quantity(reply, c->name, c->value[row], c->unit);
         else
             reply_string(reply, c->name, c->text[row]);
+}
+
+/* The same as a row of CSV below others of the table. */
+static void put_csv_row(struct buffer *out, const char *kind, const struct table *table, size_t row)
+{
+    put_value(out, text_of(kind));
+    for (const struct table_column *c = table->column; c < table->column + table->columns; c++) {
+        buffer_char(out, ',');
+        if (!c->value) {
+            struct buffer safe = {0};
+            safe_text(&safe, text_of(c->text[row]), true);
+            put_value(out, buffer_text(&safe));
+            out->failed |= safe.failed;
+            buffer_free(&safe);
+        } else if (isfinite(c->value[row])) {
+            buffer_real(out, c->value[row]);
+        }
+    }
+    buffer_char(out, '\n');
+}
+
+void reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
+                      size_t first, size_t count, bool headed)
+{
+    const size_t chunk = (size_t)1 << 20; /* [byte] written at a time */
+    for (size_t i = 0; i < count && !reply->failed; i++) {
+        if (i > 0 && reply->format == FORMAT_CSV) {
+            put_csv_row(&reply->row, kind, table, first + i);
+            if (reply->row.len >= chunk || reply->row.failed || i == count - 1)
+                flush_out(reply, &reply->row);
+            continue;
+        }
+        put_table_row(reply, kind, table, first + i);
+        if (i == 0 && !headed) {
+            buffer_clear(&reply->last_header);
+            buffer_put(&reply->last_header, buffer_text(&reply->header));
+            buffer_char(&reply->last_header, '\n');
+        }
+        reply_end(reply);
+    }
 }
 
 /* ---- one statement ---- */

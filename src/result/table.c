@@ -113,6 +113,13 @@ void buffer_json_text(struct buffer *out, struct text text)
     static const char escaped[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
     buffer_char(out, '"');
     for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+        for (used = 0; used < text.len && text.at[used] >= ' ' && text.at[used] < 0x7F &&
+                       text.at[used] != '"' && text.at[used] != '\\';)
+            used++;
+        if (used > 0) {
+            buffer_put(out, (struct text){text.at, used});
+            continue;
+        }
         const uint32_t codepoint = text_codepoint(text, &used);
         const char *special =
             codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;

@@ -188,11 +188,12 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     /* typed terms may have a pole at the latter */
     const double *states[] = {system->start, system->scale};
     for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
+        const int rows = term_rows(system);
         double a[LIMIT_VARIABLES];
-        for (int row = 0; row < term_rows(system); row++)
+        for (int row = 0; row < rows; row++)
             a[row] = 0;
         term->row->add(term->c, system->t0, states[i], a);
-        for (int row = 0; row < term_rows(system); row++)
+        for (int row = 0; row < rows; row++)
             if (!isfinite(a[row]))
                 return overflows(system, term, row, states[i], error);
     }
@@ -203,9 +204,9 @@ static bool check_term(const struct system *system, const struct bound_term *ter
 static void bind_rows(const double *param, struct system *system)
 {
     const struct catalog *terms = system->model->terms;
-    for (size_t i = 0; i < terms->count; i++) {
+    const struct term_row *const rows = terms->rows;
+    for (const struct term_row *row = rows; row < rows + terms->count; row++) {
         struct bound_term *term = &system->term[system->terms];
-        const struct term_row *row = (const struct term_row *)(const void *)catalog_row(terms, i);
         if (!row->bind) /* a typed one */
             continue;
         term->row = row;
@@ -256,9 +257,9 @@ void system_turn_at_kinks(struct system *system)
 static void bind_dry(struct system *system)
 {
     for (int i = 0; i < system->terms; i++) {
-        const struct bound_term dry = system->term[i];
-        if (!(dry.row->flags & TERM_DRY))
+        if (!(system->term[i].row->flags & TERM_DRY))
             continue;
+        const struct bound_term dry = system->term[i];
         for (int k = i; k < system->terms - 1; k++)
             system->term[k] = system->term[k + 1];
         system->term[system->terms - 1] = dry;
@@ -284,7 +285,7 @@ static void begin(const struct model *model, struct system *system)
     system->energy = false;
     system->typed.row = NULL;
     system->mass = system->t0 = 0;
-    memset(system->ratio, 0, sizeof system->ratio);
+    memset(system->ratio, 0, (size_t)(model->n / 2) * sizeof *system->ratio);
     memset(system->start, 0, (size_t)model->n * sizeof *system->start);
     memset(system->scale, 0, (size_t)model->n * sizeof *system->scale);
     system->oscillator = (struct oscillator){
@@ -302,9 +303,10 @@ static bool bind_motion(const struct scene *scene, bool sized, struct system *sy
     if (model->coherent && !model->coherent(param, error))
         return false;
     begin(model, system);
-    memcpy(system->atol, scene->atol, sizeof system->atol);
+    memcpy(system->atol, scene->atol, (size_t)model->n * sizeof *system->atol);
     bind_rows(param, system);
-    system_sum_up(system);
+    if (model->typed)
+        system_sum_up(system);
     system->across = scene->across;
     if (typed_base(
             model)) /* sizes are those without what was typed, unless that is an oscillator, too */

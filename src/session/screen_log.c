@@ -27,6 +27,18 @@ static void add_line(struct log *log, struct text line)
     log->said++;
 }
 
+/* Leaves the last LIMIT_LOG lines of the text, which are all that will be kept of it. */
+static void skip_lines(struct log *log, struct text *text)
+{
+    size_t begin = text->len;
+    for (int lines = 0; begin > 0; begin--)
+        if (text->at[begin - 1] == '\n' && ++lines == LIMIT_LOG)
+            break;
+    for (size_t i = 0; i < begin; i++)
+        log->said += text->at[i] == '\n';
+    *text = (struct text){text->at + begin, text->len - begin};
+}
+
 void log_add(struct log *log, struct text text)
 {
     struct text line;
@@ -34,6 +46,7 @@ void log_add(struct log *log, struct text text)
         return;
     if (text.len > 0 && text.at[text.len - 1] == '\n')
         text.len--;
+    skip_lines(log, &text);
     do {
         if (!text_split(&text, '\n', &line))
             line = TEXT("");

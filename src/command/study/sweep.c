@@ -289,16 +289,12 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
 static void reply_points(const struct swept *swept, const struct table *table, struct reply *reply)
 {
     const struct sweep *sweep = swept->sweep;
-    for (size_t i = 0; i < table->rows && !reply->failed; i++) {
-        if (!swept->section && sweep->status[i] == SWEEP_MISSING)
-            continue;
-        reply_table_row(reply, "sweep", table, i);
-        if (i == 0 && sweep->first > 0) {
-            buffer_clear(&reply->last_header);
-            buffer_put(&reply->last_header, buffer_text(&reply->header));
-            buffer_char(&reply->last_header, '\n');
-        }
-        reply_end(reply);
+    for (size_t first = 0, end; first < table->rows; first = end + 1) {
+        for (end = first; end < table->rows &&
+                          (swept->section || sweep->status[end] != SWEEP_MISSING);)
+            end++;
+        reply_table_rows(reply, "sweep", table, first, end - first,
+                         first > 0 || sweep->first == 0);
     }
 }
 

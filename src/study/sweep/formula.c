@@ -78,7 +78,7 @@ void sweep_combine(struct sweep_worker *worker, int64_t i)
     const struct sweep_request *request = worker->job->request;
     const struct numbers numbers = {worker->part, &worker->scene};
     const struct expr_scope scope = {.context = &numbers, .load = load_measure};
-    struct error ignored = {0};
+    struct error ignored;
     double *out = worker->job->sweep->value + i * worker->job->sweep->measures;
     if (request->columns == 0)
         return;

@@ -222,10 +222,10 @@ static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *o
 static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
 {
     for (int lane = 0; lane < worker->used; lane++) {
-        struct lane_clock *clock = &worker->clock[lane];
+        const struct lane_clock *clock = &worker->clock[lane];
         if (clock->whole == i || (all && clock->whole > i)) {
-            lanes_state(worker->lanes, lane, clock->end);
-            clock->evals = lanes_evals(worker->lanes, lane);
+            lanes_state(worker->lanes, lane, worker->end[lane].y);
+            worker->end[lane].evals = lanes_evals(worker->lanes, lane);
         }
     }
 }
@@ -322,16 +322,17 @@ static void finish_lanes(struct sweep_worker *worker)
     for (int lane = 0; lane < worker->used; lane++) {
         const struct lane_clock *clock = &worker->clock[lane];
         const int n = worker->system[lane].n;
-        int64_t evals = clock->evals;
+        const struct lane_end *end = &worker->end[lane];
+        int64_t evals = end->evals;
         double y[LIMIT_VARIABLES];
-        memcpy(y, clock->end, sizeof y);
+        memcpy(y, end->y, (size_t)n * sizeof *y);
         if (lane_suspicious(y, n) || (clock->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
             sweep_alone(worker, worker->point[lane]);
         } else if (job->replays) {
             replay_lane(worker, lane, evals);
         } else {
             if (job->watches)
-                finish_watch(worker, lane, clock->end, y);
+                finish_watch(worker, lane, end->y, y);
             sweep_measure_lane(worker, lane, y, clock->whole + (clock->rest != 0), evals);
         }
     }
@@ -395,7 +396,7 @@ static bool set_clock(const struct sweep_worker *worker, const struct system *sy
 {
     const struct sweep_job *job = worker->job;
     struct plan plan = {.whole = job->whole, .partial = job->rest};
-    struct error ignored = {0};
+    struct error ignored;
     bool fits = true;
     if (job->clocks && !job->adapts)
         fits = plan_grid(system, h, job->request->duration, &plan, &ignored) &&
@@ -410,7 +411,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
     struct lane_clock clock;
-    struct error error = {0};
+    struct error error; /* not cleared: most points set none */
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||

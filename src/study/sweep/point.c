@@ -53,15 +53,14 @@ void sweep_worker_free(struct sweep_worker *worker)
 static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene,
                      struct run_settings *settings, struct error *error)
 {
-    const struct catalog *derived = scene_derived(scene);
     switch (axis->target) {
     case SWEEP_PARAM:
         return scene_set(scene, axis->index, (struct measured){value, 0}, error);
     case SWEEP_DERIVED:
-        return scene_set_derived(
-            scene,
-            (const struct derived_row *)(const void *)catalog_row(derived, (size_t)axis->index),
-            (struct measured){value, 0}, error);
+        return scene_set_derived(scene,
+                                 (const struct derived_row *)(const void *)catalog_row(
+                                     scene_derived(scene), (size_t)axis->index),
+                                 (struct measured){value, 0}, error);
     case SWEEP_DT:
         settings->dt = value;
         return value > 0 || error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", value);
@@ -75,7 +74,12 @@ static bool set_axis(const struct sweep_axis *axis, double value, struct scene *
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
                  struct scene *scene, struct run_settings *settings, struct error *error)
 {
-    memcpy(scene->value, request->scene->value, scene_params(scene)->count * sizeof *scene->value);
+    const double *given = request->scene->value;
+    for (int a = 0; a < request->axes; a++)
+        if (request->axis[a].target == SWEEP_DERIVED) /* which sets parameters of other names */
+            memcpy(scene->value, given, scene_params(scene)->count * sizeof *given);
+        else if (request->axis[a].target == SWEEP_PARAM)
+            scene->value[request->axis[a].index] = given[request->axis[a].index];
     for (int a = 0; a < request->axes; a++)
         if (!set_axis(&request->axis[a],
                       sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,

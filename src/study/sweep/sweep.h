@@ -78,8 +78,12 @@ struct sweep_job {
 struct lane_clock {
     double h, rest;
     int64_t whole, opening; /* after so many the window is open */
-    double end[LIMIT_VARIABLES];
-    int64_t evals; /* after the whole steps, as is the state */
+};
+
+/* The state of a lane after its whole steps, and the evaluations that these took. */
+struct lane_end {
+    double y[LIMIT_VARIABLES];
+    int64_t evals;
 };
 
 struct sweep_worker {
@@ -96,6 +100,7 @@ struct sweep_worker {
     double area[LANES], span[LANES]; /* what means are made of */
     int64_t point[LANES];            /* of each lane: place in the sweep */
     struct lane_clock clock[LANES];
+    struct lane_end end[LANES];
     int used;
     double *work;                /* of a step alone */
     double part[SWEEP_MEASURES]; /* measures of a point, where columns are made of them */
