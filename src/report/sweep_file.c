@@ -5,6 +5,7 @@
 #include <hooke/base/fields.h>
 #include <hooke/study/sweep.h>
 
+#include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -218,6 +219,7 @@ static bool keep_block(struct sweep_file *file, struct sweep_block block, struct
         file->block = more;
         file->capacity = capacity;
     }
+    assert(file->block);
     file->block[file->blocks++] = block;
     return true;
 }

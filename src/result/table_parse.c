@@ -2,6 +2,7 @@
 /* Reads back what table.c writes as CSV, TSV and JSON: the same doubles, the same texts. */
 #include "result/outlet.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -38,7 +39,7 @@ static void *grown(struct arena *arena, void *array, size_t count, size_t size, 
     if (count > 0 && (count < least || (count & (count - 1))))
         return array;
     void *more = arena_array(arena, count ? 2 * count : least, size);
-    if (more && count > 0)
+    if (more && array)
         memcpy(more, array, count * size);
     return more;
 }
@@ -139,6 +140,7 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
     double *value = arena_array(r->arena, rows + 1, sizeof *value);
     const char **text = arena_array(r->arena, rows + 1, sizeof *text);
     bool numbers = true;
+    assert(cell || rows == 0);
     if (!value || !text)
         return error_memory(r->error);
     for (size_t i = 0; i < rows; i++) {

@@ -16,6 +16,7 @@
 
 #include "run/private.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -70,6 +71,7 @@ struct second {
 
 static double work_of(const struct cost *cost)
 {
+    assert(cost);
     return (double)(cost->evals + cost->jacobians);
 }
 

@@ -2,6 +2,7 @@
 /* The trace: rows in chunks, decimation that keeps every peak, times from grids. */
 #include "run/private.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -74,6 +75,7 @@ bool trace_marked(const struct trace *trace)
 
 static double *mark_at(const struct trace *trace, size_t i)
 {
+    assert(trace->mark);
     return trace->mark[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->mark_width;
 }
 

@@ -143,7 +143,7 @@ static bool append(struct autosave *autosave, const struct cancel *cancel, struc
     const struct store_sink to = {&autosave->fd, sink, cancel};
     ok = ok && session_store(autosave->session, &autosave->stored, &to, error);
     const bool given_up = first && autosave->stored.unfinished;
-    ok = ok && (!first || given_up || name_new(autosave, hidden.data, error));
+    ok = ok && (!first || given_up || !hidden.data || name_new(autosave, hidden.data, error));
     if (!ok || given_up) {
         if (first && hidden.len > 0)
             unlink(hidden.data);

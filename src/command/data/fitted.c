@@ -3,6 +3,7 @@
 #include "command/data/fit_text.h"
 #include "command/internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -114,6 +115,7 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
                                                         : summary->k};
     if (summary->motion)
         record->fit = *summary->motion;
+    assert(summary->motion || curve);
     const struct fit *fit = &record->fit;
     if (summary->motion && fit->preferred < LAW_UNDECIDED)
         record->preferred = drag_law_name(fit->preferred);

@@ -88,8 +88,8 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     struct switches_state state;
     if (switches)
         state = *switches;
-    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES],
-        *asked = step->error;
+    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, own_error[LIMIT_VARIABLES],
+                                    *asked = step->error;
     copy(n, step->y, before);
     if (step->low)
         copy(n, step->low, low);

@@ -96,6 +96,7 @@ void implicit_dense(const struct method *method, const struct step *step, double
     const struct implicit_tableau *tableau = method->implicit;
     int n = step->system->n;
     const double *z = step->work;
+    assert(tableau->stages > 0 && tableau->stages <= 3);
     for (int i = 0; i < n; i++) {
         double difference[3];
         for (int s = 0; s < tableau->stages; s++)
@@ -157,7 +158,7 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
         (!estimate(tableau, step, step->y, z, own) ||
          (!step->warm && !estimate_again(tableau, step, z, own))))
         return STEP_NO_SOLUTION;
-    double increment[LIMIT_VARIABLES];
+    double increment[LIMIT_VARIABLES] = {0};
     for (int i = 0; i < n; i++)
         increment[i] = weighted_sum(tableau->d, stages, z, n, i);
     return step_increase(step, increment);

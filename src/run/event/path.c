@@ -72,7 +72,7 @@ static struct jet bounds(double *c, int degree, double r, double error, int piec
 
 struct jet path_fit(const double *value, int degree, double a, double b)
 {
-    double c[DENSE_DEGREE + 1], sum = 0, power = 1;
+    double c[DENSE_DEGREE + 1] = {0}, sum = 0, power = 1;
     fit(value, 1, degree, c, 1);
     double tail = 0;
     for (int k = 0; k <= degree; k++, power /= 2) {
@@ -275,7 +275,7 @@ static struct jet piece_jet(const struct step_path *path, int k, int variable, d
 {
     const int degree = path->degree;
     const double shift = (a + b) / 2 - (k + 0.5) / path->pieces;
-    double c[DENSE_DEGREE + 1];
+    double c[DENSE_DEGREE + 1] = {0};
     for (int j = 0; j <= degree; j++)
         c[j] = path->piece[k].c[j][variable];
     if (shift != 0) /* about the middle of a and b: Horner's scheme again and again */

@@ -274,6 +274,7 @@ struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const 
                           double half)
 {
     struct jet stack[2][LIMIT_EXPR_DEPTH];
+    stack[0][0] = stack[0][1] = stack[1][0] = stack[1][1] = jet_number(0);
     int top = 0;
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++, top++) {
         if (op->kind == OP_NAME) {

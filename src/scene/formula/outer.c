@@ -142,6 +142,7 @@ bool outer_excludes_zero(struct outer a)
 struct outer expr_outer(const struct expr *expr, const struct jet *jet)
 {
     struct outer stack[LIMIT_EXPR_DEPTH], *top = stack;
+    stack[0] = stack[1] = outer_interval(interval_point(0));
     for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
         if (op->kind == OP_NAME) {
             *top++ = outer_interval(jet[op->slot].value);

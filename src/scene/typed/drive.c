@@ -119,7 +119,7 @@ static struct drive_part applied(const struct op *op, const struct drive_part *a
 
 static struct drive_part part_of(const struct expr *expr, const struct drive_part *name)
 {
-    struct drive_part stack[LIMIT_EXPR_DEPTH];
+    struct drive_part stack[LIMIT_EXPR_DEPTH] = {{.known = false}};
     int top = 0;
     for (size_t i = 0; i < expr->count; i++) {
         const struct op *op = &expr->op[i];

@@ -137,7 +137,8 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
                            double psize, const struct solution *at, const struct cancel *cancel,
                            struct curve_place *first, struct error *error)
 {
-    double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES], direction[CURVE_MAX];
+    double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES],
+                                              direction[CURVE_MAX] = {0};
     struct curve_place point = {.corrections = 0};
     struct solution ignored, twice = *at;
     if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))

@@ -174,7 +174,7 @@ static bool meet(struct family *f, const struct member *a, const struct member *
 {
     const struct solution *from = &a->orbit.solution, *to = &b->orbit.solution;
     const double share = (f->wanted - from->period) / (to->period - from->period);
-    double state[FIELD_VARIABLES], across[FIELD_VARIABLES + 1] = {0};
+    double state[FIELD_VARIABLES] = {0}, across[FIELD_VARIABLES + 1] = {0};
     struct member m;
     across[from->n] = 1;
     for (int i = 0; i < from->n; i++)
@@ -188,7 +188,7 @@ static bool meet(struct family *f, const struct member *a, const struct member *
 /* One way, until it is met (true) or the family ends. */
 static bool walk(struct family *f, const struct member *seed, int sense, struct found_orbit *met)
 {
-    struct member at = *seed, next;
+    struct member at = *seed, next = *seed;
     double by = STEP / 4;
     enum family_end *end = &f->end[f->ends++];
     *end = FAMILY_LOST;

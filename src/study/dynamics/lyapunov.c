@@ -2,6 +2,7 @@
 /* Lyapunov exponents: means over bins of equal time, their errors, and what has to hold. */
 #include <hooke/study/chaos.h>
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,6 +180,7 @@ static void find_dimension(const struct exponents_search *s, const int *order)
         f->dimension = (struct exponent){f->n, 0};
         return;
     }
+    assert(s->series);
     f->dimension = (struct exponent){kaplan_yorke(f->exponent, f->count, f->n, size, slope), 0};
     double *mixed = s->series + (size_t)(f->count + 1) * s->bins;
     memset(mixed, 0, s->done * sizeof *mixed);

@@ -158,7 +158,7 @@ static bool schedule(struct program *p, const int *retained)
     bool fine = s.usage && s.node && s.free_slot;
     if (fine)
         memcpy(s.node, p->node, nodes * sizeof *s.node);
-    for (int i = 0; fine && i < p->keeps; i++)
+    for (int i = 0; fine && retained && i < p->keeps; i++)
         s.node[retained[i]] =
             (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
     fine = fine && prepare(&s);
