@@ -244,13 +244,12 @@ static int link_unnamed(const struct writer *writer, const char *name)
 
 static int link_temporary(struct writer *writer)
 {
+    char name[STRAY_NAME_SIZE];
     int number = EEXIST;
     for (int i = 0; i < NAME_ATTEMPTS && number == EEXIST; i++)
-        number = stray_name(writer->temporary, writer->base, STRAY_NEW)
-                     ? link_unnamed(writer, writer->temporary)
-                     : errno;
-    if (number != 0)
-        writer->temporary[0] = '\0';
+        number = stray_name(name, writer->base, STRAY_NEW) ? link_unnamed(writer, name) : errno;
+    if (number == 0)
+        memcpy(writer->temporary, name, sizeof name);
     return number;
 }
 

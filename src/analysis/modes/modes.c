@@ -278,7 +278,7 @@ static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *m
 {
     static const struct measured none = {NAN, NAN};
     struct fit *fit = &modes->fit;
-    double widen[CURVE_PARAMETERS], x[CURVE_PARAMETERS] = {0};
+    double widen[CURVE_PARAMETERS] = {0}, x[CURVE_PARAMETERS] = {0};
     int order[MODES_MAX] = {0};
     const double t0 = f->series->t[0], end = f->series->t[f->series->n - 1];
     for (int j = 0; j < f->fit.parameters; j++)

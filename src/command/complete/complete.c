@@ -179,7 +179,7 @@ static void offer_nothing(void *context, const char *candidate, const char *brie
 /* Of which file the string that begins behind `before` is the name, as command_complete() says. */
 static const char *file_string(struct session *session, struct text before)
 {
-    size_t start;
+    size_t start = before.len;
     return before.len > 0 && strchr(" \t", before.at[before.len - 1])
                ? command_complete(session, before, before.len, &start, offer_nothing, NULL)
                : NULL;
