@@ -130,6 +130,24 @@ enum step_status method_turning_step(const struct method *method, struct step *s
 
 enum { N = 2, AT_ONCE_LEAST = 4, AT_ONCE_MOST = 512, WORK_MOST = 64 };
 
+/* Returns how many of the steps to these rows, the first from the velocity v on, come before one
+ * that crosses zero. */
+static int64_t steps_before_turn(const double *row, int64_t count, double v)
+{
+    int64_t i = 0;
+    while (i < count && !crosses(v, row[N * i + 1])) {
+        v = row[N * i++ + 1];
+        /* One comparison a row is enough while the sign stays. */
+        if (v > 0)
+            while (i < count && row[N * i + 1] > 0)
+                i++;
+        else if (v < 0)
+            while (i < count && row[N * i + 1] < 0)
+                i++;
+    }
+    return i;
+}
+
 /* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been
  * taken. */
 static int64_t march_straight(const struct method *method, march_function *kernel,
@@ -143,13 +161,7 @@ static int64_t march_straight(const struct method *method, march_function *kerne
     memcpy(work, step->work, size);
     const int64_t taken = kernel(method, march);
     struct march good = *march;
-    double v = y[1];
-    for (good.count = 0; good.count < taken; good.count++) {
-        const double next = march->row[N * good.count + 1];
-        if (crosses(v, next))
-            break;
-        v = next;
-    }
+    good.count = steps_before_turn(march->row, taken, y[1]);
     if (good.count == taken)
         return taken;
     *step = was;
@@ -188,15 +200,20 @@ static bool march_at_rest(const struct march *march, const double *before, int64
     return true;
 }
 
-/* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near
- * a turning point. */
+/* Returns how many steps to try at once: up to where a parabola through the velocities of the last
+ * three rows before `row` has its zero, which of a swing comes early; 0 next to it. While the
+ * velocity still grows that is too far ahead to be relied on. */
 static int64_t steps_to_try(const double *row, int64_t last)
 {
-    const double left = fabs(row[-1] / (row[-1] - row[-1 - N])) / 2;
-    const double max = (double)(last < AT_ONCE_LEAST  ? AT_ONCE_LEAST
-                                : last < AT_ONCE_MOST ? 2 * last
-                                                      : AT_ONCE_MOST);
-    return left < AT_ONCE_LEAST ? 0 : (int64_t)(left < max ? left : max);
+    const double v = row[-1], rise = v - row[-1 - N], bend = rise - (row[-1 - N] - row[-1 - 2 * N]),
+                 slope = rise + bend / 2, square = slope * slope - 2 * bend * v;
+    const bool slows = v * slope < 0;
+    const double left = -2 * v / (slope + copysign(sqrt(fmax(square, 0)), slope));
+    const double grown = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : 2 * last);
+    double max = grown < AT_ONCE_MOST ? grown : AT_ONCE_MOST;
+    if (slows && square >= 0)
+        max = fmin(max, left);
+    return max >= 1 ? (int64_t)max : 0;
 }
 
 int64_t method_turning_march(const struct method *method, march_function *kernel,
@@ -215,8 +232,8 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
         struct march part = *march;
         part.first += done;
         part.row += done * N;
-        try = fast && done >= 2 && step->y[1] != 0 && !whole->extended ? steps_to_try(part.row, try)
-                                                                       : 0;
+        try = fast && done > 2 && step->y[1] != 0 && !whole->extended ? steps_to_try(part.row, try)
+                                                                      : 0;
         if (try > 0) {
             part.count = try < march->count - done ?
             try : march
