@@ -189,13 +189,19 @@ static struct system with_start_scale(const struct system *system, const double 
     return scaled;
 }
 
+/* Returns true for linear equations whose drive, if there is one, is a cosine: their solutions
+ * exist at all times. */
+static bool is_never_singular(const struct system *system)
+{
+    return system->linear && (system->autonomous || system->oscillator.whole);
+}
+
 /* The singularity of the solution through (t, y) before `end`; *fate: what became of it. */
 static struct singularity look_for(const struct system *system, double t, const double *y,
                                    double end, int64_t max, const struct cancel *cancel,
                                    enum solution_fate *fate)
 {
-    const bool never = system->linear && system->autonomous; /* ends in finite time */
-    struct approach *approach = never ? NULL : malloc(sizeof *approach);
+    struct approach *approach = is_never_singular(system) ? NULL : malloc(sizeof *approach);
     const struct system scaled = with_start_scale(system, y);
     double singular_t = t, power = NAN;
     *fate = SOLUTION_UNKNOWN;
@@ -381,11 +387,10 @@ void run_diagnose(struct run *run)
 {
     const bool failed =
         run->stop == STOP_DIVERGED || run->stop == STOP_STALLED || run->stop == STOP_NO_SOLUTION;
-    const bool never = run->system.linear && run->system.autonomous; /* ends in finite time */
     run->private_state->fate = SOLUTION_UNKNOWN;
     if (!failed)
         run_check_first_steps(run);
-    if (run->stop == STOP_SINGULAR || never)
+    if (run->stop == STOP_SINGULAR || is_never_singular(&run->system))
         return;
     if (!run->plan.adaptive && run->steps > 0 && run_went_across(run))
         return;
