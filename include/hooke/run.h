@@ -442,8 +442,9 @@ double run_speed_max(const struct run *run, double from, double to);
  * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and
  * drive since the start (0 for conservative scenes, where it is not computed), of jumps and of
  * changes of parameters. Per step W is the integral of the power along the quintic Hermite
- * interpolant of both states. It is summed up while the run goes on where the trace leaves steps
- * out, else when somebody asks, from where it was asked for last. Where E0 = 0 the unit is the
+ * interpolant of both states. It is summed up when somebody asks, from where it was asked for last;
+ * where the trace leaves steps out they are taken once more, or summed up while the run goes on if
+ * that cannot be. Where E0 = 0 the unit is the
  * largest |E| so far; NAN if that is 0 too, for first-order scenes, and where settings.unbalanced
  * has left it out.
  */

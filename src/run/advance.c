@@ -59,6 +59,10 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
         trace_aim(run->trace, run->t, h);
         segment->between = run->plan.adaptive || !trace_in_step(run->trace);
     }
+    if (target->condition || target->events > 0) {
+        ledger_demand(run);
+        p->is_unrepeatable = true;
+    }
     segment->armed = target->condition && !holds(segment);
     return events_begin(run, segment) ? STOP_NONE : STOP_FULL;
 }

@@ -334,16 +334,19 @@ void plan_describe(const struct scene *scene, const struct system *system,
                             : "known by the matrix exponential: no reference integration\n");
     if (system->order == 2) {
         key(text, "energy");
-        const bool apart = settings->record.rule == RECORD_TIMES ||
-                           (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
-                           (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES));
+        const bool marked = settings->record.rule == RECORD_TIMES,
+                   apart = (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
+                           (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES)),
+                   repeats = !plan->adaptive && !settings->compensated;
         buffer_format(
             text,
             !system->energy
                 ? "unknown: the typed forces have no potential; kinetic is what there is\n"
             : plan->ledger ? "balance E - E0 - W, W the work of each step%s\n"
                            : "constant: no ledger, E - E0 of each step%s\n",
-            apart ? ", kept while stepping where rows are apart" : ", only when asked for");
+            marked || (apart && !repeats) ? ", kept while stepping where rows are apart"
+            : apart                       ? ", only when asked for, by taking the steps again"
+                                          : ", only when asked for");
     }
     key(text, "on demand");
     bool first = true;

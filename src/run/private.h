@@ -165,6 +165,7 @@ size_t trace_row_bytes(int n, bool timed, bool indexed);
 /* from now on, those that are there are not known or have 0 */
 bool trace_mark_rows(struct trace *trace, bool work);
 bool trace_marked(const struct trace *trace);
+void trace_forget_marks(struct trace *trace);
 struct energy_tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
 void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally);
 /* the first recorded row of this step or a later one */
@@ -183,7 +184,7 @@ void trace_thinned(struct trace *trace);
 
 #define MEMORY_DEFAULT ((size_t)1 << 30) /* [byte] budget of a trace */
 
-/* The scene that was in force from a step on: one at the start, one more for each run_rebind(). */
+/* The scene in force from a step on: one at the start, one more for each run_rebind(). */
 struct epoch {
     int64_t first; /* step index of its start */
     double t;      /* [s] */
@@ -267,12 +268,10 @@ struct run_private {
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* at least one */
     size_t epochs, epoch_capacity;
-    int64_t batch; /* steps between looks at the clock */
-    int64_t look;  /* run_creeps() has nothing to do before this step */
+    int64_t batch, look; /* steps between looks at the clock; the next one of run_creeps() */
     /* rows that run_diagnose() has seen; the next that it would look into, */
     size_t looked, across;
-    size_t unchecked;              /* and whose step it would check, */
-    size_t checks;                 /* after so many */
+    size_t unchecked, checks;      /* and whose step it would check, after so many */
     size_t searched;               /* the last row that run_missed_burst() has seen */
     march_function *kernel;        /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
@@ -282,6 +281,8 @@ struct run_private {
     const double *given; /* [n] each, of the steps from given_first to given_end: run_give() */
     int64_t given_first, given_end;
     double factor; /* power of two on states before their energies are compared */
+    const struct run *original; /* whose steps are taken again, for its balance; or NULL */
+    bool is_unrepeatable;       /* conditions or events may have ended a step early */
     /* up to the last step where rows have marks, else as far as somebody asked */
     struct balance balance;
     struct energy_tally
@@ -468,8 +469,10 @@ bool plan_propagates(const struct system *system, const struct method *method,
 /* ---- ledger.c ---- */
 
 double system_energy(const struct system *system, const double *y); /* [J] */
-/* else rows are apart, and settings.unbalanced left it out */
-bool ledger_known(const struct run *run);
+bool ledger_known(const struct run *run); /* the trace has each step, or marks */
+bool ledger_waits(const struct run *run); /* nothing is kept before somebody asks */
+/* Takes the steps again where rows are apart and have no marks yet. Returns ledger_known(). */
+bool ledger_demand(const struct run *run);
 void balance_begin(const struct run *run, struct balance *balance); /* at the start */
 /*
  * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
@@ -484,8 +487,7 @@ void balance_present(const struct run *run, struct balance *balance);
 /* Before so many rows are offered to the trace: where it will leave some out, the balance has to be
  * kept from there on. False: no memory. */
 bool ledger_ready(struct run *run, int64_t rows);
-/* After steps to these states were offered to the trace; the marks of those that it took are set.
- */
+/* After steps to these states were offered to the trace, whose marks it sets. */
 void ledger_take(struct run *run, const double *row, int64_t count);
 /* the last row is this state, inside of the next step */
 void ledger_inside(struct run *run, double t, const double *y);

@@ -152,7 +152,7 @@ static bool allocate(struct run *run)
     const bool thinned =
         run->settings.record.rule == RECORD_TIMES ||
         (run->settings.record.rule == RECORD_EVERY && run->settings.record.every > 1);
-    if (run->system.order == 2 && !run->settings.unbalanced && thinned &&
+    if (run->system.order == 2 && !ledger_waits(run) && thinned &&
         !trace_mark_rows(run->trace, run->plan.ledger))
         return false;
     return trace_record(run->trace, 0, run->t, run->y);
@@ -268,6 +268,7 @@ bool run_back(struct run *run, int64_t rows)
                p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
+    ledger_demand(run);
     /* Of an adaptive run the size of the step that led here is the next proposal; the controller's
      * memory is not recorded. */
     double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
@@ -323,6 +324,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
         return false;
 
+    ledger_demand(run);
     if (trace_marked(run->trace) && !trace_mark_rows(run->trace, true))
         return error_memory(error);
     struct epoch *last = &p->epoch[p->epochs - 1];
@@ -398,6 +400,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     if (!(fabs(value) <= p->bound[i]))
         return error_set(error, ERROR_COMMAND, "%s cannot become %g",
                          system_variable(system, i).name, value);
+    ledger_demand(run);
     if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run, 1) ||
         (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);

@@ -125,6 +125,14 @@ static void free_marks(struct trace *trace)
     free(trace->mark);
 }
 
+void trace_forget_marks(struct trace *trace)
+{
+    free_marks(trace);
+    trace->mark = NULL;
+    trace->marks = trace->mark_width = 0;
+    touch(trace, 0);
+}
+
 bool trace_mark_rows(struct trace *trace, bool work)
 {
     struct trace made = *trace;

@@ -56,6 +56,8 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
     walk->sample.run = run;
     walk->sample.exact = walk->exact;
     if (needs & NEED_WORK) {
+        if (run->plan.ledger)
+            ledger_demand(run);
         const double *y = trace_state(run->trace, 0);
         take_state(walk, y);
         walk->sample.initial =
@@ -145,7 +147,7 @@ void walk_present(struct walk *walk, const struct run *run, unsigned needs)
     walk_begin(walk, run, needs);
     if (needs & NEED_WORK && run->plan.ledger) {
         struct balance present = {.tally = {.work = {NAN, 0}, .drag = {NAN, 0}}};
-        if (ledger_known(run))
+        if (ledger_demand(run))
             balance_present(run, &present);
         work = total(present.tally.work);
         drag = total(present.tally.drag);

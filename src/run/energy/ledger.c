@@ -3,8 +3,9 @@
  * The energy balance: what each step's energy differs by from that at the start and the work since.
  *
  * Where the trace has each step, nothing is done while the run advances: who asks pays for the
- * steps since somebody asked last. Where it leaves steps out they are taken while they are at hand,
- * and each row has a mark, the balance up to it. Either way each step is seen once, by the same
+ * steps since somebody asked last. Where it leaves steps out, each row has a mark, the balance up
+ * to it, from when somebody asks: fixed steps are then taken once more. Runs that cannot be
+ * repeated step by step have marks from the start. Either way each step is seen once, by the same
  * operations in the same order: the balance does not depend on what is recorded, nor on how a run
  * is cut into calls.
  */
@@ -67,15 +68,77 @@ static void settle(const struct run *run)
     }
 }
 
+/* ---- fixed steps once more ---- */
+
+/* Returns true if the states of the run follow from its scene, its grids and its number of steps.
+ */
+static bool is_repeatable(const struct run *run)
+{
+    const struct run_private *p = run->private_state;
+    return !run->plan.adaptive && !run->settings.compensated && run->trace->interval == 0 &&
+           p->epochs == 1 && p->kicks == 0 && !p->is_unrepeatable &&
+           !(run->method->flags & METHOD_EXTERNAL);
+}
+
+bool ledger_waits(const struct run *run)
+{
+    return run->settings.unbalanced || (is_repeatable(run) && !trace_marked(run->trace) &&
+                                        run->private_state->balance.step == 0);
+}
+
+/* Takes the steps of the run again, whose balance sees them. Returns false if they do not lead to
+ * its present state. */
+static bool repeat_steps(const struct run *run, struct run *again)
+{
+    const struct trace *trace = run->trace;
+    again->private_state->original = run;
+    for (size_t i = 1; i <= trace->grids; i++) {
+        const struct time_grid *next = i < trace->grids ? &trace->grid[i] : NULL;
+        const struct run_target target = {.t = next ? next->origin : run->t,
+                                          .steps =
+                                              (next ? next->first : run->steps) - again->steps};
+        if (target.steps > 0)
+            run_advance(again, &target, 0, run->cancel);
+    }
+    return again->steps == run->steps &&
+           memcmp(again->y, run->y, (size_t)run->system.n * sizeof *run->y) == 0;
+}
+
+bool ledger_demand(const struct run *run)
+{
+    struct run_settings settings = run->settings;
+    struct run_private *p = run->private_state;
+    struct error ignored;
+    if (ledger_known(run) || settings.unbalanced || run->system.order != 2 || !is_repeatable(run))
+        return ledger_known(run);
+    settings.record = (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
+    settings.unbalanced = true;
+    struct run *again = run_create(&run->scene, run->method, &settings, HUGE_VAL, &ignored);
+    bool known = again && trace_mark_rows(run->trace, run->plan.ledger);
+    if (known) {
+        balance_begin(run, &p->balance);
+        trace_set_mark(run->trace, 0, &p->balance.tally);
+        known = repeat_steps(run, again);
+        p->is_unrepeatable = !known && again->stop != STOP_CANCELLED;
+    }
+    if (!known) {
+        trace_forget_marks(run->trace);
+        balance_begin(run, &p->balance);
+    }
+    run_destroy(again);
+    return known;
+}
+
+/* ---- on the way ---- */
+
 bool ledger_ready(struct run *run, int64_t rows)
 {
     struct trace *trace = run->trace;
-    if (!trace->decimates || trace_marked(trace) || run->system.order != 2 ||
-        run->settings.unbalanced || trace->count + (size_t)rows <= trace->cap)
+    if (!trace->decimates || trace_marked(trace) || run->system.order != 2 || ledger_waits(run) ||
+        trace->bucket > 1 || trace->count + (size_t)rows <= trace->cap)
         return true;
     const size_t all = trace->count;
-    if (trace->bucket > 1 ||
-        !trace_thin(trace)) /* buckets without marks: there was no memory for them */
+    if (!trace_thin(trace))
         return false;
     struct balance *balance = &run->private_state->balance;
     const bool marked = trace_mark_rows(trace, run->plan.ledger);
@@ -91,10 +154,11 @@ bool ledger_ready(struct run *run, int64_t rows)
 void ledger_take(struct run *run, const double *row, int64_t count)
 {
     struct work_done done;
-    if (!trace_marked(run->trace))
+    const struct run *owner = run->private_state->original ? run->private_state->original : run;
+    if (!trace_marked(owner->trace))
         return;
     while (count > 0) {
-        const int taken = balance_block(run, &run->private_state->balance, row,
+        const int taken = balance_block(owner, &owner->private_state->balance, row,
                                         run->plan.adaptive ? &run->t : NULL, (size_t)run->system.n,
                                         count, &done, true);
         row += (size_t)taken * (size_t)run->system.n;
@@ -124,7 +188,7 @@ void ledger_back(struct run *run)
 {
     struct run_private *p = run->private_state;
     struct trace *trace = run->trace;
-    if (run->system.order != 2 || !ledger_known(run))
+    if (run->system.order != 2)
         return;
     if (run->steps == 0) {
         p->saves = 0;
@@ -133,7 +197,7 @@ void ledger_back(struct run *run)
             trace_set_mark(trace, 0, &p->balance.tally);
         return;
     }
-    if (!trace_marked(trace) && p->balance.step <= run->steps)
+    if (!ledger_known(run) || (!trace_marked(trace) && p->balance.step <= run->steps))
         return;
     p->balance.step = run->steps;
     if (trace_marked(trace)) {
@@ -209,7 +273,7 @@ void run_ledger(const struct run *run, struct ledger *ledger)
         return;
     const double unit = run->private_state->factor * run->private_state->factor;
     struct balance balance;
-    if (!ledger_known(run)) {
+    if (!ledger_demand(run)) {
         energies_alone(run, ledger);
         return;
     }
@@ -240,11 +304,10 @@ void run_ledger(const struct run *run, struct ledger *ledger)
 static bool is_brief(const struct run *run)
 {
     const struct run_private *p = run->private_state;
-    const int64_t brief =
-        run->plan.adaptive && run->plan.ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS;
+    const int64_t brief = run->plan.adaptive && run->plan.ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS;
     if (trace_marked(run->trace) || run->steps - p->balance.step <= brief)
         return true;
-    return !run->plan.ledger && !typed_potential_is_integrated(&run->system);
+    return ledger_known(run) && !run->plan.ledger && !typed_potential_is_integrated(&run->system);
 }
 
 void run_ledger_brief(const struct run *run, struct ledger *ledger)
