@@ -136,6 +136,8 @@ bool trace_put_row(struct trace *trace, int64_t step, const double *row,
                    const struct energy_tally *mark);
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
+/* The first of the rows, n numbers each, with the smallest and the largest position among them. */
+void rows_extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high);
 /* NULL: no memory */
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory);
 void trace_destroy(struct trace *trace);
@@ -280,7 +282,7 @@ struct run_private {
     double *work_before; /* the method's memory before many steps; NULL: none were taken */
     const double *given; /* [n] each, of the steps from given_first to given_end: run_give() */
     int64_t given_first, given_end;
-    double factor; /* power of two on states before their energies are compared */
+    double factor;              /* power of two on states before their energies are compared */
     const struct run *original; /* whose steps are taken again, for its balance; or NULL */
     bool is_unrepeatable;       /* conditions or events may have ended a step early */
     /* up to the last step where rows have marks, else as far as somebody asked */

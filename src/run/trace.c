@@ -8,32 +8,6 @@
 
 /* ---- rows ---- */
 
-size_t trace_row_bytes(int n, bool timed, bool indexed)
-{
-    return ((size_t)n + timed + indexed) * sizeof(double);
-}
-
-struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
-{
-    struct trace *trace = calloc(1, sizeof *trace);
-    if (!trace)
-        return NULL;
-    trace->n = n;
-    trace->interval = rule.rule == RECORD_TIMES ? rule.interval : 0;
-    trace->timed = timed = timed || trace->interval > 0;
-    trace->decimates = rule.rule == RECORD_AUTO;
-    trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
-    trace->width = (size_t)n + timed;
-    trace->cap = (memory ? memory : MEMORY_DEFAULT) /
-                 trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
-    if (trace->decimates) {
-        /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
-        trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
-    }
-    trace->bucket = 1;
-    return trace;
-}
-
 static void free_marks(struct trace *trace);
 
 void trace_destroy(struct trace *trace)
@@ -173,10 +147,10 @@ static bool grow(struct trace *trace)
     return true;
 }
 
-/* Room for one more row. */
-static bool reserve_row(struct trace *trace)
+/* Makes room for a few more rows. */
+static bool reserve_rows(struct trace *trace, size_t rows)
 {
-    size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
+    const size_t needed = ((trace->count + rows - 1) >> CHUNK_SHIFT) + 1;
     return (needed <= trace->chunks || grow(trace)) &&
            (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
            (!trace_indexed(trace) || needed <= trace->indices || grow_index(trace));
@@ -199,7 +173,7 @@ static void write_row(struct trace *trace, size_t i, int64_t step, double t, con
 static bool append(struct trace *trace, int64_t step, double t, const double *y,
                    const struct energy_tally *mark)
 {
-    if (!reserve_row(trace))
+    if (!reserve_rows(trace, 1))
         return false;
     write_row(trace, trace->count++, step, t, y, mark);
     return true;
@@ -261,16 +235,21 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y,
     return true;
 }
 
-/* The rows that stay of those of one bucket, in order. Returns how many; *end: the first row of the
- * next bucket. */
-static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, size_t *end,
-                size_t *row)
+static inline int64_t *step_at(const struct trace *trace, size_t i)
 {
-    const int64_t next = (trace_row_step(trace, first) | (bucket - 1)) + 1;
+    return &trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)];
+}
+
+/* The rows that stay of those of one bucket, in order; before they have moved, row i is where step
+ * i was recorded. Returns how many; *end: the first row of the next bucket. */
+static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, bool moved,
+                size_t *end, size_t *row)
+{
+    const int64_t next = (*step_at(trace, first) | (bucket - 1)) + 1;
     size_t low = first, high = first, i = first + 1;
-    double min = trace_row(trace, first)[0], max = min;
-    for (; i < count && trace_row_step(trace, i) < next; i++) {
-        const double y = trace_row(trace, i)[0];
+    double min = trace_row(trace, moved ? first : (size_t)*step_at(trace, first))[0], max = min;
+    for (; i < count && *step_at(trace, i) < next; i++) {
+        const double y = trace_row(trace, moved ? i : (size_t)*step_at(trace, i))[0];
         if (y < min) {
             min = y;
             low = i;
@@ -306,6 +285,22 @@ static void find_tail(struct trace *trace, int64_t begin)
     }
 }
 
+/* Of rows one after the other, a bucket each step of which is there: the first, and those of
+ * smallest and largest position, in order. Returns how many. */
+static int bucket_rows(const double *row, int64_t count, int stride, int64_t *index)
+{
+    int64_t low, high;
+    int rows = 1;
+    rows_extremes(row, count, stride, &low, &high);
+    const int64_t earlier = low < high ? low : high;
+    index[0] = 0;
+    if (earlier > 0)
+        index[rows++] = earlier;
+    if (low != high)
+        index[rows++] = low < high ? high : low;
+    return rows;
+}
+
 /*
  * A trace with each step gets buckets. First only the steps of the rows that stay are noted, for
  * whoever wants to see the others once more; trace_thinned() then moves the rows. A bucket of two
@@ -314,20 +309,28 @@ static void find_tail(struct trace *trace, int64_t begin)
 bool trace_thin(struct trace *trace)
 {
     const size_t count = trace->count;
-    size_t staying, row[3], end;
-    int64_t bucket = 2;
+    size_t staying = 0, row[3], end;
+    int64_t bucket = 4, index[3];
     touch(trace, 0);
     if (!grow_index(trace))
         return false;
-    do {
+    for (size_t first = 0; first < count; first += (size_t)bucket) {
+        const int64_t left = (int64_t)(count - first);
+        const int rows = bucket_rows(trace_row(trace, first), left < bucket ? left : bucket,
+                                     (int)trace->width, index);
+        for (int k = 0; k < rows; k++)
+            *step_at(trace, staying++) = (int64_t)first + index[k];
+    }
+    while (staying > trace->cap / 2) {
+        const size_t stayed = staying;
         bucket *= 2;
         staying = 0;
-        for (size_t first = 0; first < count; first = end) {
-            const int rows = stay(trace, first, count, bucket, &end, row);
-            for (int k = 0; k < rows; k++, staying++)
-                trace->index[staying >> CHUNK_SHIFT][staying & (CHUNK_ROWS - 1)] = (int64_t)row[k];
+        for (size_t first = 0; first < stayed; first = end) {
+            const int rows = stay(trace, first, stayed, bucket, false, &end, row);
+            for (int k = 0; k < rows; k++)
+                *step_at(trace, staying++) = *step_at(trace, row[k]);
         }
-    } while (staying > trace->cap / 2);
+    }
     trace->bucket = bucket;
     trace->count = staying;
     return true;
@@ -365,7 +368,7 @@ static bool coarsen(struct trace *trace)
         trace->bucket *= 2;
         trace->count = 0;
         for (size_t first = 0; first < count; first = end) {
-            const int rows = stay(trace, first, count, trace->bucket, &end, row);
+            const int rows = stay(trace, first, count, trace->bucket, true, &end, row);
             for (int k = 0; k < rows; k++)
                 move_row(trace, trace->count++, row[k]);
         }
@@ -397,40 +400,12 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
     return true;
 }
 
-/* The first of the rows with the smallest and the largest position among them. */
-CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
-{
-    double min = row[0], max = row[0];
-    int64_t i = 0;
-    if (FOUR % n == 0 && count >= FOUR) {
-        four smallest = *(const four *)(const void *)row, largest = smallest;
-        for (const int64_t rows = FOUR / n; i + rows <= count; i += rows) {
-            const four x = *(const four *)(const void *)(row + i * n);
-            const four_bits less = (four_bits)(x < smallest), more = (four_bits)(x > largest);
-            smallest = (four)((less & (four_bits)x) | (~less & (four_bits)smallest));
-            largest = (four)((more & (four_bits)x) | (~more & (four_bits)largest));
-        }
-        for (int k = 0; k < FOUR; k += n) {
-            min = smallest[k] < min ? smallest[k] : min;
-            max = largest[k] > max ? largest[k] : max;
-        }
-    }
-    for (; i < count; i++) {
-        min = row[i * n] < min ? row[i * n] : min;
-        max = row[i * n] > max ? row[i * n] : max;
-    }
-    for (*low = 0; row[*low * n] != min; ++*low) {
-    }
-    for (*high = 0; row[*high * n] != max; ++*high) {
-    }
-}
-
 /* As keep() for each of the rows, none of which begins a bucket: only their extremes can stay.
  * False: no memory. */
 static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t at[2];
-    extremes(row, count, trace->n, &at[0], &at[1]);
+    rows_extremes(row, count, trace->n, &at[0], &at[1]);
     const bool swapped = at[0] > at[1];
     for (int i = 0; i < 2; i++) {
         const int64_t k = at[swapped ? 1 - i : i];
@@ -440,15 +415,38 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
     return true;
 }
 
+/* As keep() for each of the rows, which are a bucket, or its first ones. False: no memory. */
+static bool keep_bucket(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    int64_t index[3];
+    if (!reserve_rows(trace, COUNT_OF(index)))
+        return false;
+    const int rows = bucket_rows(row, count, trace->n, index);
+    trace->tail = trace->low = trace->high = trace->count;
+    trace->tail_end = (step | (trace->bucket - 1)) + 1;
+    for (int k = 0; k < rows; k++) {
+        const double *y = row + index[k] * trace->n;
+        write_row(trace, trace->count, step + index[k], 0, y, &unknown);
+        if (y[0] < trace_row(trace, trace->low)[0])
+            trace->low = trace->count;
+        if (y[0] > trace_row(trace, trace->high)[0])
+            trace->high = trace->count;
+        trace->count++;
+    }
+    return true;
+}
+
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     if (trace->interval > 0)
         return trace_record_even(trace, step, row, count);
     for (int64_t i = 0; i < count; i++) {
-        const int64_t in_bucket = trace->tail_end - step - i,
-                      within = in_bucket < count - i ? in_bucket : count - i;
-        if (trace->bucket > 1 && within > 1 && trace->count + 2 < trace->cap) {
-            if (!keep_within(trace, step + i, row + i * trace->n, within))
+        const bool begins = step + i >= trace->tail_end;
+        const int64_t end = begins ? ((step + i) | (trace->bucket - 1)) + 1 : trace->tail_end,
+                      within = end - step - i < count - i ? end - step - i : count - i;
+        if (trace->bucket > 1 && within > 1 && trace->count + 3 < trace->cap) {
+            const double *rows = row + i * trace->n;
+            if (!(begins ? keep_bucket : keep_within)(trace, step + i, rows, within))
                 return i;
             i += within - 1;
             trace->next = step + i + 1;
@@ -463,7 +461,7 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
 double *trace_open(struct trace *trace, size_t *rows)
 {
     if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace_marked(trace) ||
-        trace->count >= trace->cap || !reserve_row(trace))
+        trace->count >= trace->cap || !reserve_rows(trace, 1))
         return NULL;
     size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)),
            to_cap = trace->cap - trace->count;
