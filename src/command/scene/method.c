@@ -11,18 +11,20 @@ static void reply_method(const struct session *session, struct reply *reply)
     const struct method *method = setup->method;
     const struct run_settings settings = session_run_settings(session);
     struct buffer text = {0};
-    buffer_format(&text, "%s: %s", method->row.name, method->row.brief);
+    buffer_put(&text, text_of(method->row.name));
+    if (method->order > 0)
+        buffer_format(&text, ", order %d", method->order);
     if (settings.tol > 0) {
-        buffer_put(&text, TEXT("; adaptive, tol = "));
+        buffer_put(&text, TEXT(", adaptive, tol = "));
         buffer_short(&text, settings.tol, 6);
         put_tol_floor(&text, settings.tol);
     } else {
-        buffer_put(&text, TEXT("; dt = "));
+        buffer_put(&text, TEXT(", dt = "));
         buffer_measured(&text, (struct measured){settings.dt, 0}, QUANTITY_TIME,
                         setup->settings.digits);
     }
     if (setup->drag != DRAG_DEFAULT)
-        buffer_format(&text, "; drag %s",
+        buffer_format(&text, ", drag %s",
                       catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
