@@ -138,9 +138,14 @@ void reply_current_run(const struct session *session, struct reply *reply);
 /* ---- a precision study as tables, figure and records ---- */
 
 #define LEVELS 13
-/* One table a method; a wide one has more columns. */
-void precision_tables(const struct precision *precision, int width, struct arena *arena,
-                      struct buffer *out);
+/* One table a method, or that of one method only (NULL: of all); a wide one has more columns. */
+void precision_tables(const struct precision *precision, const struct method *only, int width,
+                      struct arena *arena, struct buffer *out);
+/* One line a method: its slope, and what it costs at best. */
+void precision_overview(const struct precision *precision, struct buffer *out);
+/* The fastest methods for an error of 1e-3, 1e-6 ..., in lines of that width. */
+void precision_winners(const struct precision *precision, int width, struct arena *arena,
+                       struct buffer *out);
 /* "fastest method for error 1e-k", and where it is an undamped oscillator predicted against
  * measured evaluations. */
 void precision_summary(const struct precision *precision, struct arena *arena, struct buffer *out);
@@ -168,14 +173,15 @@ struct swept {
     int attractors;
 };
 
-void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
-                struct buffer *text);
+/* rows: what fits into that many lines, figures before tables; 0: everything. */
+void sweep_text(const struct session *session, const struct swept *swept, int rows,
+                struct arena *arena, struct buffer *text);
 /* Columns: point, the axes, the measures, status. False: no memory. */
 bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table);
 
 /* At a section: how many points have fewer events than were to be kept is said, too. */
-void diagram_text(const struct session *session, const struct swept *swept, struct arena *arena,
-                  struct buffer *text);
+void diagram_text(const struct session *session, const struct swept *swept, int rows,
+                  struct arena *arena, struct buffer *text);
 /*
  * A row for each event: point, the parameter, event (its number), t, the columns, the first of them
  * at the next event (NAN: the last), repeats (after how many events the point's come again, NAN:

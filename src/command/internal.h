@@ -75,6 +75,17 @@ bool check_input(const struct session *session, struct text where, struct error 
 bool sweep_continue(struct session *session, const struct arguments *args, struct reply *reply,
                     struct error *error);
 
+/* ---- answers in one screen (short_form.c) ---- */
+
+/* Returns true if the statement asks for everything, by --full. */
+bool asks_full(const struct arguments *arguments);
+/* Text is not left out of less than this: on smaller screens it scrolls. */
+enum { ANSWER_ROWS_MIN = 22 /* [row] */, ANSWER_WIDTH_MIN = 80 /* [cell] */ };
+/* [row] The length of an answer that fits below the line that was typed. */
+int answer_rows(const struct session *session);
+/* [row] Rows that a text takes on a screen of this width [cell]. */
+int text_rows(struct text text, int width);
+
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 

@@ -8,6 +8,7 @@
 #include "command/redirect.h"
 #include "command/run/event_pass.h"
 #include "command/in_full.h"
+#include "command/short_form.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,7 +102,10 @@ static bool run_collected(struct session *session, const struct arguments *argum
         return false;
     reply->store = &said;
     reply->muted |= redirected;
+    struct short_form form;
+    short_form_begin(&form, session, arguments, reply);
     bool ok = run_handler(session, arguments, entry, reply, error);
+    short_form_end(&form, reply);
     reply->store = outer;
     reply->muted = muted;
     const struct row *of = session_keep_results(session, &said, arguments->command->row.name);

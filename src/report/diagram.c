@@ -6,7 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { DIAGRAM_ROWS = 20, DIAGRAM_COLUMNS = 200, MAP_MAX = 1 << 24 /* points */ };
+enum {
+    DIAGRAM_ROWS = 20,    /* at least, of the whole answer */
+    DIAGRAM_ROWS_MIN = 6, /* of the short one */
+    DIAGRAM_COLUMNS = 200,
+    MAP_MAX = 1 << 24 /* points */
+};
 
 /* ---- the numbers of a point ---- */
 
@@ -187,15 +192,15 @@ static void count_points(const struct swept *swept, const struct density *d)
         d->value[c] = log2(1 + d->value[c]);
 }
 
-static void put_density(const struct session *session, const struct swept *swept,
+static void put_density(const struct session *session, const struct swept *swept, int height,
                         struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
-    int width, height;
-    session_size(session, &width, &height);
+    int width, whole;
+    session_size(session, &width, &whole);
     const double span = span_of(swept, 0);
     struct density d = {.columns = width - 12 > 8 ? width - 12 : 8,
-                        .rows = height - 9 > DIAGRAM_ROWS ? height - 9 : DIAGRAM_ROWS,
+                        .rows = height > DIAGRAM_ROWS_MIN ? height : DIAGRAM_ROWS_MIN,
                         .from = HUGE_VAL};
     d.columns = d.columns < DIAGRAM_COLUMNS ? d.columns : DIAGRAM_COLUMNS;
     d.columns = sweep->count < d.columns ? (int)sweep->count : d.columns;
@@ -233,14 +238,14 @@ static void put_density(const struct session *session, const struct swept *swept
 /* ---- over two parameters ---- */
 
 /* After how many events states come again. */
-static void put_repeats(const struct session *session, const struct swept *swept,
+static void put_repeats(const struct session *session, const struct swept *swept, int height,
                         struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const size_t n = (size_t)sweep->total;
     double *at[2], *value = n <= MAP_MAX ? arena_array(arena, n, sizeof *value) : NULL;
     struct heat_axis side[2];
-    int width, height;
+    int width, whole;
     for (int a = 0; a < 2; a++) {
         const struct sweep_axis *axis = &sweep->axis[a];
         const struct unit *unit =
@@ -269,8 +274,8 @@ static void put_repeats(const struct session *session, const struct swept *swept
                               .y = side[1],
                               .value = value,
                               .letters = "*0123456789+"};
-    session_size(session, &width, &height);
-    heat_print(&heat, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), text);
+    session_size(session, &width, &whole);
+    heat_print(&heat, width, height > 8 ? height : 8, session_charset(session), text);
     buffer_put(text, TEXT("1, 2 ..: after so many events its states come again, +: after 10 or "
                           "more, *: they do not, or not yet\n"));
 }
@@ -278,7 +283,7 @@ static void put_repeats(const struct session *session, const struct swept *swept
 /* ---- in words ---- */
 
 /* Where what repeats does so after another number of events than the point before. */
-static void put_stretches(const struct swept *swept, struct buffer *text)
+static void put_stretches(const struct swept *swept, int max, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const struct sweep_axis *axis = &sweep->axis[0];
@@ -289,7 +294,7 @@ static void put_stretches(const struct swept *swept, struct buffer *text)
         while (end < sweep->count &&
                (repeats_at(swept, end) == after || (isnan(after) && isnan(repeats_at(swept, end)))))
             end++;
-        if (++lines > DIAGRAM_ROWS) {
+        if (++lines > max) {
             buffer_put(text, TEXT("  ... (all of them: export FILE table)\n"));
             return;
         }
@@ -308,11 +313,16 @@ static void put_stretches(const struct swept *swept, struct buffer *text)
     }
 }
 
-void diagram_text(const struct session *session, const struct swept *swept, struct arena *arena,
-                  struct buffer *text)
+void diagram_text(const struct session *session, const struct swept *swept, int rows,
+                  struct arena *arena, struct buffer *text)
 {
+    /* [row] Of the answer, besides those of the diagram and of the stretches. */
+    enum { AXES = 5, SUMMARY = 4, SHORT_STRETCHES = 4 };
     const struct sweep *sweep = swept->sweep;
     const struct sweep_section *section = swept->section;
+    int width, height;
+    session_size(session, &width, &height);
+    const int left = rows - AXES - SUMMARY;
     int64_t all = 0, fewer = 0;
     for (int64_t i = 0; i < sweep->count; i++) {
         const int64_t count = event_count(swept, i);
@@ -320,10 +330,11 @@ void diagram_text(const struct session *session, const struct swept *swept, stru
         fewer += count < section->keep && sweep->status[i] == STOP_END;
     }
     if (sweep->axes > 1)
-        put_repeats(session, swept, arena, text);
+        put_repeats(session, swept, rows > 0 ? rows - SUMMARY : height - 4, arena, text);
     else {
-        put_density(session, swept, arena, text);
-        put_stretches(swept, text);
+        const int whole = height - 9 > DIAGRAM_ROWS ? height - 9 : DIAGRAM_ROWS;
+        put_density(session, swept, rows > 0 ? left - SHORT_STRETCHES : whole, arena, text);
+        put_stretches(swept, rows > 0 ? SHORT_STRETCHES - 1 : DIAGRAM_ROWS, text);
     }
     buffer_format(text, "%lld points of the section, after %lld left out at each value\n",
                   (long long)all, (long long)section->skip);

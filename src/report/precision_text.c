@@ -50,12 +50,14 @@ static bool is_mixed(const struct precision *precision)
     return mixed;
 }
 
-void precision_tables(const struct precision *precision, int width, struct arena *arena,
-                      struct buffer *out)
+void precision_tables(const struct precision *precision, const struct method *only, int width,
+                      struct arena *arena, struct buffer *out)
 {
     const struct precision_row *rows = precision_rows(precision, arena);
     for (int c = 0; rows && c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
+        if (only && curve->by.method != only)
+            continue;
         struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .max = width};
         buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
         if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
@@ -71,6 +73,16 @@ void precision_tables(const struct precision *precision, int width, struct arena
         text_table_put(&table, out);
         if (curve->cut)
             buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
+    }
+}
+
+void precision_overview(const struct precision *precision, struct buffer *out)
+{
+    for (int c = 0; c < precision->curves; c++) {
+        const struct precision_curve *curve = &precision->curve[c];
+        buffer_format(out, "%c  %s, %d settings: ", precision_letter(c), curve->by.method->row.name,
+                      curve->count);
+        put_slope(curve, out);
     }
 }
 
@@ -177,6 +189,63 @@ static void put_fastest(const struct precision *precision, struct arena *arena, 
                    : TEXT("cheapest method for an error\n"));
     text_table_put(&table, out);
     put_left_out(precision, left_out, out);
+}
+
+/* Names of those that tie, as many as the width holds. */
+static void put_tied(const struct precision *precision, const struct precision_cost *cost, int tied,
+                     int width, struct buffer *out)
+{
+    int shown = 0, used = 0;
+    for (; shown < tied; shown++) {
+        const char *name = name_of(precision, &cost[shown]);
+        used += text_width(text_of(name)) + 3;
+        if (shown > 0 && used > width)
+            break;
+        buffer_format(out, "%s%s", shown ? " = " : "", name);
+    }
+    if (shown < tied)
+        buffer_format(out, " = %d more", tied - shown);
+}
+
+void precision_winners(const struct precision *precision, int width, struct arena *arena,
+                       struct buffer *out)
+{
+    /* decades between two errors; columns of a line beside the names of those that tie */
+    enum { STEP = 3, BESIDE = 50 };
+    struct text_table table = {.arena = arena, .columns = 4, .gap = 2, .max = width};
+    struct precision_cost *cost = arena_array(arena, (size_t)precision->curves + 1, sizeof *cost);
+    const bool timed = is_timed(precision, 0, precision->points);
+    static const char *const heading[2][4] = {{"error", "fewest evaluations", "", "then"},
+                                              {"error", "fastest", "in", "then"}};
+    for (int i = 0; i < 4; i++)
+        cell_text(&table, heading[timed][i]);
+    for (int level = STEP; cost && level <= LEVELS; level += STEP) {
+        struct buffer name = {0}, best = {0}, value = {0}, next = {0};
+        int others = 0, tied = 1;
+        const int count = precision_fastest(precision, pow(10, -level), cost, &others);
+        if (count == 0)
+            continue;
+        while (tied < count && cost[tied].tied && timed)
+            tied++;
+        buffer_format(&name, "1e-%d", level);
+        put_tied(precision, cost, tied, width - BESIDE, &best);
+        if (!timed)
+            buffer_format(&value, "%.3g", cost->evals);
+        if (tied < count)
+            buffer_format(&next, "%s x %.2g", name_of(precision, &cost[tied]),
+                          timed ? cost[tied].minimum / cost->minimum
+                                : cost[tied].evals / cost->evals);
+        cell_take(&table, &name);
+        cell_take(&table, &best);
+        if (timed)
+            cell_seconds(&table, cost->minimum);
+        else
+            cell_take(&table, &value);
+        cell_take(&table, &next);
+        buffer_free(&value);
+    }
+    if (table.cells > table.columns)
+        text_table_put(&table, out);
 }
 
 /* ---- predicted against measured ---- */

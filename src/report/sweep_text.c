@@ -5,8 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A curve of many points is drawn from THIN_BLOCKS stretches: several to each column of dots. */
-enum { TABLE_ROWS = 40, THIN_BLOCKS = 2048, MAP_MAX = 1 << 24 /* points */ };
+enum {
+    TABLE_ROWS = 40,
+    FIGURE_ROWS_MIN = 10, /* [row] below which a figure says less than a table */
+    /* A curve of many points is drawn from so many stretches: several to each column of dots. */
+    THIN_BLOCKS = 2048,
+    MAP_MAX = 1 << 24 /* [point] */
+};
 
 static double value_at(const struct sweep *sweep, int64_t i, int measure)
 {
@@ -161,12 +166,12 @@ static size_t thin(double *x, double *y, size_t n, size_t each)
 }
 
 static void put_curve(const struct session *session, const struct swept *swept, int measure,
-                      struct arena *arena, struct buffer *text)
+                      int height, struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const size_t n = (size_t)sweep->count;
     double *x = arena_array(arena, n, sizeof *x), *y = arena_array(arena, n, sizeof *y);
-    int width, height;
+    int width, whole;
     if (n < 3 || !x || !y)
         return;
     for (size_t i = 0; i < n; i++) {
@@ -189,14 +194,13 @@ static void put_curve(const struct session *session, const struct swept *swept, 
                                         .log = decades},
                                   .curve = &curve,
                                   .curves = 1};
-    session_size(session, &width, &height);
-    figure_print(&figure, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), false,
-                 text);
+    session_size(session, &width, &whole);
+    figure_print(&figure, width, height > 8 ? height : 8, session_charset(session), false, text);
 }
 
 /* A shard has gaps where the others belong. */
 static void put_map(const struct session *session, const struct swept *swept, int measure,
-                    struct arena *arena, struct buffer *text)
+                    int height, struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const struct sweep_axis *across = &sweep->axis[0], *up = &sweep->axis[1];
@@ -205,7 +209,7 @@ static void put_map(const struct session *session, const struct swept *swept, in
         return;
     double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena),
            *y = axis_values(up, arena);
-    int width, height;
+    int width, whole;
     if (!value || !x || !y)
         return;
     for (size_t i = 0; i < n; i++)
@@ -225,8 +229,8 @@ static void put_map(const struct session *session, const struct swept *swept, in
         .y = {up->name, unit_name(y_unit, up->quantity), y_unit ? y_unit->factor : 1, y, up->count},
         .value = value,
         .letters = swept->measure[measure].kind == SWEEP_ATTRACTOR ? "*012345678+" : NULL};
-    session_size(session, &width, &height);
-    heat_print(&heat, width, height - 3 > 8 ? height - 3 : 8, session_charset(session), text);
+    session_size(session, &width, &whole);
+    heat_print(&heat, width, height > 8 ? height : 8, session_charset(session), text);
 }
 
 static bool has_values(const struct sweep *sweep, int measure)
@@ -336,17 +340,13 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text)
                       sweep->reason);
 }
 
-void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
-                struct buffer *text)
+/* What stands below the figures. */
+static void put_remarks(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
-    if (sweep->axes == 1)
-        put_table(session, swept, arena, text);
     for (int m = 0; m < sweep->measures; m++)
-        if (has_values(sweep, m))
-            (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
-        else if (swept->measure[m].kind == SWEEP_PERIOD &&
-                 sweep->finished > sweep->failed + sweep->refused)
+        if (!has_values(sweep, m) && swept->measure[m].kind == SWEEP_PERIOD &&
+            sweep->finished > sweep->failed + sweep->refused)
             buffer_put(text, TEXT("no period: the last third of the duration has fewer than two "
                                   "maxima; give it a longer "
                                   "duration\n"));
@@ -357,6 +357,82 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
     if (swept->attractors > 0)
         put_starts(swept, text);
     sweep_failures(sweep, text);
+}
+
+static int text_lines(const struct buffer *text)
+{
+    int lines = 0;
+    for (size_t i = 0; i < text->len; i++)
+        lines += text->data[i] == '\n';
+    return lines;
+}
+
+static int figures_of(const struct sweep *sweep)
+{
+    int figures = 0;
+    for (int m = 0; m < sweep->measures && (sweep->axes > 1 || sweep->count >= 3); m++)
+        figures += has_values(sweep, m);
+    return figures;
+}
+
+static void put_figures(const struct session *session, const struct swept *swept, int count,
+                        int height, struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    for (int m = 0, shown = 0; m < sweep->measures && shown < count; m++)
+        if (has_values(sweep, m)) {
+            (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, height, arena, text);
+            shown++;
+        }
+}
+
+/* Figures first, a table beside them where it is short, and what is left out in a line. */
+static void put_short(const struct session *session, const struct swept *swept, int rows,
+                      struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int figures = figures_of(sweep);
+    struct buffer table = {0}, remarks = {0};
+    put_remarks(swept, &remarks);
+    if (sweep->axes == 1)
+        put_table(session, swept, arena, &table);
+    /* a line that is wider than the screen takes two, and what is left out takes one */
+    int room = rows - text_lines(&remarks) - 2;
+    const bool tabled =
+        table.len > 0 && (figures == 0 || text_lines(&table) + FIGURE_ROWS_MIN <= room);
+    if (tabled) {
+        buffer_put(text, buffer_text(&table));
+        room -= text_lines(&table);
+    }
+    int shown = room >= FIGURE_ROWS_MIN ? room / FIGURE_ROWS_MIN : 1;
+    shown = shown < figures ? shown : figures;
+    if (shown > 0)
+        put_figures(session, swept, shown, room / shown, arena, text);
+    if (sweep->axes == 1 && !tabled)
+        buffer_format(text, "... a table of %lld points%s: --full\n", (long long)sweep->count,
+                      shown < figures ? ", more figures" : "");
+    else if (shown < figures)
+        buffer_format(text, "... %d more figure%s: --full\n", figures - shown,
+                      figures - shown == 1 ? "" : "s");
+    buffer_put(text, buffer_text(&remarks));
+    text->failed |= table.failed || remarks.failed;
+    buffer_free(&table);
+    buffer_free(&remarks);
+}
+
+void sweep_text(const struct session *session, const struct swept *swept, int rows,
+                struct arena *arena, struct buffer *text)
+{
+    int width, height;
+    session_size(session, &width, &height);
+    if (rows > 0) {
+        put_short(session, swept, rows, arena, text);
+        return;
+    }
+    if (swept->sweep->axes == 1)
+        put_table(session, swept, arena, text);
+    put_figures(session, swept, swept->sweep->measures, height - 4, arena, text);
+    put_remarks(swept, text);
 }
 
 bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table)

@@ -145,10 +145,12 @@ struct stress {
     double seconds;
 };
 
-/* scene NULL: the cases that are always there. False also when cancelled: the finished rows are
- * kept. stress_free() in every case. */
-bool study_stress(const struct stress_scene *scene, const struct method *const *methods, int count,
-                  const struct cancel *cancel, struct stress *stress, struct error *error);
+/* scene NULL: the cases that are always there. only: one of them, by its name or its number from
+ * 1; empty: all. False also when cancelled: the finished rows are kept. stress_free() in every
+ * case. */
+bool study_stress(const struct stress_scene *scene, struct text only,
+                  const struct method *const *methods, int count, const struct cancel *cancel,
+                  struct stress *stress, struct error *error);
 void stress_free(struct stress *stress);
 
 #endif

@@ -206,7 +206,7 @@ COMMAND(
               KEY("free", TYPE_PARAM, .flags = ARG_MANY),
               KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
               OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER),
-              OPTION("live", TYPE_NONE)))
+              OPTION("live", TYPE_NONE), OPTION("full", TYPE_NONE)))
 
 COMMAND(adopt,
         .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start",

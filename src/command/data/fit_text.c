@@ -149,6 +149,21 @@ static void put_forces(const struct fit_summary *summary, struct buffer *text)
         buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
 }
 
+static void law_cells(const struct fit_summary *summary, const struct drag_candidate *c,
+                      struct text_table *table)
+{
+    struct buffer bic = {0};
+    cell_text(table, drag_law_name(c->law));
+    for (int k = 0; k < DRAG_RATES; k++)
+        cell_rate(table, c->rate[k], fit_rate_unit(summary, k), summary->subject->recording);
+    buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
+    cell_take(table, &bic);
+    cell_text(table, !c->converged                          ? "did not converge"
+                     : c->law == summary->motion->preferred ? "preferred"
+                     : c->law == summary->motion->drag.best ? "best"
+                                                            : "");
+}
+
 static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
@@ -156,19 +171,10 @@ static void put_laws(const struct fit_summary *summary, struct arena *arena, str
     struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
-    for (int i = 0; i < drag->candidates; i++) {
-        const struct drag_candidate *c = &drag->candidate[i];
-        struct buffer bic = {0};
-        cell_text(&table, drag_law_name(c->law));
-        for (int k = 0; k < DRAG_RATES; k++)
-            cell_rate(&table, c->rate[k], fit_rate_unit(summary, k), summary->subject->recording);
-        buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
-        cell_take(&table, &bic);
-        cell_text(&table, !c->converged                          ? "did not converge"
-                          : c->law == summary->motion->preferred ? "preferred"
-                          : c->law == summary->motion->drag.best ? "best"
-                                                                 : "");
-    }
+    for (int others = 0; others < 2; others++) /* the answer first */
+        for (int i = 0; i < drag->candidates; i++)
+            if ((drag->candidate[i].law != summary->motion->preferred) == others)
+                law_cells(summary, &drag->candidate[i], &table);
     buffer_char(text, '\n');
     text_table_put(&table, text);
     while (text->len && text->data[text->len - 1] == '\n')

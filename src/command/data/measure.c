@@ -482,4 +482,4 @@ COMMAND(
               KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
               KEY("windows", TYPE_INTEGER), KEY("what", TYPE_CHOICE, .choices = &quantity_catalog),
               PLACE("RECORDING", TYPE_RECORDING, .flags = ARG_MANY, .lead = "of"),
-              PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))
+              PLACE("COLUMN", TYPE_COLUMN, .lead = "of"), OPTION("full", TYPE_NONE)))

@@ -10,13 +10,15 @@
 #include <math.h>
 #include <stdio.h>
 
-#define MAP_ROWS 20 /* at most, and */
+#define MAP_ROWS 20    /* at most, and */
+#define MAP_ROWS_MIN 5 /* in a short answer */
 #define MAP_COLUMNS 64
 
 struct map {
     const struct basins_request *request;
     const struct basins *basins;
     const struct system *system;
+    int answer, width; /* [row] [cell] of the short answer; 0: everything */
 };
 
 /* ---- the two axes ---- */
@@ -70,11 +72,10 @@ static char letter(int fate)
                                      : ' ';
 }
 
-static void put_map(struct buffer *out, const struct map *map)
+static void put_map(struct buffer *out, const struct map *map, int max)
 {
     const int across = map->request->axis[0].count, up = map->request->axis[1].count;
-    const int columns = across < MAP_COLUMNS ? across : MAP_COLUMNS,
-              rows = up < MAP_ROWS ? up : MAP_ROWS;
+    const int columns = across < MAP_COLUMNS ? across : MAP_COLUMNS, rows = up < max ? up : max;
     for (int r = rows - 1; r >= 0; r--) {
         const int64_t b = rows > 1 ? (int64_t)r * (up - 1) / (rows - 1) : 0;
         buffer_format(out, "%10.4g ", basins_value(map->request, 1, b));
@@ -120,6 +121,7 @@ static void put_basin(struct buffer *out, const struct map *map, int k)
 
 static void put_basins(struct buffer *out, const struct map *map)
 {
+    enum { BELOW = 3 /* [row] the axis, and how it was found */ };
     const struct basins *b = map->basins;
     buffer_format(out, "%d attractor%s of %lld starts\n", b->count, b->count == 1 ? "" : "s",
                   (long long)b->finished);
@@ -131,7 +133,10 @@ static void put_basins(struct buffer *out, const struct map *map)
     if (b->undecided > 0)
         buffer_format(out, "  ?  %.4g %%  not decided\n",
                       100.0 * (double)b->undecided / (double)b->finished);
-    put_map(out, map);
+    int max =
+        map->answer ? map->answer - text_rows(buffer_text(out), map->width) - BELOW : MAP_ROWS;
+    max = max < MAP_ROWS_MIN ? MAP_ROWS_MIN : max > MAP_ROWS ? MAP_ROWS : max;
+    put_map(out, map, max);
     buffer_put(out, TEXT("looked at every "));
     buffer_quantity(out, b->strobe, QUANTITY_TIME, 6);
     if (b->steps > 0)
@@ -241,9 +246,12 @@ HANDLER(basins)
     if (!scene_bind_motion(request.scene, &system, error))
         return false;
     struct text rest = sides->item->text;
-    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest))
-        if (!read_side(session, args, next_key_argument(&rest), &system, &request, axes++, error))
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text side = next_key_argument(&rest);
+        if (!text_is(side, "--full") &&
+            !read_side(session, args, side, &system, &request, axes++, error))
             return false;
+    }
     if (axes < 2)
         return error_set(error, ERROR_COMMAND, "basins are over two variables, as in %s=-2:2:0.1",
                          system.model->variable[0].name);
@@ -251,7 +259,10 @@ HANDLER(basins)
         return false;
     const bool stopped = basins.cancelled;
     if (basins.finished > 0) {
-        const struct map map = {&request, &basins, &system};
+        int width, height;
+        session_size(session, &width, &height);
+        const struct map map = {&request, &basins, &system,
+                                asks_full(args) ? 0 : answer_rows(session), width};
         reply_map(&map, reply);
     }
     const long long finished = basins.finished, total = basins.total;
@@ -278,4 +289,5 @@ COMMAND(
     .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
                 "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv; plot basins > basins.svg",
     .see = "equilibria sweep lyapunov plot", .flags = COMMAND_TABLES,
-    ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED)))
+    ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED),
+              OPTION("full", TYPE_NONE)))

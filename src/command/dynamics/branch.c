@@ -131,6 +131,8 @@ static bool read_words(struct session *session, const struct arguments *args,
             words->forward = true;
             continue;
         }
+        if (text_is(argument, "--full"))
+            continue;
         if (text_starts(argument, TEXT("--")))
             return error_at(error, argument, "branch has no option '%.*s'",
                             (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
@@ -463,4 +465,5 @@ COMMAND(
     ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED,
                     .more = "[NAME=FROM:TO] [of equilibrium [N]|of orbit [N]|of response] "
                             "[from LABEL]"),
-              KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE)))
+              KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE),
+              OPTION("full", TYPE_NONE)))

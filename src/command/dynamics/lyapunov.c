@@ -191,4 +191,4 @@ COMMAND(lyapunov,
                   WORD("run", TYPE_RUN, .lead = "of", .group = 1),
                   WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
                   KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))
+                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of"), OPTION("full", TYPE_NONE)))

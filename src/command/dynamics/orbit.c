@@ -211,9 +211,12 @@ HANDLER(orbit)
                          DYNAMICS_VARIABLES);
     const char *from = orbit_begin(session, &system, &request);
     struct text rest = guesses->count ? guesses->item->text : TEXT("");
-    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest))
-        if (!read_guess(session, args, next_key_argument(&rest), &system, &request, error))
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text guess = next_key_argument(&rest);
+        if (!text_is(guess, "--full") &&
+            !read_guess(session, args, guess, &system, &request, error))
             return false;
+    }
     const bool fine = orbit_find(&request, &found, error);
     report_fraction(&session->front, 2);
     if (!fine) {
@@ -256,4 +259,4 @@ COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stabil
         .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"
                     "scene vanderpol; orbit period=6 s",
         .see = "equilibria use list run", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST, .more = "[period=T]")))
+        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST, .more = "[period=T]"), OPTION("full", TYPE_NONE)))

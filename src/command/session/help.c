@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define WIDTH 100 /* [cell] of help where there is neither a terminal nor --size */
+#define WIDTH 80 /* [cell] of help where there is neither a terminal nor --size */
 
 /* ---- help for one thing ---- */
 

@@ -66,7 +66,8 @@ static bool check_range(const struct argument_value *range, const char *example,
     return error_at(error, range->where, "a sweep needs two ends above 0, as in %s", example);
 }
 
-static void put_marks(struct buffer *text, const struct precision *precision)
+/* brief: without what is about the whole study. */
+static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
 {
     bool few = false, spread = false, below = false, fit = false, lost = false, probed = false,
          scaled = false;
@@ -102,11 +103,42 @@ static void put_marks(struct buffer *text, const struct precision *precision)
         buffer_put(
             text,
             TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
-    timing_put_machine(others, text);
-    if (scaled)
+    if (!brief)
+        timing_put_machine(others, text);
+    if (scaled && !brief)
         buffer_put(
             text,
             TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
+}
+
+/* With its legend. */
+static void put_figure(const struct session *session, const struct precision *precision, int width,
+                       int height, struct arena *arena, struct buffer *text)
+{
+    struct figure figure;
+    struct error ignored;
+    if (precision_figure(precision, arena, &figure, &ignored) &&
+        figure_print(&figure, width, height, session_charset(session), false, text))
+        precision_legend(precision, width, text);
+}
+
+/* The diagram, as high as the rest of the answer leaves room for. */
+static void put_short(const struct session *session, const struct precision *precision, int width,
+                      struct arena *arena, struct buffer *text)
+{
+    enum { FIGURE_ROWS_MIN = 10 };
+    struct buffer rest = {0};
+    precision_legend(precision, width, &rest);
+    const size_t legend = rest.len;
+    precision_winners(precision, width, arena, &rest);
+    buffer_put(&rest, TEXT("'precision table [METHOD]': slopes, the values of one; --full: all\n"));
+    const int room = answer_rows(session) - text_rows(buffer_text(&rest), width) -
+                     text_rows(buffer_text(text), width);
+    put_figure(session, precision, width, room > FIGURE_ROWS_MIN ? room : FIGURE_ROWS_MIN, arena,
+               text);
+    buffer_put(text, (struct text){rest.data + legend, rest.len - legend});
+    text->failed |= rest.failed;
+    buffer_free(&rest);
 }
 
 static void reply_study(const struct session *session, const struct arguments *args,
@@ -114,8 +146,6 @@ static void reply_study(const struct session *session, const struct arguments *a
                         double seconds, struct reply *reply)
 {
     struct buffer text = {0};
-    struct figure figure;
-    struct error ignored;
     int width, height;
     session_size(session, &width, &height);
     buffer_format(&text, "%d method%s, %d setting%s, ", precision->curves,
@@ -128,13 +158,15 @@ static void reply_study(const struct session *session, const struct arguments *a
     buffer_put(&text, TEXT("; errors against "));
     reference_describe(&precision->reference, &text);
     buffer_put(&text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
-    buffer_put(&text, buffer_text(absent));
-    precision_tables(precision, width, args->arena, &text);
-    put_marks(&text, precision);
-    if (precision_figure(precision, args->arena, &figure, &ignored) &&
-        figure_print(&figure, width, height, session_charset(session), false, &text))
-        precision_legend(precision, width, &text);
-    precision_summary(precision, args->arena, &text);
+    if (asks_full(args)) {
+        buffer_put(&text, buffer_text(absent));
+        precision_tables(precision, NULL, width, args->arena, &text);
+        put_marks(&text, precision, false);
+        put_figure(session, precision, width, height, args->arena, &text);
+        precision_summary(precision, args->arena, &text);
+    } else {
+        put_short(session, precision, width, args->arena, &text);
+    }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -153,6 +185,44 @@ static void keep_precision(struct session *session, struct precision *precision)
     session->precision = stored;
 }
 
+/* Of the last study: the slope of each method, or all values of those that are named. */
+static bool reply_tables(const struct session *session, const struct arguments *args,
+                         struct reply *reply, struct error *error)
+{
+    const struct argument_value *methods = argument_value(args, "METHOD");
+    const struct precision *precision = session->precision;
+    struct buffer text = {0};
+    int width, height;
+    session_size(session, &width, &height);
+    if (!precision) {
+        error_set(error, ERROR_COMMAND, "there is no precision study yet");
+        return error_hint(error, "'precision' makes one");
+    }
+    for (int i = 0; i < methods->count; i++) {
+        const size_t before = text.len;
+        const struct row *row = methods->item[i].row;
+        precision_tables(precision, (const struct method *)(const void *)row, width, args->arena,
+                         &text);
+        if (text.len == before) {
+            buffer_free(&text);
+            return error_at(error, methods->item[i].text, "%s was not part of the last study",
+                            row->name);
+        }
+    }
+    const bool full = asks_full(args);
+    if (methods->count == 0 && full)
+        precision_tables(precision, NULL, width, args->arena, &text);
+    else if (methods->count == 0)
+        precision_overview(precision, &text);
+    if (methods->count > 0 || full)
+        put_marks(&text, precision, !full);
+    if (methods->count == 0 && full)
+        precision_summary(precision, args->arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
 HANDLER(precision)
 {
     const struct argument_value *dt = argument_value(args, "dt"),
@@ -163,6 +233,8 @@ HANDLER(precision)
     int count = 0;
     if (!choice)
         return error_memory(error);
+    if (has_argument(args, "table"))
+        return reply_tables(session, args, reply, error);
     struct precision_request request = {.scene = &session->setup.scene,
                                         .choice = choice,
                                         .duration = session->setup.settings.duration,
@@ -196,12 +268,12 @@ HANDLER(precision)
 }
 #endif
 
-COMMAND(
-    precision,
-    .row = {"precision", "", "error against run time of several methods, as table and log-log plot",
-            "", NULL},
-    .group = "STUDY",
-    .text = "Each method is swept over the setting 'duration', from coarse steps to the floor of "
+COMMAND(precision,
+        .row = {"precision", "",
+                "error against run time of several methods, as table and log-log plot", "", NULL},
+        .group = "STUDY",
+        .text =
+            "Each method is swept over the setting 'duration', from coarse steps to the floor of "
             "rounding: fixed steps of "
             "duration/2^k, adaptive "
             "methods by\n"
@@ -221,11 +293,15 @@ COMMAND(
             "code of their own for these forces are timed by the general code and not ranked "
             "against the others. Without METHOD "
             "a dozen\n"
-            "that suit the scene.",
-    .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"
-                "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
-    .see = "compare method plot timing export", .flags = COMMAND_TABLES,
-    ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
-              KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
-              KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
-              KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("recording", TYPE_NONE)))
+            "that suit the scene. The answer is the diagram and the fastest for some errors; "
+            "'precision "
+            "table' has the slopes of the last study, 'precision table METHOD' its values.",
+        .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms; precision table rk4\n"
+                    "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
+        .see = "compare method plot timing export", .flags = COMMAND_TABLES,
+        ARGUMENTS(WORD("table", TYPE_NONE),
+                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog),
+                  OPTION("recording", TYPE_NONE), OPTION("full", TYPE_NONE)))

@@ -98,7 +98,8 @@ static void put_scene(struct buffer *out, const struct session *session, const s
 /* ---- the region ---- */
 
 #define REGION_COLUMNS 64
-#define REGION_ROWS 17
+#define REGION_ROWS_MAX 17
+#define REGION_ROWS_MIN 7
 
 static double finite_or(double value, double otherwise)
 {
@@ -106,20 +107,24 @@ static double finite_or(double value, double otherwise)
 }
 
 /* Upper half of the z plane, the lower one is its mirror image: # where |R(z)| <= 1. */
-static void put_region(struct buffer *out, const struct stability *s)
+static void put_region(struct buffer *out, const struct stability *s, int height)
 {
+    enum { BESIDE = 3 /* [row] the heading, the axis, and that it is outside */ };
+    const int rows = height - BESIDE > REGION_ROWS_MAX   ? REGION_ROWS_MAX
+                     : height - BESIDE > REGION_ROWS_MIN ? height - BESIDE
+                                                         : REGION_ROWS_MIN;
     const double real = finite_or(method_stable_limit(s->by.method, s->by.drag, 1), 6),
                  high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
         1.25 * fmax(fmax(high, real * 0.7),
                     finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
-    const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
+    const double dx = (right - left) / REGION_COLUMNS, dy = top / (rows - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
     buffer_put(out, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
                          "half); o: this scene\n"));
-    for (int row = 0; row < REGION_ROWS; row++) {
+    for (int row = 0; row < rows; row++) {
         const double im = top - row * dy;
         for (int column = 0; column < REGION_COLUMNS; column++) {
             const double re = left + (column + 0.5) * dx;
@@ -149,12 +154,12 @@ static void put_region(struct buffer *out, const struct stability *s)
 
 /* For methods that only know forces without velocity: growth over omega dt. */
 static bool put_growth_figure(struct buffer *out, const struct session *session,
-                              const struct stability *s, struct arena *arena)
+                              const struct stability *s, int height, struct arena *arena)
 {
     enum { POINTS = 400, BETWEEN = 16 };
     double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
     const double limit = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 4);
-    int width, height;
+    int width, whole;
     if (!x || !y)
         return false;
     for (int i = 0; i < POINTS; i++) {
@@ -173,16 +178,17 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
         .curve = &curve,
         .curves = 1,
         .note = "0 is below the axis"};
-    session_size(session, &width, &height);
+    session_size(session, &width, &whole);
     return figure_print(&figure, width, height, session_charset(session), false, out);
 }
 
+/* height: rows that are left for it; it takes at least 8. */
 static bool put_picture(struct buffer *out, const struct session *session,
-                        const struct stability *s, struct arena *arena)
+                        const struct stability *s, int height, struct arena *arena)
 {
     if (isnan(stability_growth(&s->by, -0.5, 0.5)))
-        return put_growth_figure(out, session, s, arena);
-    put_region(out, s);
+        return put_growth_figure(out, session, s, height > 8 ? height : 8, arena);
+    put_region(out, s, height);
     return true;
 }
 
@@ -259,14 +265,21 @@ HANDLER(stability)
         put_table(&text, rows, count, args->arena);
     buffer_put(&text, buffer_text(&absent));
     buffer_free(&absent);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
         buffer_format(&text, "%s:\n", rows[i].by.method->row.name);
         put_scene(&text, session, &rows[i]);
         put_checks(&text, &rows[i]);
         put_weakness(&text, &rows[i]);
     }
+    if (count > 1 && !asks_full(args))
+        buffer_put(&text, TEXT("'stability METHOD': the checks and the region of one; --full: the "
+                               "checks of all\n"));
+    int width, height;
+    session_size(session, &width, &height);
+    if (!asks_full(args))
+        height = answer_rows(session) - text_rows(buffer_text(&text), width);
     if (count == 1 && methods->count <= 1 && ok &&
-        !put_picture(&text, session, &rows[0], args->arena))
+        !put_picture(&text, session, &rows[0], height, args->arena))
         text.failed = true;
     if (count > 0)
         reply_text(reply, buffer_text(&text));
@@ -293,10 +306,11 @@ COMMAND(stability,
                 "running at dt and on both sides of the limit. Without METHOD the present one; of "
                 "one method the region "
                 "of\n"
-                "stability is drawn. marginal: so slow a growth that it shows only after hundreds "
+                "stability is drawn; of several, --full has how each was verified. marginal: so "
+                "slow a growth that it shows only after hundreds "
                 "of steps.",
         .examples = "stability verlet\nstability euler heun rk4 dt=20ms",
         .see = "order stress plan compare", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
-                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("full", TYPE_NONE)))

@@ -4,11 +4,13 @@
 #include <hooke/study/stability.h>
 #include "command/internal.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define NAME_WIDTH 22
+#define SCREEN_WIDTH 80
 #define TOGETHER 5 /* letters without a gap */
 
 static const char *letter(enum stress_verdict verdict)
@@ -167,6 +169,175 @@ static void put_stress(const struct session *session, const struct stress *stres
     buffer_char(out, '\n');
 }
 
+/* ---- the short form ---- */
+
+enum stress_class { CLASS_RIGHT, CLASS_SAID, CLASS_WRONG, CLASSES };
+
+static enum stress_class class_of(enum stress_verdict verdict)
+{
+    if (verdict == STRESS_EXACT || verdict == STRESS_ACCURATE)
+        return CLASS_RIGHT;
+    const bool wrong =
+        verdict == STRESS_BOUNDED || verdict == STRESS_DAMPED || verdict == STRESS_UNEXPLAINED;
+    return wrong ? CLASS_WRONG : CLASS_SAID;
+}
+
+struct stress_total {
+    const struct method *method;
+    int count[CLASSES];
+    const struct stress_row *slowest; /* by time, else by steps; NULL: nothing was finished */
+};
+
+static bool is_slower(const struct stress_row *row, const struct stress_row *than)
+{
+    return !than || (isnan(row->seconds) ? row->steps > than->steps : row->seconds > than->seconds);
+}
+
+/* Most wrong answers first; the order of the list among equals. */
+static int compare_totals(const void *a, const void *b)
+{
+    const struct stress_total *one = a, *other = b;
+    if (one->count[CLASS_WRONG] != other->count[CLASS_WRONG])
+        return other->count[CLASS_WRONG] - one->count[CLASS_WRONG];
+    return (one->method > other->method) - (one->method < other->method);
+}
+
+static void total_cells(const struct stress *stress, const struct stress_total *total,
+                        struct text_table *table)
+{
+    cell_text(table, total->method->row.name);
+    for (enum stress_class c = 0; c < CLASSES; c++)
+        cell_count(table, total->count[c]);
+    struct buffer text = {0};
+    const struct stress_row *slowest = total->slowest;
+    if (slowest) {
+        buffer_format(&text, "%s, ", stress->cases[slowest->index].name);
+        if (isnan(slowest->seconds))
+            buffer_format(&text, "%lld steps", (long long)slowest->steps);
+        else
+            buffer_quantity(&text, slowest->seconds, QUANTITY_TIME, 2);
+    }
+    cell_take(table, &text);
+}
+
+/* Those that are never wrong. */
+static void put_right(const struct stress_total *total, int methods, int width, struct buffer *out)
+{
+    struct buffer line = {0};
+    buffer_put(&line, TEXT("nothing wrong:"));
+    const size_t begin = line.len;
+    for (int i = 0; i < methods; i++)
+        if (total[i].count[CLASS_WRONG] == 0)
+            buffer_format(&line, " %s", total[i].method->row.name);
+    if (line.len > begin)
+        put_wrapped(out, buffer_text(&line), width, 0, 3);
+    out->failed |= line.failed;
+    buffer_free(&line);
+}
+
+/* A line for each method that is wrong somewhere, as many as fit. */
+static void put_totals(const struct stress *stress, struct stress_total *total, int methods,
+                       int width, int rows, struct arena *arena, struct buffer *out)
+{
+    static const char *const heading[] = {"method", "right", "said so", "wrong", "slowest case"};
+    struct text_table table = {.arena = arena, .columns = CLASSES + 2, .gap = 2};
+    struct buffer right = {0};
+    int wrong = 0;
+    qsort(total, (size_t)methods, sizeof *total, compare_totals);
+    while (wrong < methods && total[wrong].count[CLASS_WRONG] > 0)
+        wrong++;
+    put_right(total, methods, width, &right);
+    const int room = rows - 1 - text_rows(buffer_text(&right), width);
+    const int shown = wrong <= room ? wrong : room - 1 > 1 ? room - 1 : 1;
+    for (size_t i = 0; i < COUNT_OF(heading); i++)
+        cell_text(&table, heading[i]);
+    for (int i = 0; i < (wrong > 0 ? shown : methods < room ? methods : 0); i++)
+        total_cells(stress, &total[i], &table);
+    if (table.cells > table.columns)
+        text_table_put(&table, out);
+    if (shown < wrong)
+        buffer_format(out, "... %d more methods, wrong in at most %d cases: --full\n",
+                      wrong - shown, total[shown].count[CLASS_WRONG]);
+    buffer_put(out, buffer_text(&right));
+    buffer_free(&right);
+}
+
+/* Which of them each verdict was given to: the cases of one method, the methods of one case. */
+static void put_verdicts(const struct stress *stress, int methods, int width, struct buffer *out)
+{
+    struct buffer line = {0};
+    for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++) {
+        bool first = true;
+        buffer_clear(&line);
+        buffer_format(&line, "%s:", catalog_row(&stress_verdict_catalog, v)->name);
+        for (int i = 0; i < stress->rows; i++) {
+            const struct stress_row *row = &stress->row[i];
+            if (row->verdict != v)
+                continue;
+            buffer_format(&line, "%s %s", first || methods > 1 ? "" : ",",
+                          methods > 1 ? row->method->row.name : stress->cases[row->index].name);
+            first = false;
+        }
+        if (!first)
+            put_wrapped(out, buffer_text(&line), width, 0, 3);
+    }
+    out->failed |= line.failed;
+    buffer_free(&line);
+}
+
+/* [methods]; NULL: no memory */
+static struct stress_total *count_totals(const struct stress *stress,
+                                         const struct method *const *method, int methods,
+                                         struct arena *arena)
+{
+    struct stress_total *total = arena_array(arena, (size_t)methods + 1, sizeof *total);
+    for (int m = 0; m < methods && total; m++) {
+        total[m] = (struct stress_total){.method = method[m]};
+        for (int i = m; i < stress->rows; i += methods) {
+            const struct stress_row *row = &stress->row[i];
+            total[m].count[class_of(row->verdict)]++;
+            if (is_slower(row, total[m].slowest))
+                total[m].slowest = row;
+        }
+    }
+    return total;
+}
+
+static void put_short(const struct session *session, const struct stress *stress,
+                      const struct method *const *method, int methods, struct arena *arena,
+                      struct buffer *out)
+{
+    int width, height;
+    struct stress_total *total = count_totals(stress, method, methods, arena);
+    struct buffer end = {0};
+    session_size(session, &width, &height);
+    if (!total) {
+        out->failed = true;
+        return;
+    }
+    buffer_format(&end, "%d method%s, %d case%s", methods, methods == 1 ? "" : "s", stress->count,
+                  stress->count == 1 ? "" : "s");
+    if (!isnan(stress->seconds))
+        buffer_format(&end, ", %.1f s", stress->seconds);
+    buffer_put(&end, TEXT("; wrong: an error above 1 % without a word; said so: refused, diverged "
+                          "...\n"));
+    buffer_put(&end, stress->count > 1 && methods > 1
+                         ? TEXT("'stress METHOD', 'stress case=NAME': verdict by verdict; --full: "
+                                "the matrix, with reasons\n")
+                         : TEXT("the reasons: --full\n"));
+    if (stress->count > 1 && methods > 1)
+        put_totals(stress, total, methods, width,
+                   answer_rows(session) - text_rows(buffer_text(&end), width), arena, out);
+    else if (stress->count > 1)
+        put_totals(stress, total, methods, width, 4, arena, out);
+    if (stress->count == 1)
+        buffer_format(out, "%s: %s\n", stress->cases[0].name, stress->cases[0].brief);
+    if (stress->count == 1 || methods == 1)
+        put_verdicts(stress, methods, width, out);
+    buffer_put(out, buffer_text(&end));
+    buffer_free(&end);
+}
+
 struct stress_record {
     const struct stress *stress;
     struct stress_row row;
@@ -246,16 +417,23 @@ HANDLER(stress)
     const bool present = has_argument(args, "scene");
     if (present && !this_scene(session, args->arena, &of, error))
         return false;
-    const bool ok =
-        study_stress(present ? &of : NULL, method, methods, session->front.cancel, stress, error);
+    const struct argument_value *one = argument_value(args, "case");
+    const bool ok = study_stress(present ? &of : NULL, one->count ? one->item->text : TEXT(""),
+                                 method, methods, session->front.cancel, stress, error);
     struct buffer text = {0};
     if (session->setup.settings.timing == TIMING_OFF) {
         stress->seconds = NAN;
         for (int i = 0; i < stress->rows; i++)
             stress->row[i].seconds = NAN;
     }
-    if (stress->rows > 0)
+    if (stress->rows > 0 && asks_full(args)) {
+        struct stress_total *total = count_totals(stress, method, methods, args->arena);
+        if (total)
+            put_totals(stress, total, methods, SCREEN_WIDTH, INT_MAX, args->arena, &text);
+        buffer_char(&text, '\n');
         put_stress(session, stress, method, methods, &text);
+    } else if (stress->rows > 0)
+        put_short(session, stress, method, methods, args->arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     for (int i = 0; i < stress->rows; i++) {
@@ -267,23 +445,29 @@ HANDLER(stress)
 }
 #endif
 
-COMMAND(stress,
-        .row = {"stress", "", "the stiff and the extreme: each method, one verdict each", "", NULL},
-        .group = "STUDY",
-        .text = "Stiff scenes, extremes of scale, critical damping, steps far above the limit, "
-                "inputs that make no sense: "
-                "each method\n"
-                "(or those named) on each of them, with a budget of steps; methods that adapt with "
-                "tol = 1e-6, the others "
-                "in 1024 steps.\n"
-                "One letter each, then the reasons. The present scene is not changed; with 'scene' "
-                "the cases are made of "
-                "it, over its\n"
-                "duration: steps around each method's limit, parameters 1e6 times smaller and "
-                "larger, 0 and with the other "
-                "sign, initial\n"
-                "values of 1e-310, 1e-150 and 1e150.",
-        .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853",
-        .see = "stability compare precision", .flags = COMMAND_TABLES,
-        ARGUMENTS(WORD("scene", TYPE_NONE),
-                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))
+COMMAND(
+    stress,
+    .row = {"stress", "", "the stiff and the extreme: each method, one verdict each", "", NULL},
+    .group = "STUDY",
+    .text =
+        "Stiff scenes, extremes of scale, critical damping, steps far above the limit, "
+        "inputs that make no sense: "
+        "each method\n"
+        "(or those named) on each of them, with a budget of steps; methods that adapt with "
+        "tol = 1e-6, the others "
+        "in 1024 steps.\n"
+        "A line a method: how many are right, how many it refuses or reports itself, how many "
+        "are wrong; of one method, or of one case (by name or number), the verdicts. "
+        "--full: a letter each, then the reasons. The present scene is not changed; with 'scene' "
+        "the cases are made of "
+        "it, over its\n"
+        "duration: steps around each method's limit, parameters 1e6 times smaller and "
+        "larger, 0 and with the other "
+        "sign, initial\n"
+        "values of 1e-310, 1e-150 and 1e150.",
+    .examples = "stress euler rk4 radau5\nstress case=orego\nscene pendulum; stress scene rk4 "
+                "verlet dop853",
+    .see = "stability compare precision", .flags = COMMAND_TABLES,
+    ARGUMENTS(WORD("scene", TYPE_NONE),
+              PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+              KEY("case", TYPE_TEXT), OPTION("full", TYPE_NONE)))

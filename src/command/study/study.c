@@ -91,13 +91,14 @@ static void put_verdicts(const struct compared_row *rows, int count, struct buff
 }
 
 static void reply_table(const struct session *session, const struct comparison *from,
-                        const struct compared_row *rows, int count, struct arena *arena,
+                        const struct compared_row *rows, int count, bool brief, struct arena *arena,
                         struct reply *reply)
 {
     int width, height;
     session_size(session, &width, &height);
     struct text_table table = {.arena = arena, .gap = 3, .max = width};
     struct buffer text = {0};
+    enum { BELOW = 5 /* [row] the reference, the machine, the runs' numbers */ };
     columns_text(&compared_columns, rows, (size_t)count, true, &table);
     text_table_put(&table, &text);
     bool timed = false;
@@ -106,7 +107,14 @@ static void reply_table(const struct session *session, const struct comparison *
     if (timed && rows[0].mixed)
         put_general(from, count, &text);
     put_turning(from, count, &text);
+    const size_t table_end = text.len;
     put_verdicts(rows, count, &text);
+    const int rows_max =
+        answer_rows(session) > ANSWER_ROWS_MIN ? answer_rows(session) : ANSWER_ROWS_MIN;
+    if (brief && text.len > table_end && text_rows(buffer_text(&text), width) > rows_max - BELOW) {
+        text.len = table_end;
+        buffer_put(&text, TEXT("... what each does in words: --full\n"));
+    }
     if (from[0].reference[0]) {
         buffer_format(&text, "errors against %s and %s, which agree to ",
                       from[0].reference[0]->row.name, from[0].reference[1]->row.name);
@@ -191,9 +199,17 @@ static void overlay_runs(struct view *view, const struct comparison *rows, int c
 
 static void reply_saved(const struct comparison *rows, int count, struct reply *reply)
 {
+    enum { NUMBERS_MAX = 4 /* that are named one by one */ };
     struct buffer numbers = {0};
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count && count <= NUMBERS_MAX; i++)
         buffer_format(&numbers, "%s%d", i ? " " : "", rows[i].run->number);
+    if (count > NUMBERS_MAX) {
+        reply_line(reply,
+                   "saved as runs %d to %d   ('runs', 'plot energy run all', "
+                   "'export runs.csv run all')",
+                   rows[0].run->number, rows[count - 1].run->number);
+        return;
+    }
     reply_line(
         reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')",
         count == 1 ? "" : "s", buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
@@ -287,7 +303,7 @@ HANDLER(compare)
     if (count > 0) {
         overlay_runs(&session->view, rows, count);
         fill_rows(session, rows, count, args->arena, compared);
-        reply_table(session, rows, compared, count, args->arena, reply);
+        reply_table(session, rows, compared, count, !asks_full(args), args->arena, reply);
         reply_comparison(session, compared, count, reply);
         for (int i = 0; i < count; i++)
             reply_unsound(rows[i].run, reply);
@@ -327,4 +343,4 @@ COMMAND(compare,
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),
                   KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog),
-                  OPTION("force", TYPE_NONE)))
+                  OPTION("force", TYPE_NONE), OPTION("full", TYPE_NONE)))

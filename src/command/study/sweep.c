@@ -195,6 +195,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
         options->force = true;
         return refuse_rest(parser, NULL, error);
     }
+    if (text_is(name, "full"))
+        return refuse_rest(parser, NULL, error);
     if (text_is(name, "dry-run")) {
         options->dry = true;
         return refuse_rest(parser, NULL, error);
@@ -206,8 +208,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
     if (!text_is(name, "threads")) {
         error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64),
                  name.at);
-        return error_hint(error,
-                          "it has --threads N, --shard I/N, --resume FILE, --dry-run and --force");
+        return error_hint(
+            error, "it has --threads N, --shard I/N, --resume FILE, --dry-run, --full and --force");
     }
     struct item shown = {0};
     if (!read_number(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
@@ -313,8 +315,8 @@ static bool make_table(const struct swept *swept, struct arena *arena, struct ta
     return (swept->section ? diagram_table : sweep_table)(swept, arena, table);
 }
 
-static void reply_sweep(struct session *session, const struct swept *swept, struct arena *arena,
-                        struct reply *reply)
+static void reply_sweep(struct session *session, const struct swept *swept,
+                        const struct arguments *args, struct reply *reply)
 {
     struct buffer text = {0};
     struct arena own = {0};
@@ -323,7 +325,8 @@ static void reply_sweep(struct session *session, const struct swept *swept, stru
     if (made && reply->store)
         table_store_put(reply->store, "sweep", &own, &table);
     if (reply->format == FORMAT_TEXT) {
-        (swept->section ? diagram_text : sweep_text)(session, swept, arena, &text);
+        (swept->section ? diagram_text : sweep_text)(
+            session, swept, asks_full(args) ? 0 : answer_rows(session), args->arena, &text);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
     } else if (made) {
@@ -377,7 +380,7 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
             if (swept.measure[m].kind == SWEEP_ATTRACTOR)
                 swept.attractors = sweep_attractors(request, &sweep, m, attractor);
         swept.attractor = attractor;
-        reply_sweep(session, &swept, args->arena, reply);
+        reply_sweep(session, &swept, args, reply);
     }
     if (stopped && sweep.finished > 0) {
         sweep_keep_stopped(session, statement, &sweep);
@@ -481,4 +484,4 @@ COMMAND(
               KEY("skip", TYPE_INTEGER), KEY("keep", TYPE_INTEGER),
               KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
               OPTION("shard", TYPE_TEXT), OPTION("resume", TYPE_FILE), OPTION("dry-run", TYPE_NONE),
-              OPTION("force", TYPE_NONE)))
+              OPTION("force", TYPE_NONE), OPTION("full", TYPE_NONE)))

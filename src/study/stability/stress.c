@@ -395,8 +395,29 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
 
 /* ---- all of them ---- */
 
-bool study_stress(const struct stress_scene *scene, const struct method *const *methods, int count,
-                  const struct cancel *cancel, struct stress *stress, struct error *error)
+/* Leaves the one that is wanted, by its name or its number. */
+static bool keep_case(struct stress *stress, struct text only, struct error *error)
+{
+    double number;
+    int index = 0;
+    while (index < stress->count && !text_is(only, stress->cases[index].name))
+        index++;
+    if (index == stress->count && real_parse(only, &number) == REAL_OK && number >= 1 &&
+        number <= stress->count && number == (int)number)
+        index = (int)number - 1;
+    if (index == stress->count) {
+        error_at(error, only, "there is no case '%.*s' of %d", (int)(only.len < 64 ? only.len : 64),
+                 only.at, stress->count);
+        return error_hint(error, "'stress --full' lists them by number and name");
+    }
+    stress->cases[0] = stress->cases[index];
+    stress->count = 1;
+    return true;
+}
+
+bool study_stress(const struct stress_scene *scene, struct text only,
+                  const struct method *const *methods, int count, const struct cancel *cancel,
+                  struct stress *stress, struct error *error)
 {
     const int64_t begin = clock_ns();
     memset(stress, 0, sizeof *stress);
@@ -407,6 +428,8 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
                    ? error_set(error, ERROR_COMMAND,
                                "the scene has too many parameters: more than %d cases", STRESS_MAX)
                    : error_memory(error);
+    if (only.len > 0 && !keep_case(stress, only, error))
+        return false;
     double *limit = malloc(((size_t)count + 1) * sizeof *limit);
     stress->row = calloc((size_t)(stress->count * count) + 1, sizeof *stress->row);
     bool ok = stress->row && limit;

@@ -24,7 +24,7 @@ static int set_up(void **state)
     for (size_t i = 0; i < method_catalog.count && methods < 512; i++)
         if (!(method_at(i)->flags & METHOD_EXTERNAL))
             all[methods++] = method_at(i);
-    return study_stress(NULL, all, methods, NULL, &stress, &error) ? 0 : -1;
+    return study_stress(NULL, TEXT(""), all, methods, NULL, &stress, &error) ? 0 : -1;
 }
 
 static int tear_down(void **state)
@@ -140,7 +140,7 @@ static void test_cancelled_keeps_what_is_finished(void **state)
     struct stress none;
     struct error error;
     const struct method *one[] = {method_named("rk4")};
-    assert_false(study_stress(NULL, one, 1, &cancel, &none, &error));
+    assert_false(study_stress(NULL, TEXT(""), one, 1, &cancel, &none, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     assert_int_equal(none.rows, 0);
     stress_free(&none);
@@ -173,7 +173,7 @@ static void test_a_typed_scene(void **state)
     start[scene_param(&scene, "y0")] = matter[scene_param(&scene, "k")] = true;
     const struct stress_scene of = {&scene, 10, start, matter};
     struct stress made;
-    assert_true(study_stress(&of, one, COUNT_OF(one), NULL, &made, &error));
+    assert_true(study_stress(&of, TEXT(""), one, COUNT_OF(one), NULL, &made, &error));
     assert_int_equal(made.count, 1 + 6 + 4 + 3);
     assert_int_equal(made.count_of[STRESS_UNEXPLAINED] + made.count_of[STRESS_UNKNOWN], 0);
     for (size_t i = 0; i < COUNT_OF(known); i++)

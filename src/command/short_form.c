@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/short_form.h"
+
+#include <string.h>
+
+/* Figures fill the screen whose size was asked for; their --full is about what they draw. */
+static bool has_short_form(const struct command *command)
+{
+    bool full = false, figure = false;
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == FORM_OPTION) {
+            full |= strcmp(command->argument[i].name, "full") == 0;
+            figure |= strcmp(command->argument[i].name, "log") == 0;
+        }
+    return full && !figure;
+}
+
+/* Returns true if --full stands in an argument that its command reads itself. */
+static bool rest_has_full(const struct argument_value *value)
+{
+    struct text rest = value->count ? value->item->text : TEXT(""), word;
+    while (text_split(&rest, ' ', &word))
+        if (text_is(word, "--full"))
+            return true;
+    return false;
+}
+
+bool asks_full(const struct arguments *arguments)
+{
+    const struct command *command = arguments->command;
+    for (int i = 0; i < command->arguments; i++) {
+        const struct argument *argument = &command->argument[i];
+        if (argument->form == FORM_OPTION && strcmp(argument->name, "full") == 0 &&
+            has(arguments, i))
+            return true;
+        if (type_is(argument, TYPE_TAKES_REST) && rest_has_full(&arguments->value[i]))
+            return true;
+    }
+    return false;
+}
+
+int answer_rows(const struct session *session)
+{
+    enum { BESIDE = 2 /* the prompt, and the line that was typed */, MIN = 8 };
+    int width, height;
+    session_size(session, &width, &height);
+    return height - BESIDE > MIN ? height - BESIDE : MIN;
+}
+
+int text_rows(struct text text, int width)
+{
+    struct text line;
+    int rows = 0;
+    while (text.len > 0 && text_split(&text, '\n', &line)) {
+        const int cells = text_width(line);
+        rows += cells > width ? (cells + width - 1) / width : 1;
+    }
+    return rows;
+}
+
+static bool hold_result(void *context, struct text text)
+{
+    buffer_put(&((struct short_form *)context)->text, text);
+    return true;
+}
+
+static bool hold_message(void *context, struct text text)
+{
+    struct short_form *form = context;
+    if (form->text.len == 0 || form->messages == SHORT_FORM_MESSAGES) {
+        form->rows_max -= text_rows(text, form->width);
+        return form->outer.err(form->outer.context, text);
+    }
+    form->message[form->messages].at = form->text.len;
+    form->message[form->messages++].len = text.len;
+    buffer_put(&form->text, text);
+    return true;
+}
+
+void short_form_begin(struct short_form *form, const struct session *session,
+                      const struct arguments *arguments, struct reply *reply)
+{
+    int width, height;
+    const int rows = answer_rows(session);
+    session_size(session, &width, &height);
+    *form = (struct short_form){.outer = reply->sink,
+                                .width = width > ANSWER_WIDTH_MIN ? width : ANSWER_WIDTH_MIN,
+                                .rows_max = rows > ANSWER_ROWS_MIN ? rows : ANSWER_ROWS_MIN};
+    form->active = has_short_form(arguments->command) && reply->format == FORMAT_TEXT &&
+                   !reply->quiet && !reply->muted && !asks_full(arguments);
+    if (form->active)
+        reply->sink = (struct sink){hold_result, hold_message, form};
+}
+
+/* ---- what is left out ---- */
+
+/* The line at *at, with its newline, and whether it belongs to a message. */
+static struct text next_line(const struct short_form *form, size_t *at, int *message)
+{
+    const struct text all = buffer_text(&form->text);
+    size_t end = *at;
+    while (*message < form->messages &&
+           *at >= form->message[*message].at + form->message[*message].len)
+        ++*message;
+    while (end < all.len && all.at[end] != '\n')
+        end++;
+    end += end < all.len;
+    const struct text line = {all.at + *at, end - *at};
+    *at = end;
+    return line;
+}
+
+static bool is_message(const struct short_form *form, int message, struct text line)
+{
+    return message < form->messages && line.at >= form->text.data + form->message[message].at;
+}
+
+static bool write_line(const struct short_form *form, bool message, struct text line)
+{
+    return (message ? form->outer.err : form->outer.out)(form->outer.context, line);
+}
+
+void short_form_end(struct short_form *form, struct reply *reply)
+{
+    if (!form->active)
+        return;
+    reply->sink = form->outer;
+    int total = 0, said = 0, before = 0, at_message = 0, left_out = 0;
+    for (size_t at = 0; at < form->text.len;) {
+        const struct text line = next_line(form, &at, &at_message);
+        *(is_message(form, at_message, line) ? &said : &total) += text_rows(line, form->width);
+    }
+    enum { RESULT_ROWS_MIN = 6 };
+    int room = form->rows_max - said;
+    room = room > RESULT_ROWS_MIN ? room : RESULT_ROWS_MIN;
+    const int tail = room / 3, head = total <= room ? total : room - 1 - tail;
+    bool ok = !form->text.failed;
+    at_message = 0;
+    for (size_t at = 0; at < form->text.len && ok;) {
+        const struct text line = next_line(form, &at, &at_message);
+        const bool message = is_message(form, at_message, line);
+        const int rows = text_rows(line, form->width);
+        const bool cut = !message && before + rows > head && total - before > tail;
+        before += message ? 0 : rows;
+        left_out += cut;
+        if (left_out > 0 && !message && (!cut || total - before <= 0)) {
+            struct buffer words = {0};
+            buffer_format(&words, "... %d more row%s: --full\n", left_out,
+                          left_out == 1 ? "" : "s");
+            ok = write_line(form, false, buffer_text(&words));
+            buffer_free(&words);
+            left_out = 0;
+        }
+        ok = ok && (cut || write_line(form, message, line));
+    }
+    reply->failed |= !ok;
+    buffer_free(&form->text);
+}

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Every command that has a short form answers in one screen, 22 rows of 80 columns with its
+ * messages; --full and records leave nothing out. A command without a line here fails.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "long_form.h"
+#include "unit/command/testing.h"
+
+#define SCREEN_WIDTH 80
+#define ANSWER_ROWS 22
+
+struct answer {
+    const char *before, *line; /* only what the line says is measured */
+};
+
+static const struct answer studies[] = {
+    {"scene spring", "precision"},
+    {"scene spring; precision verlet rk4", "precision table"},
+    {"scene spring; precision rk4 pefrl", "precision table pefrl"},
+    {"", "stress exact"},
+    {"", "stress case=orego"},
+    {"scene pendulum", "stress scene rk4 dop853"},
+    {"", "selftest"},
+    {"scene spring", "order rk4"},
+    {"scene kepler; duration = 3 s", "order dop853"},
+    {"scene pendulum", "stability rk4"},
+    {"scene spring", "stability nystrom4"},
+    {"scene spring", "stability euler midpoint heun rk4 verlet"},
+    {"scene spring", "compare euler verlet rk4 dop853 radau5 gauss6"},
+    {"scene spring", "compare euler heun midpoint rk4 verlet dt=1ms,2ms,5ms,10ms,20ms"},
+    {"scene drag; method verlet; run 60 s", "fit drag"},
+    {"scene drag; method verlet; run 60 s", "fit damped"},
+    {"scene elastic-pendulum; method dop853; run 60 s", "fit modes 4"},
+    {"scene driven; method rk4", "sweep omega=6:12:0.1"},
+    {"scene driven; method rk4", "sweep omega=6:12:1 measure=amplitude,period,max,min"},
+    {"scene driven; method rk4", "sweep omega=6:12:0.5 gamma=0.1:2:0.1"},
+    {"scene driven; method rk4", "sweep omega=6:12:0.5 gamma=0.1:2:0.1 measure=amplitude,max"},
+    {"scene driven; method rk4", "sweep omega=6:12:3"},
+    {"scene pendulum-driven; method rk4", "sweep F0=1.3:1.6:0.01 at period skip=10 keep=20"},
+    {"scene driven; duration = 20 s", "lyapunov over 200 s"},
+    {"scene spring; method rk4; run 100 s", "lyapunov of y"},
+    {"scene duffing-driven", "equilibria"},
+    {"var x = 1; x' = sin(20*x)", "equilibria x=-5:5"},
+    {"scene duffing-driven", "branch omega=0.9:1.6 of response"},
+    {"var x = 0.1; var y = 0; param r = 0; x' = r*x-y-x^3; y' = x+r*y-y^3; equilibria x=-1:1 "
+     "y=-1:1",
+     "branch r=-1:1"},
+    {"scene vanderpol", "orbit"},
+    {"var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v", "basins x=-2:2:0.1 v=-2:2:0.1"},
+    {"scene damped; method verlet; run 20 s", "measure spectrum"},
+    {"scene damped; method verlet; run 100 s", "measure amplitude windows=40"},
+    {"scene damped; method verlet; run 20 s", "measure period"},
+    {"", "help"},
+    {"scene spring; method verlet; run 2 s", "report answers-report --force"},
+};
+
+/* In the long form, too. */
+static const struct answer slow[] = {
+    {"", "stress"},
+    {"scene drag", "precision"},
+    {"timing off; scene kepler; duration = 5 s", "precision"},
+    {"", "stress scene"},
+    {"scene pendulum", "precision"},
+    {"scene pendulum", "stress scene"},
+};
+
+static bool has_option(const struct command *command, const char *name)
+{
+    for (int i = 0; i < command->arguments; i++)
+        if (command->argument[i].form == FORM_OPTION &&
+            strcmp(command->argument[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static int rows_of(const struct buffer *buffer)
+{
+    struct text rest = buffer_text(buffer), line;
+    int rows = 0;
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        const int cells = text_width(line);
+        rows += cells > SCREEN_WIDTH ? (cells + SCREEN_WIDTH - 1) / SCREEN_WIDTH : 1;
+    }
+    return rows;
+}
+
+static void open_screen(struct bench *bench)
+{
+    bench_open(bench, false);
+    session_destroy(bench->session);
+    bench->session = session_create(&(struct front){.width = SCREEN_WIDTH, .height = 24});
+    assert_non_null(bench->session);
+}
+
+static bool fits(const struct answer *answer)
+{
+    struct bench bench;
+    open_screen(&bench);
+    assert_true(type(&bench, answer->before));
+    if (!type(&bench, answer->line))
+        fail_msg("%s: %s: %s", answer->before, answer->line, buffer_view(&bench.err));
+    const int rows = rows_of(&bench.out) + rows_of(&bench.err);
+    const bool ok = rows <= ANSWER_ROWS && bench.out.len > 0;
+    if (!ok)
+        print_message("%s: %s: %d rows\n%s%s", answer->before, answer->line, rows,
+                      buffer_view(&bench.out), buffer_view(&bench.err));
+    bench_close(&bench);
+    return ok;
+}
+
+static void every_study_answers_in_one_screen(void **state)
+{
+    (void)state;
+    int too_long = 0;
+    for (size_t i = 0; i < COUNT_OF(studies); i++)
+        too_long += !fits(&studies[i]);
+    for (size_t i = 0; i < COUNT_OF(slow) && is_long(); i++)
+        too_long += !fits(&slow[i]);
+    assert_int_equal(too_long, 0);
+}
+
+static void every_command_with_a_short_form_is_measured(void **state)
+{
+    (void)state;
+    int studied = 0;
+    for (size_t c = 0; c < command_catalog.count; c++) {
+        const struct command *command =
+            (const struct command *)(const void *)catalog_row(&command_catalog, c);
+        const bool study = strcmp(command->group, "STUDY") == 0;
+        bool measured = false;
+        if (!study && (!has_option(command, "full") || has_option(command, "log")))
+            continue;
+        for (size_t i = 0; i < COUNT_OF(studies) && !measured; i++)
+            measured = text_is(peek_word(text_of(studies[i].line), ""), command->row.name);
+        if (!measured)
+            fail_msg("no line measures '%s'", command->row.name);
+        studied++;
+    }
+    assert_true(studied >= 13);
+}
+
+/* The rows that are left out are counted, and come back with --full. */
+static void full_leaves_nothing_out(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {"order rk4", "stress case=orego", "equilibria x=-5:5",
+                                        "sweep x0=0:1:0.02 measure=max"};
+    for (size_t i = 0; i < COUNT_OF(lines); i++) {
+        struct bench bench;
+        struct buffer line = {0};
+        int brief;
+        open_screen(&bench);
+        assert_true(type(&bench, "timing off; method rk4; var x = 1; x' = sin(20*x)"));
+        assert_true(type(&bench, lines[i]));
+        brief = rows_of(&bench.out);
+        buffer_format(&line, "%s --full", lines[i]);
+        assert_true(type(&bench, buffer_view(&line)));
+        assert_null(memmem(bench.out.data, bench.out.len, "--full", 6));
+        if (rows_of(&bench.out) < brief)
+            fail_msg("%s: %d rows, %d with --full", lines[i], brief, rows_of(&bench.out));
+        buffer_free(&line);
+        bench_close(&bench);
+    }
+}
+
+/* What stands in the middle is replaced; the heading, the first rows and the last ones stay. */
+static void the_middle_is_left_out(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer full = {0};
+    open_screen(&bench);
+    assert_true(type(&bench, "timing off; var x = 1; x' = sin(20*x)"));
+    assert_true(type(&bench, "equilibria x=-5:5 --full"));
+    buffer_put(&full, buffer_text(&bench.out));
+    assert_true(type(&bench, "equilibria x=-5:5"));
+    struct text rest = buffer_text(&bench.out), line;
+    int shown = 0, left_out = 0;
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        if (sscanf(line.at, "... %d more rows: --full", &left_out) == 1)
+            continue;
+        shown++;
+    }
+    assert_true(left_out > 0);
+    assert_int_equal(rows_of(&bench.out), ANSWER_ROWS);
+    buffer_free(&full);
+    bench_close(&bench);
+}
+
+static int lines_of(const struct buffer *buffer)
+{
+    int lines = 0;
+    for (size_t i = 0; i < buffer->len; i++)
+        lines += buffer->data[i] == '\n';
+    return lines;
+}
+
+static void records_are_whole(void **state)
+{
+    (void)state;
+    static const char *const form[] = {"csv", "json"};
+    static const char *const line[] = {"sweep x0=0:1:0.02 measure=max",
+                                       "sweep x0=0:1:0.02 measure=max --full"};
+    for (size_t i = 0; i < COUNT_OF(form); i++) {
+        int lines[2];
+        for (int full = 0; full < 2; full++) {
+            struct bench bench;
+            struct buffer begin = {0};
+            open_screen(&bench);
+            buffer_format(&begin, "method rk4; var x = 1; x' = sin(20*x); set format %s", form[i]);
+            assert_true(type(&bench, buffer_view(&begin)));
+            assert_true(type(&bench, line[full]));
+            lines[full] = lines_of(&bench.out);
+            buffer_free(&begin);
+            bench_close(&bench);
+        }
+        assert_int_equal(lines[0], lines[1]);
+        assert_true(lines[0] >= 51);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_study_answers_in_one_screen),
+        cmocka_unit_test(every_command_with_a_short_form_is_measured),
+        cmocka_unit_test(full_leaves_nothing_out),
+        cmocka_unit_test(the_middle_is_left_out),
+        cmocka_unit_test(records_are_whole),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
