@@ -120,8 +120,8 @@ static void universal(real alpha, real s, real u[4])
     }
     if (alpha > 0) {
         half = sinl(angle / 2);
-        u[0] = cosl(angle);
-        u[1] = sinl(angle) / root;
+        u[0] = 1 - 2 * half * half;
+        u[1] = 2 * half * cosl(angle / 2) / root;
     } else {
         half = sinhl(angle / 2);
         u[0] = coshl(angle);
@@ -131,30 +131,45 @@ static void universal(real alpha, real s, real u[4])
     u[3] = (s - u[1]) / alpha;
 }
 
-/* The root s of r0 U1 + sigma U2 + U3 = time, which grows with s: Newton's method, fenced in. */
-static real kepler_equation(real alpha, real r0, real sigma, real time, real u[4])
+/* Finds a stretch of s in which r0 U1 + sigma U2 + U3 = time, and an s in it to begin with. */
+static real bracket(real alpha, real r0, real sigma, real time, real *low, real *high)
 {
-    real low = 0, high = 0, s = 0;
+    real u[4];
+    *low = *high = 0;
+    if (alpha > 0) { /* E - e sin E differs from E by less than 1, at both ends */
+        const real s = alpha * time, apart = 2 / sqrtl(alpha);
+        *low = time > 0 && s < apart ? 0 : s - apart;
+        *high = time < 0 && -s < apart ? 0 : s + apart;
+        return s;
+    }
     for (real reach = copysignl(1 / sqrtl(fabsl(alpha) + 1 / r0), time);; reach *= 2) {
         universal(alpha, reach, u);
-        *(time > 0 ? &high : &low) = reach;
+        *(time > 0 ? high : low) = reach;
         if ((r0 * u[1] + sigma * u[2] + u[3] - time) * time >= 0 || !isfinite(u[3]))
-            break;
-        *(time > 0 ? &low : &high) = reach;
+            return *low + (*high - *low) / 2;
+        *(time > 0 ? low : high) = reach;
     }
-    s = low + (high - low) / 2;
+}
+
+/* The root s of r0 U1 + sigma U2 + U3 = time, which grows with s, and U0 … U3 there: Newton's
+ * method, fenced in. */
+static void kepler_equation(real alpha, real r0, real sigma, real time, real u[4])
+{
+    static const real close = 1e-12L; /* relative: the next step has twice as many digits */
+    real low, high, s = bracket(alpha, r0, sigma, time, &low, &high);
+    bool found = false;
     for (int i = 0; i < 200; i++) {
         universal(alpha, s, u);
+        if (found)
+            break;
         real miss = r0 * u[1] + sigma * u[2] + u[3] - time, slope = r0 * u[0] + sigma * u[1] + u[2];
         *(miss > 0 ? &high : &low) = s;
         real next = s - miss / slope;
-        if (!(next > low && next < high))
+        found = fabsl(next - s) <= close * fabsl(s);
+        if (!found && !(next > low && next < high))
             next = low + (high - low) / 2;
-        if (fabsl(next - s) <= 2 * LDBL_EPSILON * fabsl(s))
-            break;
         s = next;
     }
-    return s;
 }
 
 static void exact(const struct system *system, double t0, const double *start, double t, double *y,
