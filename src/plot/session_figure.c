@@ -141,8 +141,7 @@ static bool add_run(struct drawing *d, const struct run *run)
     double window[2];
     own_window(d, run, window);
     struct chosen_rows rows;
-    const struct row_request part = {window[0], window[1], d->request->width, d->period,
-                                     d->request->follow};
+    const struct row_request part = drawing_rows(d, window);
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
     bool drawn;
@@ -176,7 +175,7 @@ static bool add_run(struct drawing *d, const struct run *run)
                            .y = y,
                            .n = rows.n,
                            .t = plane ? t : NULL,
-                           .thinned = d->request->follow};
+                           .thinned = d->request->follow || part.count > 0};
         if (!d->curve[d->curves++].label)
             return error_memory(d->error);
     }

@@ -27,9 +27,10 @@ struct cleaning {
     double swing;            /* of all but the extreme values */
     double typical;          /* median of the local scales */
     unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
-    double *residual;        /* [n] y - local fit; 0 where there is none */
-    double *model;           /* [n] local fit, NAN where there is none */
-    double *sorted;          /* [n] work */
+    unsigned char *fitted_without; /* [n] `excluded` of the latest fits; NULL before the first */
+    double *residual;              /* [n] y - local fit; 0 where there is none */
+    double *model;                 /* [n] local fit, NAN where there is none */
+    double *sorted;                /* [n] work */
     struct local *local;
     size_t locals;
 };

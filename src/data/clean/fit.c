@@ -13,8 +13,9 @@
 
 enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-#define COVERED 1.25      /* of the two periods: across a gap a fit is none */
-#define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
+#define COVERED 1.25       /* of the two periods: across a gap a fit is none */
+#define NEAR_ENOUGH 0.002  /* of the swing: so far the amplitude may bend within two periods */
+#define SETTLED_SHARE 1e-3 /* of the scale of the residuals: smaller changes end the rounds */
 
 struct clean_samples {
     size_t n;
@@ -26,13 +27,17 @@ struct clean_samples {
 static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
 {
     double a[TERMS][TERMS] = {{0}}, b[TERMS] = {0};
-    for (size_t i = 0; i < s->n; i++)
-        for (int j = 0; j < TERMS && s->weight[i] > 0; j++) {
-            const double wx = s->weight[i] * s->term[i][j];
+    for (size_t i = 0; i < s->n; i++) {
+        const double *x = s->term[i];
+#pragma GCC unroll 8
+        for (int j = 0; j < TERMS; j++) {
+            const double wx = s->weight[i] * x[j];
             b[j] += wx * s->y[i];
+#pragma GCC unroll 8
             for (int k = 0; k <= j; k++)
-                a[j][k] += wx * s->term[i][k];
+                a[j][k] += wx * x[k];
         }
+    }
     /* a ridge that no determined parameter feels */
     for (int i = 0; i < TERMS; i++)
         a[i][i] *= 1 + 1e-10;
@@ -62,9 +67,18 @@ static double residual_scale(const struct clean_samples *s, const double paramet
     return MAD_TO_SIGMA * quantile(s->size, s->n, 0.5);
 }
 
+static double largest_change(const double a[TERMS], const double b[TERMS])
+{
+    double change = 0;
+    for (int j = 0; j < TERMS; j++)
+        change = fmax(change, fabs(a[j] - b[j]));
+    return change;
+}
+
 static bool robust_fit(const struct clean_samples *s, double min, double parameter[TERMS],
                        double *scale)
 {
+    double before[TERMS] = {0};
     for (size_t i = 0; i < s->n; i++)
         s->weight[i] = 1;
     for (int round = 0; round <= ROUNDS; round++) {
@@ -72,6 +86,12 @@ static bool robust_fit(const struct clean_samples *s, double min, double paramet
             return false;
         *scale = residual_scale(s, parameter);
         const double width = fmax(*scale, min);
+        if (round > 0 && largest_change(parameter, before) <= SETTLED_SHARE * width) {
+            if (round > ROUNDS_HUBER)
+                return true;
+            round = ROUNDS_HUBER;
+        }
+        memcpy(before, parameter, sizeof before);
         for (size_t i = 0; i < s->n; i++) {
             const double r = fabs(s->residual[i]) / width, x = r / BISQUARE;
             s->weight[i] = round < ROUNDS_HUBER ? 1 / fmax(r, 1)
@@ -94,11 +114,21 @@ static size_t row_at(const struct cleaning *c, double t)
     return first_from(c->t, c->n, t);
 }
 
+static void put_residuals(struct cleaning *c, const struct local *local)
+{
+    for (size_t i = local->from; i < local->to; i++)
+        c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
+}
+
 static void fit_local(struct cleaning *c, struct local *local, const struct clean_samples *work)
 {
     const double first = c->t[0], last = c->t[c->n - 1];
     const double begin = fmin(fmax(local->t - c->period, first), fmax(first, last - 2 * c->period));
     const size_t from = row_at(c, begin), to = row_at(c, begin + 2 * c->period);
+    if (c->fitted_without && memcmp(c->excluded + from, c->fitted_without + from, to - from) == 0) {
+        put_residuals(c, local); /* the same samples have the same fit */
+        return;
+    }
     struct clean_samples s = *work;
     double parameter[TERMS], here[TERMS];
     s.n = 0;
@@ -117,8 +147,8 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     for (size_t i = local->from; i < local->to; i++) {
         terms_at(c->t[i], local->t, c->period, here);
         c->model[i] = local->fitted ? value_of(parameter, here) : NAN;
-        c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
     }
+    put_residuals(c, local);
 }
 
 bool clean_fit(struct cleaning *c)
@@ -126,18 +156,20 @@ bool clean_fit(struct cleaning *c)
     const double first = c->t[0], span = c->t[c->n - 1] - first;
     c->locals = (size_t)fmax(1, floor(span / c->period));
     const double each = span / (double)c->locals;
+    const bool again = c->local != NULL;
     size_t largest = 0;
-    if (!c->local)
+    if (!again)
         c->local = arena_array(c->scratch, c->locals, sizeof *c->local);
     if (!c->local)
         return false;
     for (size_t k = 0; k < c->locals; k++) {
         const double begin = first + each * (double)k;
         const size_t rows = row_at(c, begin + 2.5 * c->period) - row_at(c, begin - 2.5 * c->period);
-        c->local[k] = (struct local){
-            .t = begin + 0.5 * each,
-            .from = row_at(c, begin),
-            .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
+        if (!again)
+            c->local[k] = (struct local){
+                .t = begin + 0.5 * each,
+                .from = row_at(c, begin),
+                .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
     struct clean_samples work = {.cancel = c->cancel,
@@ -157,6 +189,11 @@ bool clean_fit(struct cleaning *c)
         if (c->local[k].fitted)
             c->sorted[fitted++] = c->local[k].scale;
     }
+    if (!again)
+        c->fitted_without = arena_alloc(c->scratch, c->n);
+    if (!c->fitted_without)
+        return false;
+    memcpy(c->fitted_without, c->excluded, c->n);
     c->typical = fitted > 0 ? fmax(quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
     return true;
 }

@@ -8,8 +8,11 @@
 #include <math.h>
 #include <string.h>
 
-#define ROWS_ALL 4096       /* so many rows are taken as they are */
-#define VISITS_A_PERIOD 256 /* a screen looks at no more of them */
+#define ROWS_ALL 4096 /* so many rows are taken as they are */
+/* Shares of the time of a figure that is drawn once: more than a screen or a page has columns. */
+#define SHARES_DRAWN 4096
+#define ROWS_DRAWN_MAX (8 * SHARES_DRAWN) /* so many rows are drawn as they are */
+#define VISITS_A_PERIOD 256               /* a screen looks at no more of them */
 #define VISITS_MAX (1 << 17)
 #define SPECTRUM_SAMPLES 4096
 #define SAMPLES_A_PERIOD 24 /* of a spectrum: its axis goes to ten times the line */
@@ -43,6 +46,19 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
     return count;
 }
 
+/* Puts a row in its place among n ascending ones, once. Returns how many there are then. */
+static size_t put_row(size_t *row, size_t n, size_t next)
+{
+    size_t index = n;
+    while (index > 0 && row[index - 1] > next)
+        index--;
+    if (index > 0 && row[index - 1] == next)
+        return n;
+    memmove(row + index + 1, row + index, (n - index) * sizeof *row);
+    row[index] = next;
+    return n + 1;
+}
+
 /*
  * Of a share of the rows the first, the last, and those where the variables, and q v of the first
  * coordinate, are least and largest: there positions, velocities and the error of the energy have
@@ -69,17 +85,45 @@ static size_t choose_of_shared(const struct run *run, size_t from, size_t to, si
         }
     }
     size_t n = 0;
-    for (int i = 0; i < extremes + 2; i++) { /* ascending, each once */
-        size_t index = n;
-        while (index > 0 && out[index - 1] > at[i])
-            index--;
-        if (index > 0 && out[index - 1] == at[i])
-            continue;
-        memmove(out + index + 1, out + index, (n - index) * sizeof *out);
-        out[index] = at[i];
-        n++;
-    }
+    for (int i = 0; i < extremes + 2; i++)
+        n = put_row(out, n, at[i]);
     return n;
+}
+
+/* Chooses of each share of the rows the first, the last, and those where a variable is least and
+ * largest. A line through them covers the same pixels as one through all rows. */
+static bool choose_extremes(const struct run *run, const struct row_request *request, size_t first,
+                            size_t end, struct arena *arena, struct chosen_rows *rows,
+                            struct error *error)
+{
+    const size_t each = (end - first) / SHARES_DRAWN;
+    const size_t most = 2 + 2 * (size_t)request->count;
+    *rows = (struct chosen_rows){
+        arena_array(arena, ((end - first) / each + 1) * most, sizeof *rows->row), 0};
+    if (!rows->row)
+        return error_memory(error);
+    for (size_t from = first, to; from < end; from = to) {
+        size_t *row = rows->row + rows->n, n = 0;
+        to = from + each < end ? from + each : end;
+        n = put_row(row, put_row(row, n, from), to - 1);
+        for (int v = request->first; v < request->first + request->count; v++) {
+            size_t low = from, high = from;
+            double least = trace_state(run->trace, from)[v], most_value = least;
+            for (size_t i = from; i < to; i++) {
+                const double value = trace_state(run->trace, i)[v];
+                if (value < least) {
+                    least = value;
+                    low = i;
+                } else if (value > most_value) {
+                    most_value = value;
+                    high = i;
+                }
+            }
+            n = put_row(row, put_row(row, n, low), high);
+        }
+        rows->n += n;
+    }
+    return true;
 }
 
 static size_t power_of_two(double min)
@@ -118,6 +162,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 {
     size_t first, end;
     find_rows(run, request, &first, &end);
+    if (request->count > 0 && !request->screen && end - first > ROWS_DRAWN_MAX)
+        return choose_extremes(run, request, first, end, arena, rows, error);
     const double n = (double)(end - first),
                  buckets = 4.0 * (request->columns > 0 ? request->columns : 1);
     const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;

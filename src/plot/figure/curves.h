@@ -14,6 +14,10 @@ struct row_request {
     int columns;
     double period; /* [s] NAN: not known */
     bool screen;   /* then with the neighbours on both sides, so that a line reaches the ends */
+    /* The state variables [first, first + count) that are drawn against the time: of many rows only
+     * those where one of them is least or largest in its share of the time. A count of 0 takes all
+     * rows. */
+    int first, count;
 };
 
 struct chosen_rows {

@@ -127,5 +127,8 @@ struct axis time_axis(const double window[2]); /* [s] fixed */
 /* Chooses the window of time; the model and the period are known. */
 void drawing_window(struct drawing *d);
 double drawing_trail(const struct drawing *d); /* periods */
+/* Returns which rows of a run are drawn in a window: where nothing but states over the time of the
+ * axis is, of many rows only the extremes. */
+struct row_request drawing_rows(const struct drawing *d, const double window[2]);
 
 #endif

@@ -215,3 +215,19 @@ bool session_window(const struct session *session, const struct figure_request *
     *window = (struct figure_window){time_axis(d.window), d.shown, d.total};
     return d.window[0] < d.window[1];
 }
+
+struct row_request drawing_rows(const struct drawing *d, const double window[2])
+{
+    const struct figure_request *request = d->request;
+    struct row_request rows = {.from = window[0],
+                               .to = window[1],
+                               .columns = request->width,
+                               .period = d->period,
+                               .screen = request->follow};
+    if (plot_is_timed(request->kind) && !request->columns && !kind_of(d)->observable &&
+        !request->log && !request->x && !request->y) {
+        rows.first = (int)(vertical_variable(d->model, request->kind) - d->model->variable);
+        rows.count = d->coordinates;
+    }
+    return rows;
+}
