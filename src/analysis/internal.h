@@ -160,8 +160,14 @@ bool motion_one_sine(struct motion *motion, const struct series *series, struct 
 /* The same as motion_init(). Returns false with an error if out of memory or cancelled. */
 bool motion_find(struct motion *motion, const struct series *series, struct arena *arena,
                  const struct cancel *cancel, struct error *error);
-/* Sets the error that says why it does not oscillate, or which part of it does. Returns false. */
-bool motion_refuse(const struct motion *motion, const struct series *series, struct error *error);
+/* Returns true if all values are the same but for rounding. */
+bool overview_is_constant(const struct overview *overview);
+struct mode_pair;
+struct swing;
+/* Sets the error that says why it does not oscillate, or that it is two lines, or which part of it
+ * does; NULL where there are none. Returns false. */
+bool motion_refuse_known(const struct motion *motion, const struct mode_pair *pair,
+                         const struct swing *swing, struct error *error);
 /* The same as motion_find(), refusing what does not oscillate with the reason, and with the window
  * of the part that does. */
 bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
@@ -226,6 +232,10 @@ bool transform_real(double *data, size_t n, double *scratch, const struct cancel
 /* Returns the normalised correlation of a series with itself at all shifts [n], its straight line
  * taken off; NULL if out of memory or cancelled. *grid [n]: what is left of it at equal times. */
 double *series_correlations(const struct series *series, struct arena *arena, double **grid);
+/* Makes a series of at most that many means of `each` neighbours: of the stretch next to
+ * the middle in which the values move. Returns false if out of memory. */
+bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
+                        struct series *part);
 /* Sets out[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
 double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
                         double *out);

@@ -53,6 +53,11 @@ static void extremes(struct motion *m)
     o->mean = used ? sum / (double)used : NAN;
 }
 
+bool overview_is_constant(const struct overview *o)
+{
+    return !(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)));
+}
+
 /* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least
  * correlated. */
 static double centre(const struct samples *x, double gamma)
@@ -325,7 +330,7 @@ static bool fit_once(struct motion *m, const struct series *series, struct arena
         refuse(o, "it has only %zu samples", series->n);
         return true;
     }
-    if (!(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)))) {
+    if (overview_is_constant(o)) {
         o->noise = 0;
         refuse(o, "it is constant");
         return true;
@@ -391,24 +396,34 @@ bool motion_find(struct motion *m, const struct series *series, struct arena *ar
     return memory || error_memory(error);
 }
 
-bool motion_refuse(const struct motion *m, const struct series *series, struct error *error)
+bool motion_refuse_known(const struct motion *m, const struct mode_pair *pair,
+                         const struct swing *swing, struct error *error)
 {
-    struct mode_pair pair;
-    struct swing swing;
-    if (two_lines(&m->samples, &pair)) {
+    if (pair) {
         error_set(error, ERROR_COMMAND,
                   "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
-                  pair.period[0], pair.period[1]);
+                  pair->period[0], pair->period[1]);
         return error_hint(error, "type: fit modes 2");
     }
-    if (find_swing(series, &swing)) {
+    if (swing) {
         error_set(error, ERROR_COMMAND,
                   "only a part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
-                  swing.period, swing.window[0], swing.window[1]);
-        return error_hint(error, "add: window=%.9g:%.9g", swing.window[0], swing.window[1]);
+                  swing->period, swing->window[0], swing->window[1]);
+        return error_hint(error, "add: window=%.9g:%.9g", swing->window[0], swing->window[1]);
     }
     error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
     return error_hint(error, "choose another window or column; at least two periods are needed");
+}
+
+/* The same, looking for two lines and for a part that swings. */
+static bool motion_refuse(const struct motion *m, const struct series *series, struct error *error)
+{
+    struct mode_pair pair;
+    struct swing swing;
+    if (overview_is_constant(&m->overview))
+        return motion_refuse_known(m, NULL, NULL, error);
+    const bool lines = two_lines(&m->samples, &pair), swings = !lines && find_swing(series, &swing);
+    return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
 }
 
 bool motion_require(struct motion *m, const struct series *series, struct arena *arena,

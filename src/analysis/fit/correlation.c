@@ -245,6 +245,59 @@ bool series_correlation_period(const struct series *series, const struct period 
     return true;
 }
 
+/* Returns the sum of squares of some values about their mean. */
+static double spread_of(const double *y, size_t n)
+{
+    double sum = 0, square = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double off = y[i] - y[0];
+        sum += off;
+        square += off * off;
+    }
+    return square - sum * sum / (double)n;
+}
+
+bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
+                        struct series *part)
+{
+    enum { PLACES = 9, MIDDLE = PLACES / 2 };
+    /* Of a motion that dies out or begins late, the stretches that show it; else what lasts counts,
+     * not how it began. */
+    static const double lively_share = 0.2;
+    const size_t wanted = each * rows, all = wanted < series->n ? wanted : series->n,
+                 n = all / each;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y),
+           spread[PLACES], most = 0;
+    size_t first = 0;
+    if (!t || !y)
+        return false;
+    for (size_t k = 0; k < PLACES && all < series->n; k++) {
+        spread[k] = spread_of(series->y + (series->n - all) * k / (PLACES - 1), all);
+        most = fmax(most, spread[k]);
+    }
+    for (size_t k = 0; k < PLACES && all < series->n; k++) {
+        const size_t place = k % 2 ? MIDDLE + (k + 1) / 2 : MIDDLE - k / 2; /* from the middle on */
+        if (spread[place] >= lively_share * most) {
+            first = (series->n - all) * place / (PLACES - 1);
+            break;
+        }
+    }
+    for (size_t k = 0; k < n; k++) {
+        double time = 0, value = 0;
+        for (size_t i = first + k * each; i < first + (k + 1) * each; i++) {
+            time += series->t[i];
+            value += series->y[i];
+        }
+        t[k] = time / (double)each;
+        y[k] = value / (double)each;
+    }
+    *part = *series;
+    part->t = t;
+    part->y = y;
+    part->n = n;
+    return true;
+}
+
 double *series_correlations(const struct series *series, struct arena *arena, double **grid)
 {
     const size_t n = series->n;

@@ -43,15 +43,25 @@ static void sinc_weights(double part, double *weight)
         weight[j] /= sum;
 }
 
-bool lags_init(const struct series *series, struct arena *arena, struct lags *lags)
+bool lags_init(const struct series *whole, double period, struct arena *arena, struct lags *lags)
 {
-    *lags = (struct lags){.n = series->n};
-    if (series->n < 4 * LAG_SHORTEST || !(series->t[series->n - 1] > series->t[0]))
+    enum { ROWS = 4096, ROWS_A_PERIOD = 128, PERIODS = 32 };
+    struct series part = *whole;
+    const double span = whole->n > 0 ? whole->t[whole->n - 1] - whole->t[0] : 0;
+    if (period > 0 && whole->n > ROWS) {
+        const double samples = period * (double)(whole->n - 1) / span;
+        const double each = floor(fmin(fmax(samples / ROWS_A_PERIOD, 1), (double)whole->n / ROWS)),
+                     rows = fmax(fmin(PERIODS * samples / each, (double)whole->n), ROWS);
+        if (!series_lively_part(whole, (size_t)each, (size_t)rows, arena, &part))
+            return false;
+    }
+    *lags = (struct lags){.n = part.n};
+    if (part.n < 4 * LAG_SHORTEST || !(span > 0))
         return false;
-    lags->dt = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
+    lags->dt = (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1);
     for (int i = 0; i < SINC_PLACES; i++)
         sinc_weights((i + 1.0) / (SINC_PLACES + 1), lags->weight[i]);
-    lags->correlation = series_correlations(series, arena, &lags->y);
+    lags->correlation = series_correlations(&part, arena, &lags->y);
     return lags->correlation;
 }
 
@@ -220,8 +230,7 @@ static double between_samples(const struct lags *l, double shift)
     return fabs(remainder(shift / l->dt, 1));
 }
 
-/*
- * Compares multiples of n periods with others that lie no farther between samples, so that what
+/* Compares multiples of n periods with others that lie no farther between samples, so that what
  * sampling takes from narrow pulses favours the others. Returns true if they are still less alike.
  */
 static bool fairly_better(const struct lags *l, double period, int n)
@@ -445,10 +454,8 @@ static double explained_share(const struct cycles *c)
     return square > 0 ? 1 - left / square : 0;
 }
 
-/*
- * Returns the share from which on that number of cycles is alike: drift, steps and random walks
- * stay below it (tests/unit/analysis/detect.c).
- */
+/* Returns the share from which on that number of cycles is alike: drift, steps and random walks
+ * stay below it (tests/unit/analysis/detect.c). */
 static double share_needed(size_t cycles)
 {
     static const struct {

@@ -31,6 +31,15 @@ bool fit_beat(const struct crossing *time, size_t count, double guess, double *s
 bool wave_period(const struct series *series, bool exact, struct arena *arena,
                  struct period *period);
 
+/* ---- smooth_period.c ---- */
+
+/*
+ * Reads the period of a smooth series without noise, at even times, whose crossings of one level
+ * are all equally far apart: free oscillations that decay or grow, and steady waves. Returns false
+ * if it is anything else, which costs a pass or two over its rows, or if out of memory.
+ */
+bool smooth_period(const struct series *series, struct arena *arena, struct period *period);
+
 /* ---- cycle.c ---- */
 
 enum {
@@ -46,8 +55,11 @@ struct lags {
     double weight[SINC_PLACES][2 * SINC_REACH];
 };
 
-/* Tabulates the correlation at all shifts. Returns false if out of memory. */
-bool lags_init(const struct series *series, struct arena *arena, struct lags *lags);
+/*
+ * Tabulates the correlation at all shifts: of all rows, or where a period [s] is known (not NAN) of
+ * as many as show what it is after a few of them. Returns false if out of memory.
+ */
+bool lags_init(const struct series *series, double period, struct arena *arena, struct lags *lags);
 
 /* Returns the shortest shift at which the series is as much like itself as at any, up to half its
  * length [s]; NAN if it is like itself at none. */

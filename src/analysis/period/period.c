@@ -9,7 +9,8 @@
 #include <string.h>
 
 enum {
-    LONG_RECORD = 32768,
+    LONG_RECORD = 8192,
+    LINES_ROWS_MAX = 32768, /* in which two lines are looked for to name both */
     NOISE_SAMPLES = 4096,
     CYCLES_SURE = 6,
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
@@ -122,7 +123,7 @@ static void warn_beats(const struct samples *samples, const struct track *track,
                        struct arena *arena, struct period *period)
 {
     const double deepest = deepest_wane(track, arena);
-    if (deepest < WANES && (samples->n > LONG_RECORD || !warn_lines(samples, period))) {
+    if (deepest < WANES && (samples->n > LINES_ROWS_MAX || !warn_lines(samples, period))) {
         snprintf(period->warning, sizeof period->warning,
                  "the amplitude falls to %.0f %% and rises again: two frequencies (beats), sway or "
                  "a drive",
@@ -191,6 +192,7 @@ static bool long_period(const struct series *series, struct arena *arena, struct
         return false;
     }
     *pace = x.pace;
+    samples_flag_spikes(&x, scratch);
     const struct samples part = samples_part(&x, x.n / 2, x.n / 2 + NOISE_SAMPLES);
     if (!track_long(&x, arena, &track) || !track_is_oscillation(&track) ||
         !track_period(&track, arena, period)) {
@@ -223,20 +225,24 @@ struct measured measured_at_pace(struct measured time, double pace)
 }
 
 /* Reads the period of the part of a series that swings. */
-static bool swing_period(const struct series *series, struct arena *arena, struct period *period)
+static bool part_period(const struct series *series, const struct swing *swing, struct arena *arena,
+                        struct period *period)
 {
-    struct swing swing;
     struct motion m;
-    if (!find_swing(series, &swing))
-        return false;
-    const struct series part = series_window(*series, swing.window[0], swing.window[1]);
+    const struct series part = series_window(*series, swing->window[0], swing->window[1]);
     if (!motion_init(&m, &part, arena, NULL) || !m.overview.oscillates ||
         !(sine_period(&part, &m, arena, period) || whole_period(&m, period)))
         return false;
     snprintf(period->warning, sizeof period->warning,
              "only a part of it is an oscillation: T is that from t = %.6g to %.6g s",
-             swing.window[0], swing.window[1]);
+             swing->window[0], swing->window[1]);
     return true;
+}
+
+static bool swing_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct swing swing;
+    return find_swing(series, &swing) && part_period(series, &swing, arena, period);
 }
 
 static bool is_same(const struct period *period, double value)
@@ -276,17 +282,24 @@ static bool other_period(const struct series *series, struct motion *m, const st
                          struct arena *arena, struct period *period, struct error *error)
 {
     struct mode_pair pair;
-    const bool exact = overview_is_exact(&m->overview);
+    struct swing swing;
+    bool swings = false;
+    if (overview_is_constant(&m->overview))
+        return motion_refuse_known(m, NULL, NULL, error);
+    const bool exact = overview_is_exact(&m->overview), lines = two_lines(&m->samples, &pair);
     const double guess = lags->correlation ? lags_period(lags) : NAN,
                  multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
-    const bool beats = two_lines(&m->samples, &pair) && pair.left < BEATS_LEAVE &&
+    const bool beats = lines && pair.left < BEATS_LEAVE &&
                        fabs(log(pair.period[0] / pair.period[1])) < BEATS_RATIO_LOG;
-    if (wave_period(series, exact, arena, period) ||
-        (!beats && (swing_period(series, arena, period) ||
-                    (isfinite(guess) && cycle_period(series, multiple * guess, arena, period)))))
+    if (wave_period(series, exact, arena, period))
+        return true;
+    if (!beats)
+        swings = find_swing(series, &swing);
+    if ((swings && part_period(series, &swing, arena, period)) ||
+        (!beats && isfinite(guess) && cycle_period(series, multiple * guess, arena, period)))
         return true;
     if (!m->overview.oscillates)
-        return motion_refuse(m, series, error);
+        return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
     if (!exact && whole_period(m, period)) {
         warn_poor(m, period);
         return true;
@@ -374,6 +387,9 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     struct motion m;
     struct lags lags;
     bool exact = false, follows = false, shaped = false;
+    *pace = series->pace;
+    if (smooth_period(series, arena, period))
+        return true;
     /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
     if (series_is_uneven(series) && wave_period(series, true, arena, period))
         return true;
@@ -387,7 +403,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         follows = m.tracked;
         shaped = !exact && (follows || is_poor(&m));
     }
-    const bool has_lags = lags_init(series, arena, &lags);
+    const bool has_lags = lags_init(series, found ? period->period.value : NAN, arena, &lags);
     if (!found) {
         if (!other_period(series, &m, &lags, arena, period, error))
             return false;

@@ -4,16 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    COLUMNS = 5,
-    WINDOW_SAMPLES = 10,
-    CANDIDATES = 15,
-    PERIODS_MAX = 32,
-    FEW = 2,
-    MANY = 8,
-    PART = 4096
-};
+enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MAX = 32, FEW = 2, MANY = 8 };
 
+#define PART_ROWS 14.0 /* of the square root of the rows of a long recording */
 #define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
 #define CLEAR_AT 5.0   /* explained over residual variance, per degree of freedom */
 #define PIVOT_MIN 1e-8 /* squared sine of the angle between a column and those before it */
@@ -302,6 +295,21 @@ static bool is_fundamental(const struct track *of, const struct track *harmonic)
            (fabs(ratio - 2) < 0.05 || fabs(ratio - 3) < 0.05);
 }
 
+/* Returns true if no other frequency can explain more of the series. */
+static bool explains_all(const struct track *track)
+{
+    static const double coherence_min = 0.95, fraction_min = 0.9;
+    return track->coherence > coherence_min && track->fraction > fraction_min;
+}
+
+/* Returns true if a frequency can be that of which the track is the second or third harmonic. */
+static bool may_be_fundamental(double omega, const struct track *harmonic)
+{
+    static const double ratio_min = 1.4, ratio_max = 4;
+    const double ratio = harmonic->omega / omega;
+    return ratio > ratio_min && ratio < ratio_max;
+}
+
 bool track_find(const struct samples *x, struct arena *arena, struct track *track)
 {
     double omega[CANDIDATES];
@@ -310,6 +318,8 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
     struct track best = {.omega = NAN};
     for (int pass = 0; pass < 2 && memory; pass++) {
         for (int i = 0; i < count && memory; i++) {
+            if (pass == 0 ? explains_all(&best) : !may_be_fundamental(omega[i], &best))
+                continue;
             for (int periods = 2; periods <= PERIODS_MAX && memory; periods *= 2) {
                 struct track trial;
                 memory = track_follow(x, omega[i], periods, arena, &trial);
@@ -357,13 +367,36 @@ static double power(const struct track *track, const struct samples *x)
     return track->omega > 0 ? track->explained / (double)x->n : 0;
 }
 
+static double variance(const struct samples *x)
+{
+    double sum = 0, square = 0;
+    for (size_t i = 0; i < x->n; i++) {
+        const double off = x->y[i] - x->y[0];
+        sum += off;
+        square += off * off;
+    }
+    return (square - sum * sum / (double)x->n) / (double)x->n;
+}
+
 bool track_long(const struct samples *x, struct arena *arena, struct track *track)
 {
-    struct samples coarse, part = samples_part(x, (x->n - PART) / 2, (x->n + PART) / 2);
+    /* A part of so many rows has some periods of whatever their means over the whole lose. */
+    const size_t rows = (size_t)(PART_ROWS * sqrt((double)x->n));
+    struct samples coarse, part = samples_part(x, (x->n - rows) / 2, (x->n + rows) / 2);
     struct track fast, slow;
     *track = (struct track){.omega = NAN};
-    if (!average(x, x->n / PART, arena, &coarse) || !track_find(&part, arena, &fast) ||
-        !track_find(&coarse, arena, &slow)) {
+    /* Means of neighbours keep what is slow; most of what is fast is in a part, too. */
+    if (!average(x, x->n / rows, arena, &coarse)) {
+        return false;
+    }
+    const double half = 0.5 * variance(x);
+    const bool is_slow = variance(&coarse) > half;
+    fast = slow = (struct track){.omega = NAN};
+    if (!track_find(is_slow ? &coarse : &part, arena, is_slow ? &slow : &fast)) {
+        return false;
+    }
+    const bool enough = power(&fast, &part) > half || power(&slow, &coarse) > half;
+    if (!enough && !track_find(is_slow ? &part : &coarse, arena, is_slow ? &fast : &slow)) {
         return false;
     }
     const struct track *best = power(&fast, &part) > power(&slow, &coarse) ? &fast : &slow;
