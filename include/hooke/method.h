@@ -46,6 +46,7 @@ struct cost {
     int64_t solves;    /* linear solves or closed-form solves */
     int64_t rejected;  /* rejected steps, their evaluations counted above */
     int64_t turns;     /* steps that were ended at a turning point, see method_turns() */
+    int64_t poles;     /* fixed steps across a time at which a slope is infinite */
 };
 
 /*

@@ -232,8 +232,21 @@ void reply_growth(struct run *run, struct reply *reply)
     run->warned_growth = true;
 }
 
+/* Warns of fixed steps across an integrable pole: the stages beside it make the step. */
+static void reply_poles(struct run *run, struct reply *reply)
+{
+    if (run->warned_unsound || run->cost.poles == 0 || stop_is_failure(run->stop))
+        return;
+    reply_warning(reply,
+                  "%lld step%s across a time at which a slope is infinite: what fixed steps give "
+                  "from there on may be far off; use an adaptive method (radau5, tol = 1e-6)",
+                  (long long)run->cost.poles, run->cost.poles == 1 ? " goes" : "s go");
+    run->warned_unsound = true;
+}
+
 void reply_unsound(struct run *run, struct reply *reply)
 {
+    reply_poles(run, reply);
     const struct unsound_step *unsound = &run->unsound;
     if (run->warned_unsound || !(unsound->times > 0) || stop_is_failure(run->stop))
         return;

@@ -7,6 +7,8 @@
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
+#include <float.h>
+
 #define PIECES 64 /* of a step at most */
 /* of what is left of the step: how far ahead a guard's direction is looked for */
 #define PROBE 1e-4
@@ -48,6 +50,34 @@ static void know(struct step *step, struct switches_state *state)
     step->warm = step->warm && !state->begins;
 }
 
+/* Returns true if a rate of the system grows without bound towards the end of a step over h to t, at
+ * which a switch in time lies: by at least as much over each decade that is nearer (a logarithm, or
+ * a negative power of the distance). A step that ends there takes its slope from rounding. */
+static bool ends_at_pole(struct step *step, double t, double h)
+{
+    enum { DISTANCES = 3 };
+    /* A bounded rate changes far less near the switch than farther away. */
+    static const double farthest = 1e-2, nearest = 1e-12, nearest_ulps = 256, same_growth = 0.7,
+                        change_min = 1e-3;
+    const double near = fmax(nearest * fabs(h), nearest_ulps * DBL_EPSILON * fabs(t)),
+                 far = farthest * fabs(h);
+    double rate[DISTANCES][LIMIT_VARIABLES];
+    if (step->system->autonomous || !(near < far / 1e4))
+        return false;
+    for (int k = 0; k < DISTANCES; k++) {
+        const double distance = k == 0 ? far : k == 1 ? sqrt(far * near) : near;
+        system_derivative(step->system, t - copysign(distance, h), step->y, rate[k]);
+    }
+    step->cost.evals += DISTANCES;
+    for (int i = 0; i < step->system->n; i++) {
+        const double first = rate[1][i] - rate[0][i], second = rate[2][i] - rate[1][i];
+        if (first * second > 0 && fabs(second) > same_growth * fabs(first) &&
+            fabs(first) > change_min * fabs(rate[0][i]))
+            return true;
+    }
+    return false;
+}
+
 /* One piece over at most `rest`; step->h is how far it went. */
 static enum step_status piece(const struct method *method, struct step *step,
                               struct switches_state *state, double rest, bool last, int *ended)
@@ -71,11 +101,24 @@ static enum step_status piece(const struct method *method, struct step *step,
     enum step_status status = method_step(method, step);
     if (status == STEP_OK && !last)
         status = switch_step(method, step, from, before, low, ended);
-    if (status == STEP_OK) {
+    const bool is_pole =
+        status == STEP_OK && *ended >= 0 && ends_at_pole(step, from + step->h, step->h);
+    if (status == STEP_OK && !is_pole) {
         step->t = from + step->h;
         switch_next(step, state, *ended);
     }
     step->system = whole;
+    if (is_pole) {
+        memcpy(step->y, before, size);
+        if (step->low)
+            memcpy(step->low, low, size);
+        step->t = from;
+        step->h = rest;
+        step->warm = false;
+        step->cost.poles++;
+        *ended = -1;
+        status = method_step(method, step);
+    }
     sliding_free(&sliding);
     if (*ended >= 0)
         step->warm = false;
