@@ -145,6 +145,53 @@ double series_noise(const struct series *series, struct arena *arena)
 }
 
 /*
+ * Returns true if the flagged stretches come at even intervals and are all about as high: pulses,
+ * not values that a sensor has missed. Stretches of one value alone are a sensor's, however often
+ * they come.
+ */
+static bool spikes_recur(const struct samples *x, double middle, double *scratch)
+{
+    enum { SPIKES = 512, RECUR_MIN = 5 };
+    static const double alike = 0.15, alike_share = 0.7;
+    const size_t max = x->n / 2 < SPIKES ? x->n / 2 : SPIKES;
+    double *height = scratch, *interval = scratch + max, value = NAN;
+    size_t count = 0, last = 0, even = 0, equal = 0;
+    bool differs = false;
+    double tallest = 0;
+    for (size_t i = 0; i < x->n; i++)
+        tallest = x->use[i] ? tallest : fmax(tallest, fabs(x->y[i] - middle));
+    for (size_t i = 0; i < x->n && count < max; i++) {
+        double highest = 0;
+        size_t top = i;
+        for (; i < x->n && !x->use[i]; i++) {
+            const double here = fabs(x->y[i] - middle);
+            differs = differs || (isfinite(value) && x->y[i] != value);
+            value = x->y[i];
+            if (here > highest) {
+                highest = here;
+                top = i;
+            }
+        }
+        if (!(highest > 0.5 * tallest)) /* noise */
+            continue;
+        interval[count] = (double)(top - last);
+        height[count++] = highest;
+        last = top;
+    }
+    if (!differs || count < RECUR_MIN)
+        return false;
+    /* quantile() changes the order */
+    const double between = quantile(interval + 1, count - 1, 0.5),
+                 high = quantile(height, count, 0.5);
+    for (size_t k = 0; k < count; k++) {
+        even += k > 0 && fabs(interval[k] / between - 1) < alike;
+        equal += fabs(height[k] / high - 1) < 2 * alike;
+    }
+    return (double)even >= alike_share * (double)(count - 1) &&
+           (double)equal >= alike_share * (double)count;
+}
+
+/*
  * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85
  * %) in one sample and comes back as fast within six samples, or the record ends there. Slow enough
  * for every oscillation with at least six samples a period; a coarse net that only protects the
@@ -193,7 +240,7 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
             }
         }
     }
-    if ((double)flagged > SPIKES_MAX * (double)n) {
+    if ((double)flagged > SPIKES_MAX * (double)n || spikes_recur(samples, middle, scratch)) {
         memset(samples->use, 1, n);
     }
 }

@@ -79,4 +79,11 @@ double lags_multiple(const struct lags *lags, double period);
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period);
 
+/* ---- subharmonic.c ---- */
+
+/* Multiplies a period by 2 or 3, several times if need be, where successive cycles differ in turn,
+ * and warns of the difference. */
+void period_find_subharmonic(const struct series *series, struct arena *arena,
+                             struct period *period);
+
 #endif

@@ -431,6 +431,7 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     double pace = 0;
     if (!find_period(series, arena, period, &pace, error))
         return false;
+    period_find_subharmonic(series, arena, period);
     period->period = measured_at_pace(period->period, pace);
     return true;
 }

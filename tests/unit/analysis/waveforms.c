@@ -180,6 +180,63 @@ static void pulses_of_few_samples(void **state)
     assert_tally("pulses", &tally);
 }
 
+/* Waves whose successive cycles differ a little: pulses of two heights in turn, a weak line at half
+ * or a third of the strongest frequency. The period is that after which they repeat. */
+static void cycles_that_differ_in_turn(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 182;
+    for (int i = 0; i < cases(60); i++) {
+        const int n = i % 3 == 2 ? 3 : 2;
+        const double cycles = random_between(n == 3 ? 18 : 15, 60),
+                     samples = of_random_size(20, 150), phase = random_uniform(),
+                     width = random_between(0.04, 0.12), small = random_between(0.9, 0.95),
+                     line = random_between(0.02, 0.05), angle = random_between(0, 2 * PI);
+        struct drawn d = draw((size_t)(cycles * samples), 40);
+        d.period = n * samples / 40;
+        for (size_t k = 0; k < d.n; k++) {
+            const double x = n * d.t[k] / d.period + phase, near = remainder(x, 1);
+            const double height = fmod(floor(x + 0.5), 2) == 0 ? 1 : small;
+            d.y[k] = i % 3 == 0 ? height * exp(-0.5 * pow(near / width, 2))
+                                : sin(2 * PI * x) + line * sin(2 * PI * x / n + angle);
+        }
+        add_noise(&d, i % 4 ? of_random_size(1e-4, 5e-3) : 0);
+        char name[60];
+        snprintf(name, sizeof name, "cycles that differ, of %d", n);
+        count_period(&d, 1e-3, name, &tally);
+    }
+    assert_tally("differing cycles", &tally);
+}
+
+/* The lines of narrow pulses have the amplitudes of their Fourier series: no pulse is left out. */
+static void spectra_of_narrow_pulses(void **state)
+{
+    (void)state;
+    random_state = 183;
+    for (int i = 0; i < cases(30); i++) {
+        const double samples = of_random_size(60, 300), width = random_between(1.5, 6) / samples,
+                     phase = random_uniform();
+        struct drawn d = draw((size_t)(random_between(9, 30) * samples), 100);
+        d.period = samples / 100;
+        for (size_t k = 0; k < d.n; k++)
+            d.y[k] = exp(-0.5 * pow(remainder(d.t[k] / d.period + phase, 1) / width, 2));
+        add_noise(&d, i % 3 ? of_random_size(1e-3, 0.02) : 0);
+        const struct series series = {.t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
+        struct spectrum_peak peak[1] = {{.amplitude = {NAN, NAN}}};
+        struct arena arena = {0};
+        const int count = series_peaks(&series, &arena, peak, 1);
+        const double harmonic = nearbyint(peak[0].frequency.value * d.period),
+                     right = 2 * sqrt(2 * PI) * width * exp(-2 * pow(PI * width * harmonic, 2));
+        if (count != 1 || !(fabs(peak[0].amplitude.value / right - 1) < 0.15))
+            fail_msg("pulses of width %.3g, %.4g samples a period: line %g has %.4g, right %.4g",
+                     width, samples, harmonic, peak[0].amplitude.value, right);
+        arena_reset(&arena);
+        free(d.t);
+        free(d.y);
+    }
+}
+
 /* The uncertainty of a wave with edges or unequal flanks holds. */
 static void uncertainties_of_waves(void **state)
 {
@@ -384,7 +441,9 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(pendulums_up_to_the_top),
                                        cmocka_unit_test(waves_of_any_shape),
                                        cmocka_unit_test(pulses_of_few_samples),
-                                       cmocka_unit_test(uncertainties_of_waves),
+                                       cmocka_unit_test(cycles_that_differ_in_turn),
+        cmocka_unit_test(spectra_of_narrow_pulses),
+        cmocka_unit_test(uncertainties_of_waves),
                                        cmocka_unit_test(step_responses),
                                        cmocka_unit_test(knocks_and_hands),
                                        cmocka_unit_test(refusals_name_the_window),
