@@ -163,7 +163,8 @@ static void put_stress(const struct session *session, const struct stress *stres
         put_case(stress, c, methods, width, kind, out);
     out->failed |= !kind;
     free(kind);
-    buffer_format(out, "%d methods, %d cases", methods, finished);
+    buffer_format(out, "%d method%s, %d case%s", methods, methods == 1 ? "" : "s", finished,
+                  finished == 1 ? "" : "s");
     if (!isnan(stress->seconds))
         buffer_format(out, ", %.1f s", stress->seconds);
     buffer_char(out, '\n');
@@ -465,7 +466,7 @@ COMMAND(
         "larger, 0 and with the other "
         "sign, initial\n"
         "values of 1e-310, 1e-150 and 1e150.",
-    .examples = "stress euler rk4 radau5\nstress case=orego\nscene pendulum; stress scene rk4 "
+    .examples = "stress euler rk4 radau5; stress case=orego\nscene pendulum; stress scene rk4 "
                 "verlet dop853",
     .see = "stability compare precision", .flags = COMMAND_TABLES,
     ARGUMENTS(WORD("scene", TYPE_NONE),
