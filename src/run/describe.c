@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `plan` for people: what will be computed and what is left out, like the EXPLAIN of a database. */
+#include <hooke/run/price.h>
+
 #include "run/private.h"
 
 #include <math.h>
@@ -9,32 +11,9 @@ static void key(struct buffer *text, const char *name)
     buffer_format(text, "%-10s", name);
 }
 
-static void names(struct buffer *text, const char *name, bool *first)
-{
-    buffer_format(text, "%s%s", *first ? "" : ", ", name);
-    *first = false;
-}
-
 static const char *step_word(double count)
 {
     return count == 1 ? "step" : "steps";
-}
-
-static bool is_bound(const struct system *system, const struct row *row)
-{
-    for (int i = 0; i < system->terms; i++) {
-        if (&system->term[i].row->row == row)
-            return true;
-    }
-    return false;
-}
-
-static bool recorded(const struct system *system, const char *name)
-{
-    bool found = text_is(TEXT("t"), name);
-    for (int i = 0; i < system->n; i++)
-        found |= text_is(text_of(system_variable(system, i).name), name);
-    return found;
 }
 
 /* What the typed equations turned out to be. */
@@ -91,50 +70,24 @@ static void describe_scene(const struct scene *scene, const struct system *syste
         buffer_format(text, "%s: %s\n", row->name, row->brief);
     }
     describe_recognised(system, text);
-    bool none = true;
-    for (size_t i = 0; i < system->model->terms->count; i++) {
-        const struct row *row = catalog_row(system->model->terms, i);
-        if (is_bound(system, row))
-            continue;
-        if (none)
-            key(text, "left out");
-        names(text, row->name, &none);
-    }
-    if (!none)
-        buffer_format(text, " (coefficient zero: not evaluated)\n");
 }
 
-#define TRIAL_STEPS 2000 /* over the number of variables: some milliseconds */
-
-/* Iterations, starters and steps that end at turning points are known by trying: the first steps of
- * the run. */
 static void describe_evaluations(const struct scene *scene, const struct system *system,
                                  const struct method *method, const struct run_settings *settings,
                                  const struct plan *plan, struct buffer *text)
 {
-    const bool varies =
-        method_turns(method, system) || method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
-    double each = plan->propagates ? 0 : method->evals;
-    int64_t tried = 0;
-    if (varies && !plan->propagates && plan->steps >= 1) {
-        const int64_t max = TRIAL_STEPS / system->n,
-                      steps = plan->steps < (double)max ? (int64_t)plan->steps : max;
-        const struct run_target target = {.t = copysign(HUGE_VAL, settings->dt), .steps = steps};
-        struct run_settings bare = *settings;
-        struct error ignored;
-        bare.record = (struct recording_rule){RECORD_EVERY, INT64_MAX, 0};
-        struct run *trial =
-            run_create(scene, method, &bare, (double)steps * settings->dt, &ignored);
-        if (trial)
-            run_advance(trial, &target, 0, NULL);
-        tried = trial ? trial->steps : 0;
-        each = tried > 0 ? (double)trial->cost.evals / (double)tried : each;
-        run_destroy(trial);
-    }
-    buffer_format(text, "about %.6g", round(plan->steps * each));
-    if (tried > 0 && (double)tried < plan->steps)
-        buffer_format(text, " (going by the first %lld steps)", (long long)tried);
-    else if (varies && tried == 0 && !plan->propagates)
+    const struct run_scenario scenario = {.scene = scene,
+                                          .system = system,
+                                          .method = method,
+                                          .settings = settings,
+                                          .plan = plan,
+                                          .span = HUGE_VAL};
+    struct run_work work;
+    run_work_count(&scenario, &work);
+    buffer_format(text, "about %.6g", round(work.force_evals));
+    if (work.tried > 0 && (double)work.tried < plan->steps)
+        buffer_format(text, " (going by the first %lld steps)", (long long)work.tried);
+    else if (work.failed)
         buffer_format(text, " at least");
 }
 
@@ -166,15 +119,15 @@ static enum drag describe_drag(const struct system *system, const struct method 
 {
     enum drag drag = asked;
     struct error ignored;
-    key(text, "drag");
-    if (!system->velocity)
+    if (!system->velocity) {
+        key(text, "drag");
         buffer_format(text, system->dry ? "none but dry friction\n"
                                         : "none: no force depends on velocity\n");
-    else if (!method_applies(method, system, &drag, &ignored) || drag == DRAG_DEFAULT)
-        buffer_format(text, "part of the force\n");
-    else
+    } else if (method_applies(method, system, &drag, &ignored) && drag != DRAG_DEFAULT) {
+        key(text, "drag");
         buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
                       asked == DRAG_DEFAULT ? " (the method's default)" : "");
+    } /* else it is a part of the force, as any other */
     return drag;
 }
 
@@ -197,12 +150,9 @@ static const char *about_turns(const struct system *system, const struct method 
     if (!system->kinks || method->order <= 2)
         return NULL;
     return method_turns(method, system)
-               ? "turning points: located by extra steps ('set turning off' goes across), because "
-                 "quadratic drag is only C^1 there"
-           : system->across ? "turning points: crossed (turning off), the order is lost there, "
-                              "because quadratic drag is only C^1 there"
-                            : "order is lost at turning points, because quadratic drag is only "
-                              "C^1 there";
+               ? "turning points: located by extra steps ('set turning off' goes across)"
+           : system->across ? "turning points: crossed (turning off), the order is lost there"
+                            : "order is lost at turning points: quadratic drag is only C^1 there";
 }
 
 static void describe_tolerance(const struct system *system, const struct run_settings *settings,
@@ -236,7 +186,7 @@ static void describe_grid(const struct method *method, const struct run_settings
             buffer_format(text, "; it breaks the constant step that makes %s symplectic",
                           method->row.name);
     } else if (plan->exact_end) {
-        buffer_format(text, ", which end exactly at the time asked for");
+        buffer_format(text, ", which end exactly on time");
     }
     buffer_char(text, '\n');
 }
@@ -332,31 +282,9 @@ void plan_describe(const struct scene *scene, const struct system *system,
                         : system->oscillator.whole || system->model->exact
                             ? "closed form known: no reference integration\n"
                             : "known by the matrix exponential: no reference integration\n");
-    if (system->order == 2) {
+    if (system->order == 2 && !system->energy) {
         key(text, "energy");
-        const bool marked = settings->record.rule == RECORD_TIMES,
-                   apart = (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
-                           (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES)),
-                   repeats = !plan->adaptive && !settings->compensated;
-        buffer_format(
-            text,
-            !system->energy
-                ? "unknown: the typed forces have no potential; kinetic is what there is\n"
-            : plan->ledger ? "balance E - E0 - W, W the work of each step%s\n"
-                           : "constant: no ledger, E - E0 of each step%s\n",
-            marked || (apart && !repeats) ? ", kept while stepping where rows are apart"
-            : apart                       ? ", only when asked for, by taking the steps again"
-                                          : ", only when asked for");
+        buffer_format(text,
+                      "unknown: the typed forces have no potential; kinetic is what there is\n");
     }
-    key(text, "on demand");
-    bool first = true;
-    for (size_t i = 0; i < observable_catalog.count; i++) {
-        const struct observable *o =
-            (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
-        if (recorded(system, o->row.name) || (o->needs & NEED_POWER && system->conservative))
-            continue;
-        if (observable_defined(o, system, plan->exact_known))
-            names(text, o->row.name, &first);
-    }
-    buffer_format(text, first ? "nothing\n" : "\n");
 }

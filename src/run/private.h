@@ -300,6 +300,8 @@ struct run_private {
     struct responses responses;
     enum solution_fate fate; /* by run_diagnose() */
     double sunk;             /* run_opinion_sunk() */
+    /* evaluations and Jacobians of the solutions that regrowth_look() followed */
+    double regrowth_work;
 };
 
 /* The state is no longer what the compensated sums know about. */

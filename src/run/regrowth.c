@@ -53,6 +53,7 @@ struct regrowth {
     size_t row;                    /* the first one where variables rest */
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
+    double work; /* evaluations and Jacobians of both solutions */
     bool follows_jumps; /* of the run, by starting from each row of it */
     const struct method *method;
     struct system system;
@@ -179,13 +180,17 @@ static void move(struct regrowth *r, const double *own, double factor)
     }
 }
 
+static double work_of(const struct cost *cost)
+{
+    return (double)(cost->evals + cost->jacobians);
+}
+
 /* Returns true also where a step fails, short of t: there is no solution. */
 static bool go_to(struct regrowth *r, struct follower *f, double t, double max,
                   const struct cancel *cancel)
 {
-    const struct cost *cost = &f->step.cost;
     while (f->step.t != t) {
-        if (cancelled(cancel) || (double)(cost->evals + cost->jacobians) > max / 2)
+        if (cancelled(cancel) || work_of(&f->step.cost) > max / 2)
             return false;
         if (method_adapt(r->method, &f->step, &f->controller, t) != STEP_OK)
             break;
@@ -352,6 +357,7 @@ static bool look_by(struct regrowth *r, const struct method *method, struct grow
             method_end(method, &r->displaced.step);
         }
         method_end(method, &r->base.step);
+        r->work += work_of(&r->base.step.cost) + work_of(&r->displaced.step.cost);
     }
     free(work);
     return done;
@@ -378,6 +384,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     /* The other one where dop853 has to take short steps for its stability. */
     const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
                           look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
+    run->private_state->regrowth_work = r.work;
     if (!isnan(growth.lost)) {
         run->private_state->sunk = growth.began;
         opinion->lost = growth.lost;

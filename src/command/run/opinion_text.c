@@ -32,9 +32,8 @@ void plan_opinion(const struct session *session, const struct system *system,
         buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
     else
         buffer_format(text,
-                      "from a second solution, %.0f evaluations or a tenth of the run's, in doubt "
-                      "%.0f or half of it "
-                      "('set opinion off': none)\n",
+                      "from a second solution, %.0f evaluations or a tenth of the run's;\n"
+                      "          in doubt %.0f or half of it ('set opinion off': none)\n",
                       OPINION_BUDGET / system->n, OPINION_BUDGET_DOUBT / system->n);
 }
 

@@ -2,7 +2,30 @@
 /* plan */
 #ifndef COMMAND_ROWS
 #include <hooke/plot.h>
+#include <hooke/run/price.h>
 #include "command/internal.h"
+
+static void plan_prices(const struct session *session, const struct system *system,
+                        const struct run_settings *settings, const struct plan *plan,
+                        struct buffer *text)
+{
+    const struct setup *setup = &session->setup;
+    const int opinion = setup->settings.opinion;
+    const struct run_scenario scenario = {.scene = &setup->scene,
+                                          .system = system,
+                                          .method = setup->method,
+                                          .settings = settings,
+                                          .plan = plan,
+                                          .span = setup->settings.duration,
+                                          .opinion = opinion == OPINIONS_OFF    ? 0
+                                                     : opinion == OPINIONS_FULL ? 2
+                                                                                : 1,
+                                          .events = setup->events != NULL,
+                                          .cancel = session->front.cancel};
+    struct run_work work;
+    run_work_count(&scenario, &work);
+    run_prices_describe(&scenario, &work, text);
+}
 
 HANDLER(plan)
 {
@@ -29,6 +52,7 @@ HANDLER(plan)
     if (view_focus(&session->view) == PLOT_PORTRAIT && plot_offered(session, PLOT_PORTRAIT))
         buffer_put(&text, TEXT("portrait  arrows in each frame, its lines again only when a value "
                                "or the box changes\n"));
+    plan_prices(session, &system, &settings, &plan, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -39,7 +63,9 @@ COMMAND(plan,
         .row = {"plan", "", "what will be computed for this scene and method, and what is left out",
                 "", NULL},
         .group = "SCENE",
-        .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted "
-                "growth a step.",
+        .text = "Shows the forces that act, steps, memory, the predicted growth a step, and two "
+                "lists: what 'run' computes and what it leaves out, with the price of each in "
+                "percent of the run. Prices are counted in operations, not timed. The first steps "
+                "are tried where their number, or that of their evaluations, is not known before.",
         .examples = "plan\nmethod verlet; plan", .see = "scene method run",
         .flags = COMMAND_ANYTIME)

@@ -300,14 +300,18 @@ void run_ledger(const struct run *run, struct ledger *ledger)
 #define BRIEF_STEPS 4096
 #define BRIEF_ADAPTIVE 256
 
-/* Whether the balance of all steps takes little of the time that the run took. */
+bool ledger_is_brief(const struct system *system, const struct plan *plan, int64_t steps,
+                     bool known)
+{
+    return steps <= (plan->adaptive && plan->ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS) ||
+           (known && !plan->ledger && !typed_potential_is_integrated(system));
+}
+
 static bool is_brief(const struct run *run)
 {
-    const struct run_private *p = run->private_state;
-    const int64_t brief = run->plan.adaptive && run->plan.ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS;
-    if (trace_marked(run->trace) || run->steps - p->balance.step <= brief)
-        return true;
-    return ledger_known(run) && !run->plan.ledger && !typed_potential_is_integrated(&run->system);
+    return trace_marked(run->trace) ||
+           ledger_is_brief(&run->system, &run->plan, run->steps - run->private_state->balance.step,
+                           ledger_known(run));
 }
 
 void run_ledger_brief(const struct run *run, struct ledger *ledger)

@@ -71,4 +71,9 @@ double balance_energy(const struct run *run, const struct system *system, const 
 /* A part of a step, from the balance to (t, y). */
 void balance_extend(const struct run *run, struct balance *balance, double t, const double *y);
 
+/* ledger.c: returns true if the summary of a run shows the balance of that many steps, because it
+ * takes little of the run's time. `known`: all of its rows are recorded. */
+bool ledger_is_brief(const struct system *system, const struct plan *plan, int64_t steps,
+                     bool known);
+
 #endif

@@ -2,7 +2,7 @@
 /* What happens in so short a time that no step of a run has seen it. */
 #include <hooke/scene/bursts.h>
 
-#include "run/private.h"
+#include "run/event/watch.h"
 
 #include <float.h>
 #include <math.h>
@@ -218,6 +218,11 @@ static void search_way(struct burst_search *search, const double t[2], const dou
     search->allowed -= allowed - left;
 }
 
+int64_t run_burst_looks(const struct system *system, size_t ways, int64_t evals)
+{
+    return LOOKS_MIN + LOOKS_A_WAY * (int64_t)ways * system->n + evals / EVALS_A_LOOK;
+}
+
 bool run_missed_burst(struct run *run, struct burst *missed)
 {
     struct run_private *p = run->private_state;
@@ -230,8 +235,7 @@ bool run_missed_burst(struct run *run, struct burst *missed)
     const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
     const size_t even = (steps * WAYS + all - 1) / all, ways = steps < even ? steps : even;
-    const int64_t allowed =
-        LOOKS_MIN + LOOKS_A_WAY * (int64_t)ways * run->system.n + run->cost.evals / EVALS_A_LOOK;
+    const int64_t allowed = run_burst_looks(&run->system, ways, run->cost.evals);
     struct burst_search search = {.run = run,
                                   .first = first,
                                   .allowed = allowed,

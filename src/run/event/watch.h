@@ -104,4 +104,8 @@ bool events_watch_is_zero(struct event_watch *watch, const struct watched *watch
 double events_watch_error(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
 
+/* missed.c: returns how many stretches a search for bursts along that many ways may look at, in a
+ * run of that many evaluations. */
+int64_t run_burst_looks(const struct system *system, size_t ways, int64_t evals);
+
 #endif

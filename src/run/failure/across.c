@@ -100,6 +100,32 @@ static bool ended_across(struct run *run, size_t i, double end)
     return !goes_on && run_end_singular(run, found);
 }
 
+static size_t min_size(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+/* The changes of a variable from row to row. */
+struct changes {
+    double max, sum;
+    size_t at; /* row before the largest */
+};
+
+/* Adds the changes from a row to those behind it, `width` numbers apart. */
+static void changes_add(struct changes *changes, double y, const double *next, size_t width,
+                        size_t first, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double change = fabs(next[i * width] - y);
+        changes->sum += change;
+        if (change > changes->max) {
+            changes->max = change;
+            changes->at = first + i;
+        }
+        y = next[i * width];
+    }
+}
+
 /* Returns the row before the change of a variable that stands out most among the changes in a block
  * of rows, which takes a small part of what dear steps do. */
 static size_t largest_change(const struct trace *trace, size_t block, size_t count)
@@ -107,31 +133,36 @@ static size_t largest_change(const struct trace *trace, size_t block, size_t cou
     size_t row = block;
     double most = 0;
     const size_t end = block + count < trace_count(trace) ? block + count : trace_count(trace) - 1;
-    double max[LIMIT_VARIABLES], sum[LIMIT_VARIABLES];
-    size_t at[LIMIT_VARIABLES];
+    struct changes changes[LIMIT_VARIABLES];
     const double *y = trace_state(trace, block);
-    for (int k = 0; k < trace->n; k++) {
-        max[k] = sum[k] = 0;
-        at[k] = block;
-    }
-    for (size_t i = block; i < end; i++) {
-        const double *next = trace_state(trace, i + 1);
-        for (int k = 0; k < trace->n; k++) {
-            const double change = fabs(next[k] - y[k]);
-            sum[k] += change;
-            if (change > max[k]) {
-                max[k] = change;
-                at[k] = i;
-            }
-        }
-        y = next;
+    for (int k = 0; k < trace->n; k++)
+        changes[k] = (struct changes){.at = block};
+    for (size_t i = block; i < end;) {
+        size_t rows = 1;
+        const double *next = i + 1 < trace->count
+                                 ? trace_rows(trace, i + 1, min_size(end + 1, trace->count), &rows)
+                                 : trace_state(trace, i + 1);
+        for (int k = 0; k < trace->n; k++)
+            changes_add(&changes[k], y[k], next + k, trace->width, i, rows);
+        y = next + (rows - 1) * trace->width;
+        i += rows;
     }
     for (int k = 0; k < trace->n; k++)
-        if (max[k] > most * sum[k]) {
-            most = max[k] / sum[k];
-            row = at[k];
+        if (changes[k].max > most * changes[k].sum) {
+            most = changes[k].max / changes[k].sum;
+            row = changes[k].at;
         }
     return row;
+}
+
+size_t run_rows_looked_max(double evals)
+{
+    return (size_t)fmax(evals / EVALS_A_ROW, ROWS_LOOKED_MIN);
+}
+
+bool run_looks_at_changes(const struct system *system, const struct method *method)
+{
+    return method->flags & METHOD_IMPLICIT || method->rosenbrock || system->model->typed;
 }
 
 /* Looks at the rows since the last call: at so few that it takes 2 % of the evaluations, those of
@@ -143,10 +174,8 @@ bool run_went_across(struct run *run)
     if (p->looked >= rows) /* it went back */
         p->looked = p->across = p->unchecked = p->checks = 0;
     size_t i = p->looked > first ? p->looked : first, passed = rows;
-    const size_t share = (size_t)run->cost.evals / EVALS_A_ROW,
-                 max = share > ROWS_LOOKED_MIN ? share : ROWS_LOOKED_MIN;
-    const bool dear =
-        run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock || run->system.model->typed;
+    const size_t max = run_rows_looked_max((double)run->cost.evals);
+    const bool dear = run_looks_at_changes(&run->system, run->method);
     const size_t by = 1 + (rows - i) / max;
     p->looked = rows - 1;
     for (size_t block = i; block + 1 < rows; block += by) {

@@ -16,6 +16,9 @@ enum solution_fate {
 /* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is
  * STOP_SINGULAR. Looks at twice the step of its last look, so that it costs a share of the run. */
 bool run_creeps(struct run *run);
+/* Returns true for linear equations whose drive, if there is one, is a cosine: their solutions
+ * exist at all times. */
+bool run_is_never_singular(const struct system *system);
 /* The first recorded row since the equations or the state were last changed from outside. */
 size_t run_own_start(const struct run *run);
 /*
@@ -29,6 +32,11 @@ bool run_end_singular(struct run *run, struct singularity found);
 /* across.c: whether steps since the last call look strange and the solution ends there: then stop
  * is STOP_SINGULAR. */
 bool run_went_across(struct run *run);
+/* Returns the number of rows that it compares with their slopes, in a run of that many evaluations.
+ */
+size_t run_rows_looked_max(double evals);
+/* Returns true if it chooses these rows by the largest changes, for which it passes through all. */
+bool run_looks_at_changes(const struct system *system, const struct method *method);
 
 /* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. Returns false if
  * it does not get there, would take too long, or is cancelled. */

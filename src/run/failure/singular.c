@@ -189,9 +189,7 @@ static struct system with_start_scale(const struct system *system, const double 
     return scaled;
 }
 
-/* Returns true for linear equations whose drive, if there is one, is a cosine: their solutions
- * exist at all times. */
-static bool is_never_singular(const struct system *system)
+bool run_is_never_singular(const struct system *system)
 {
     return system->linear && (system->autonomous || system->oscillator.whole);
 }
@@ -201,7 +199,7 @@ static struct singularity look_for(const struct system *system, double t, const 
                                    double end, int64_t max, const struct cancel *cancel,
                                    enum solution_fate *fate)
 {
-    struct approach *approach = is_never_singular(system) ? NULL : malloc(sizeof *approach);
+    struct approach *approach = run_is_never_singular(system) ? NULL : malloc(sizeof *approach);
     const struct system scaled = with_start_scale(system, y);
     double singular_t = t, power = NAN;
     *fate = SOLUTION_UNKNOWN;
@@ -390,7 +388,7 @@ void run_diagnose(struct run *run)
     run->private_state->fate = SOLUTION_UNKNOWN;
     if (!failed)
         run_check_first_steps(run);
-    if (run->stop == STOP_SINGULAR || is_never_singular(&run->system))
+    if (run->stop == STOP_SINGULAR || run_is_never_singular(&run->system))
         return;
     if (!run->plan.adaptive && run->steps > 0 && run_went_across(run))
         return;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plan: step counts, what is refused, what is left out. */
+#include <hooke/run/price.h>
+
 #include "run/private.h"
 #include "unit/run/fixture.h"
 #include "unit/cpu_time.h"
@@ -196,6 +198,15 @@ static const char *described(const struct scene *scene, const char *method,
     assert_true(plan_make(&system, method_named(method), &settings, span, &plan, &error));
     buffer_clear(text);
     plan_describe(scene, &system, method_named(method), &settings, &plan, text);
+    const struct run_scenario scenario = {.scene = scene,
+                                          .system = &system,
+                                          .method = method_named(method),
+                                          .settings = &settings,
+                                          .plan = &plan,
+                                          .span = span};
+    struct run_work work;
+    run_work_count(&scenario, &work);
+    run_prices_describe(&scenario, &work, text);
     return text->data;
 }
 
@@ -205,9 +216,9 @@ static void test_description(void **state)
     struct buffer text = {0};
     struct scene scene = spring();
     const char *d = described(&scene, "verlet", (struct run_settings){.dt = 0.01}, 10, &text);
-    assert_non_null(strstr(d, "left out  damping, drag, gravity, drive"));
-    assert_non_null(strstr(d, "1000 steps of fixed dt = 10 ms, which end exactly"));
-    assert_non_null(strstr(d, "constant: no ledger"));
+    assert_non_null(strstr(d, "left out  damping, drag, gravity, drive, cubic"));
+    assert_non_null(strstr(d, "1000 steps of fixed dt = 10 ms, which end exactly on time"));
+    assert_non_null(strstr(d, "dE/E0 of"));
     assert_null(strstr(d, "dissipated"));
     assert_non_null(strstr(d, "phase-error"));
     d = described(&scene, "verlet", (struct run_settings){.dt = 0.3}, 1, &text);

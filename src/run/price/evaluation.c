@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The price of an evaluation, by the operations in the text of its forces. Built-in terms have that
+ * text in their rows, typed ones in their lines.
+ */
+#include "run/price/evaluation.h"
+
+#include <hooke/scene/typed.h>
+
+#include <ctype.h>
+
+/* Instructions of an operator in a built-in term, whose constants are computed beforehand, and in a
+ * program that is interpreted; of a function as sin or exp. */
+static const double per_operator = 1.2, per_operator_typed = 6, per_function = 95;
+
+/* Functions that are single instructions, or a few. */
+static bool is_cheap(struct text name)
+{
+    static const char *const cheap[] = {"abs", "sign", "sqrt", "hypot", "min", "max", "if"};
+    for (size_t i = 0; i < COUNT_OF(cheap); i++)
+        if (text_is(name, cheap[i]))
+            return true;
+    return false;
+}
+
+static double text_price(struct text text, double an_operator)
+{
+    double price = 0;
+    for (size_t i = 0; i < text.len; i++) {
+        const char c = text.at[i];
+        if (c == '+' || c == '-' || c == '*' || c == '/' || c == '^')
+            price += an_operator;
+        size_t begin = i;
+        while (c == '(' && begin > 0 && isalnum((unsigned char)text.at[begin - 1]))
+            begin--;
+        if (begin < i)
+            price +=
+                is_cheap((struct text){text.at + begin, i - begin}) ? an_operator : per_function;
+    }
+    return price;
+}
+
+static double typed_price(const struct model *model)
+{
+    double price = 0;
+    for (int i = 0; i < typed_lines(model); i++) {
+        const struct typed_line *line = typed_line(model, i);
+        if (line->kind == TYPED_EQUATION || line->kind == TYPED_FORCE)
+            price += text_price(line->expr, per_operator_typed);
+        else if (line->kind == TYPED_POTENTIAL)
+            price += 2 * text_price(line->expr, per_operator_typed);
+    }
+    return price;
+}
+
+double evaluation_price(const struct system *system)
+{
+    double price = typed_price(system->model);
+    for (int i = 0; i < system->terms; i++)
+        for (int k = 0; k < LIMIT_MODEL_ROWS; k++) {
+            const char *equation = system->term[i].row->equation[k];
+            price += equation ? text_price(text_of(equation), per_operator) : 0;
+        }
+    return price;
+}
+
+double evaluation_price_called(const struct system *system)
+{
+    static const double call = 60, a_term = 40, a_program = 70;
+    return call + a_term * system->terms + evaluation_price(system) +
+           (typed_lines(system->model) > 0 ? a_program : 0);
+}
+
+double solver_evaluation_price(const struct system *system, const struct method *method,
+                               bool adaptive)
+{
+    const double n = system->n, forces = evaluation_price(system);
+    if (method->rosenbrock)
+        return 90 + 50 * n + forces;
+    if (method->flags & METHOD_IMPLICIT)
+        return 400 + 150 * n + forces;
+    return adaptive ? 140 + 15 * n + forces : 60 + 8 * n + forces;
+}
+
+double exact_state_price(const struct system *system)
+{
+    static const double linear = 3800, driven = 8800, own = 44e3;
+    if (system->model->exact)
+        return own;
+    return system->autonomous ? linear : driven;
+}
