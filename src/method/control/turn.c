@@ -128,7 +128,7 @@ enum step_status method_turning_step(const struct method *method, struct step *s
 
 /* ---- many steps: a kernel takes those between the turning points ---- */
 
-enum { N = 2, AT_ONCE_LEAST = 4, AT_ONCE_MOST = 512, WORK_MOST = 64 };
+enum { N = 2, AT_ONCE_LEAST = 8, AT_ONCE_MOST = 512, WORK_MOST = 64 };
 
 /* Returns how many of the steps to these rows, the first from the velocity v on, come before one
  * that crosses zero. */
