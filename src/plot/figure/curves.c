@@ -10,7 +10,7 @@
 
 #define ROWS_ALL 4096 /* so many rows are taken as they are */
 /* Shares of the time of a figure that is drawn once: more than a screen or a page has columns. */
-#define SHARES_DRAWN 4096
+#define SHARES_DRAWN 8192
 #define ROWS_DRAWN_MAX (8 * SHARES_DRAWN) /* so many rows are drawn as they are */
 #define VISITS_A_PERIOD 256               /* a screen looks at no more of them */
 #define VISITS_MAX (1 << 17)
@@ -162,7 +162,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 {
     size_t first, end;
     find_rows(run, request, &first, &end);
-    if (request->count > 0 && !request->screen && end - first > ROWS_DRAWN_MAX)
+    if (request->count > 0 && !request->screen && request->columns < SHARES_DRAWN &&
+        end - first > ROWS_DRAWN_MAX)
         return choose_extremes(run, request, first, end, arena, rows, error);
     const double n = (double)(end - first),
                  buckets = 4.0 * (request->columns > 0 ? request->columns : 1);

@@ -320,29 +320,43 @@ static bool put_own_file(struct report *report, int index, struct error *error)
     return ok;
 }
 
+static bool write_run_rows(struct report *report, int index, struct arena *arena,
+                           struct error *error)
+{
+    struct export export = {.arena = arena};
+    struct item item = {.index = index};
+    const struct argument_value run = {.count = 1, .item = &item}, none = {.count = 0};
+    char name[64];
+    snprintf(name, sizeof name, "run-%d.csv", report->session->run[index]->run->number);
+    return export_runs(report->session, &run, &none, &none, &export, error) &&
+           put_table(report, name, &export.table, error);
+}
+
+static bool write_recording_rows(struct report *report, int index, struct arena *arena,
+                                 struct error *error)
+{
+    struct export export = {.arena = arena};
+    char name[64];
+    report->view->current_recording = index;
+    snprintf(name, sizeof name, "recording-%d.csv", index + 1);
+    return export_recording(report->view, &export, error) &&
+           put_table(report, name, &export.table, error) && put_own_file(report, index, error);
+}
+
 static bool write_data(struct report *report, struct error *error)
 {
     const struct session *session = report->session;
-    char name[64];
-    for (int i = 0; i < session->runs; i++) {
-        struct export export = {.arena = report->arena};
-        struct item item = {.index = i};
-        const struct argument_value run = {.count = 1, .item = &item}, none = {.count = 0};
-        snprintf(name, sizeof name, "run-%d.csv", session->run[i]->run->number);
-        if (report->run_shown[i] && (!export_runs(session, &run, &none, &none, &export, error) ||
-                                     !put_table(report, name, &export.table, error)))
-            return false;
+    struct arena arena = {0};
+    bool ok = true;
+    for (int i = 0; i < session->runs && ok; i++) {
+        ok = !report->run_shown[i] || write_run_rows(report, i, &arena, error);
+        arena_reset(&arena);
     }
-    for (int i = 0; i < session->recordings; i++) {
-        struct export export = {.arena = report->arena};
-        report->view->current_recording = i;
-        snprintf(name, sizeof name, "recording-%d.csv", i + 1);
-        if (report->recording_shown[i] &&
-            (!export_recording(report->view, &export, error) ||
-             !put_table(report, name, &export.table, error) || !put_own_file(report, i, error)))
-            return false;
+    for (int i = 0; i < session->recordings && ok; i++) {
+        ok = !report->recording_shown[i] || write_recording_rows(report, i, &arena, error);
+        arena_reset(&arena);
     }
-    return true;
+    return ok;
 }
 
 bool write_tables(struct report *report, struct error *error)

@@ -356,10 +356,13 @@ static void put_caption(struct report *report, const struct figure_request *requ
 static bool put_words(struct report *report, struct figure_request request, struct buffer *words,
                       struct error *error)
 {
+    struct arena arena = {0};
     struct figure figure;
     request.width = ALL_COLUMNS;
-    return session_figure(report->session, &request, report->arena, &figure, error) &&
-           (describe_figure(&figure, words) || error_memory(error));
+    const bool ok = session_figure(report->session, &request, &arena, &figure, error) &&
+                    (describe_figure(&figure, words) || error_memory(error));
+    arena_reset(&arena);
+    return ok;
 }
 
 static bool put_file(struct report *report, const char *name, const char *end,
@@ -418,18 +421,22 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
                                      .width = PICTURE_COLUMNS,
                                      .charset = CHARSET_BRAILLE,
                                      .trail = HUGE_VAL};
+    struct arena arena = {0}; /* what a figure takes of a long run is given back after it */
     struct figure figure;
     if (runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model))
         return true;
     if (report->figures == REPORT_FIGURES)
         return error_set(error, ERROR_COMMAND, "a report has at most %d figures", REPORT_FIGURES);
     choose_window(session, &request);
-    if (!session_figure(session, &request, report->arena, &figure, error))
-        return false;
-    report->figure[report->figures++] = (struct report_figure){kind, section};
-    for (int i = 0; i < runs; i++)
-        report->run_shown[run[i]] = true;
-    if (recording >= 0)
-        report->recording_shown[recording] = true;
-    return write_figure(report, &request, &figure, error);
+    bool ok = session_figure(session, &request, &arena, &figure, error);
+    if (ok) {
+        report->figure[report->figures++] = (struct report_figure){kind, section};
+        for (int i = 0; i < runs; i++)
+            report->run_shown[run[i]] = true;
+        if (recording >= 0)
+            report->recording_shown[recording] = true;
+        ok = write_figure(report, &request, &figure, error);
+    }
+    arena_reset(&arena);
+    return ok;
 }
