@@ -336,6 +336,17 @@ static int learn_orbit(struct basin_walk *walk, struct walker *w)
     return add(walk, &a);
 }
 
+/* Returns true if the spread of a motion falls from each third of it to the next in every variable:
+ * it is still on its way. spread [3][n]: highest less lowest value. */
+static bool spread_shrinks(int n, double (*spread)[FIELD_VARIABLES])
+{
+    static const double shrinking = 0.98;
+    for (int i = 0; i < n; i++)
+        if (!(spread[1][i] < shrinking * spread[0][i] && spread[2][i] < shrinking * spread[1][i]))
+            return false;
+    return true;
+}
+
 /* A region that is not left, by the cells that a long motion visits. */
 static int learn_region(struct basin_walk *walk, struct walker *w)
 {
@@ -348,12 +359,21 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
         .cell = stepper ? calloc(size, 1) : NULL,
         .basin = {.kind = BASIN_IRREGULAR, .period = NAN, .growth = NAN, .stable = true}};
     int fate = BASIN_MISSING;
+    double spread[3][FIELD_VARIABLES] = {{0}}, low[FIELD_VARIABLES], high[FIELD_VARIABLES];
     for (int k = 0; a.cell && k < CLOUD && fate == BASIN_MISSING; k++) {
         stepper_advance(stepper, w, 1);
         w->looks = 0; /* for as long as it takes */
         fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
         visit(walk, a.cell, w->y);
+        for (int i = 0; i < walk->n; i++) {
+            const bool begins = k % (CLOUD / 3) == 0;
+            low[i] = begins ? w->y[i] : fmin(low[i], w->y[i]);
+            high[i] = begins ? w->y[i] : fmax(high[i], w->y[i]);
+            spread[k / (CLOUD / 3)][i] = high[i] - low[i];
+        }
     }
+    if (fate == BASIN_MISSING && spread_shrinks(walk->n, spread))
+        fate = BASIN_UNDECIDED;
     stepper_free(stepper);
     memcpy(a.basin.state, w->y, (size_t)walk->n * sizeof *w->y);
     if (fate == BASIN_MISSING && a.cell)
