@@ -181,8 +181,8 @@ void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);
 void reply_close(struct reply *reply); /* the innermost object or array */
 void reply_end(struct reply *reply);   /* the record */
-/* `count` rows of a table, a record each. Not headed: their names stand above an earlier part of the
- * table, in another output. */
+/* `count` rows of a table, a record each. Not headed: their names stand above an earlier part of
+ * the table, in another output. */
 void reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed);
 

@@ -260,7 +260,8 @@ static void put_key(struct reply *reply, const char *key)
         reply->level[reply->depth - 1].empty = false;
         reply->level[reply->depth - 1].element++;
     }
-    if (reply->format == FORMAT_JSON && key && !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
+    if (reply->format == FORMAT_JSON && key &&
+        !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
         buffer_json_text(&reply->json, text_of(key));
         buffer_char(&reply->json, ':');
     }

@@ -292,11 +292,10 @@ static void reply_points(const struct swept *swept, const struct table *table, s
 {
     const struct sweep *sweep = swept->sweep;
     for (size_t first = 0, end; first < table->rows; first = end + 1) {
-        for (end = first; end < table->rows &&
-                          (swept->section || sweep->status[end] != SWEEP_MISSING);)
+        for (end = first;
+             end < table->rows && (swept->section || sweep->status[end] != SWEEP_MISSING);)
             end++;
-        reply_table_rows(reply, "sweep", table, first, end - first,
-                         first > 0 || sweep->first == 0);
+        reply_table_rows(reply, "sweep", table, first, end - first, first > 0 || sweep->first == 0);
     }
 }
 

@@ -213,6 +213,26 @@ static bool make_whole(const struct part_making *m, struct typed_part *part)
     return fine;
 }
 
+/* What can be integrated of the force that depends on positions only. False: error. */
+static bool make_integrals(const struct part_making *m, struct typed_term *force, int first)
+{
+    const int rows = typed_rows(m->typed);
+    int position[LIMIT_VARIABLES];
+    struct error error = {.code = ERROR_NONE};
+    for (int i = 0; i < rows; i++)
+        position[i] = 1 + i;
+    if (equations_integrate(m->equations, first, rows, position, false, &error) &&
+        !(force->parts = make(m, 3 * rows, LOOKS)))
+        return false;
+    if (rows > 1 && error.code == ERROR_NONE &&
+        equations_integrate(m->equations, first, rows, position, true, &error) &&
+        !(force->axes = make(m, rows, LOOKS)))
+        return false;
+    if (error.code != ERROR_NONE)
+        *m->error = error;
+    return error.code == ERROR_NONE;
+}
+
 static bool make_groups(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
@@ -235,6 +255,10 @@ static bool make_groups(const struct part_making *m, struct typed_part *part)
     for (int g = 0; g < GROUPS; g++)
         if (typed->group[g] && !make_term(m, &part->term[g], first[g], whole ? RARELY : STEPS))
             return false;
+    struct typed_term *force = &part->term[GROUP_FORCE];
+    if (force->add && !typed->potential && typed->model.order == 2 && !typed->base &&
+        !(force->row.flags & TERM_LINEAR) && !make_integrals(m, force, first[GROUP_FORCE]))
+        return false;
     typed_found_rows(part);
     return !whole || make_whole(m, part);
 }
@@ -274,8 +298,8 @@ static bool make_looks(const struct part_making *m, struct typed_part *part)
 
 static void term_free(struct typed_term *term)
 {
-    struct program *const program[] = {term->add, term->jacobian, term->potential, term->slope,
-                                       term->observe};
+    struct program *const program[] = {term->add,     term->jacobian, term->potential, term->slope,
+                                       term->observe, term->parts,    term->axes};
     for (size_t i = 0; i < COUNT_OF(program); i++)
         program_destroy(program[i]);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The potential of typed forces for which nobody typed one: minus the integral of the force along a
- * path, by adaptive Gauss-Kronrod quadrature. In one coordinate there always is one. In several the
- * Jacobian has to be symmetric, which masses of their own may make it (x2'' = (x1 - 2*x2)/3); and
- * the integral between pairs of points has to be the difference of their potentials, which a whirl
- * about a pole or a force with a jump has not.
+ * The potential of typed forces for which nobody typed one: minus the integral of the force, as a
+ * formula where one is found, else along a path (work.c). In one coordinate there always is one. In
+ * several the Jacobian has to be symmetric, which masses of their own may make it
+ * (x2'' = (x1 - 2*x2)/3); and the integral between pairs of points has to be the difference of
+ * their potentials, which a whirl about a pole or a force with a jump has not.
  */
 #include <hooke/base/elementary.h>
 
@@ -14,224 +14,7 @@
 
 #include "scene/typed/typed.h"
 
-/* ---- quadrature ---- */
-
-/* Seven and fifteen points (Piessens et al. 1983, QUADPACK, qk15). Odd places and the last are
- * Gauss's, too. */
-#define NODES 8
-static const double node[NODES] = {
-    0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-    0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-    0.586087235467691130294144691693312, 0.405845151377397166906606412076961,
-    0.207784955007898467600689403773245, 0};
-static const double kronrod[NODES] = {
-    0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
-    0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
-    0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
-    0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-static const double gauss[NODES / 2] = {
-    0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
-    0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
-
-/* The force along a path q(s), 0 <= s <= 1. */
-struct force_path {
-    const struct typed_term *term;
-    const double *c;
-    int rows;
-    const double *mass, *from, *to; /* [rows] */
-    /* q and dq/ds [rows] */
-    void (*at)(const struct force_path *path, double s, double *q, double *along);
-};
-
-static double force_along(const struct force_path *path, double s)
-{
-    const int rows = path->rows;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
-    memset(q + rows, 0, (size_t)rows * sizeof *q);
-    path->at(path, s, q, along);
-    typed_evaluate(path->term->add, path->c, 0, q, a);
-    for (int i = 0; i < rows; i++)
-        sum += path->mass[i] * along[i] * a[i];
-    return sum;
-}
-
-/* *size: of the integral of |f|, *error: about how wrong it is. */
-static double piece(const struct force_path *path, double from, double to, double *size,
-                    double *error)
-{
-    const double half = (to - from) / 2, middle = (from + to) / 2;
-    double fine = 0, coarse = 0, sum = 0;
-    for (int k = 0; k < NODES; k++) {
-        const double a = force_along(path, middle - half * node[k]),
-                     b = node[k] > 0 ? force_along(path, middle + half * node[k]) : 0;
-        fine += kronrod[k] * (a + b);
-        sum += kronrod[k] * (fabs(a) + fabs(b));
-        coarse += k % 2 ? gauss[k / 2] * (a + b) : 0;
-    }
-    *size = half * sum;
-    *error = half * fabs(fine - coarse);
-    return half * fine;
-}
-
-/* of the difference between both rules, which is that of the coarser one */
-#define ACCURACY 1e-11
-#define DEPTH 48 /* halvings of a stretch: a jump that nobody located is enclosed that closely */
-#define PIECES 400
-#define LOOKS 32     /* at switches, at even parts of what is left of a path */
-#define BEHIND 1e-12 /* of it: where a branch is told that begins at a switch */
-
-/* False: others than *first, which are those behind `from`. */
-static bool same_branches(const struct force_path *path, double s, const double *first)
-{
-    const struct typed_part *part = path->term->part;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], branch[LIMIT_TYPED_SWITCHES];
-    memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
-    path->at(path, s, q, along);
-    typed_branches_at(part, path->c, q, branch);
-    for (int i = 0; i < part->switches.count; i++)
-        if (branch[i] != first[i])
-            return false;
-    return true;
-}
-
-/* Where the first switch behind `from` is, to the last place; 1: there is none. */
-static double next_switch(const struct force_path *path, double from)
-{
-    const struct typed_part *part = path->term->part;
-    double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
-    double a = from + (1 - from) * BEHIND, b = a;
-    if (part->switches.count == 0)
-        return 1;
-    memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
-    path->at(path, a, q, along);
-    typed_branches_at(part, path->c, q, first);
-    for (int k = 1; k <= LOOKS && a == b; k++) {
-        const double s = k < LOOKS ? from + (1 - from) * k / LOOKS : 1;
-        b = s;
-        if (same_branches(path, s, first))
-            a = s;
-    }
-    for (double s = a + (b - a) / 2; s > a && s < b; s = a + (b - a) / 2)
-        *(same_branches(path, s, first) ? &a : &b) = s;
-    return b;
-}
-
-struct quadrature {
-    double value, size; /* of the integral so far, and of its magnitude */
-    double total;       /* of the magnitude of all of it, about */
-    int pieces;
-};
-
-/* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not
- * converge. */
-static bool add_smooth(const struct force_path *path, double from, double to,
-                       struct quadrature *sums)
-{
-    double ends[DEPTH + 1] = {to}, part, error;
-    for (int depth = 0; sums->pieces < PIECES; sums->pieces++) {
-        const double value = piece(path, from, ends[depth], &part, &error);
-        sums->total = fmax(sums->total, sums->size + part);
-        if (!isfinite(value))
-            return false;
-        if (error <= ACCURACY * sums->total) {
-            sums->value += value;
-            sums->size += part;
-            from = ends[depth];
-            if (depth-- == 0)
-                return true;
-        } else if (depth == DEPTH) {
-            return false;
-        } else {
-            ends[depth + 1] = (from + ends[depth]) / 2;
-            depth++;
-        }
-    }
-    return false;
-}
-
-/* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
-static double integral(const struct force_path *path, double *size)
-{
-    struct quadrature sums = {0};
-    double from = 0;
-    while (from < 1) {
-        const double to = next_switch(path, from);
-        if (!add_smooth(path, from, to, &sums))
-            return NAN;
-        from = to;
-    }
-    *size = sums.size;
-    return sums.value;
-}
-
-/* ---- paths ---- */
-
-static void straight(const struct force_path *path, double s, double *q, double *along)
-{
-    for (int i = 0; i < path->rows; i++) {
-        along[i] = path->to[i] - path->from[i];
-        q[i] = path->from[i] + s * along[i];
-    }
-}
-
-static void from_origin(const struct force_path *path, double s, double *q, double *along)
-{
-    for (int i = 0; i < path->rows; i++) {
-        q[i] = s * path->to[i];
-        along[i] = path->to[i];
-    }
-}
-
-static void from_infinity(const struct force_path *path, double s, double *q, double *along)
-{
-    for (int i = 0; i < path->rows; i++) {
-        q[i] = path->to[i] / s;
-        along[i] = -path->to[i] / (s * s);
-    }
-}
-
-static double length(const double *q, int rows)
-{
-    double r = 0;
-    for (int i = 0; i < rows; i++)
-        r = fixed_hypot(r, q[i]);
-    return r;
-}
-
-/*
- * About 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same sign:
- * the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit vector u
- * is across the first axis.
- */
-static void around_origin(const struct force_path *path, double s, double *q, double *along)
-{
-    const int rows = path->rows;
-    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1),
-                 rate = fixed_log(r), at = fixed_pow(r, s);
-    const double turn = rows > 1 ? fixed_atan2(across, path->to[0]) : 0,
-                 sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
-    q[0] = sign * at * fixed_cos(s * turn);
-    along[0] = rate * q[0] - sign * at * turn * fixed_sin(s * turn);
-    for (int i = 1; i < rows; i++) {
-        const double u = across > 0 ? path->to[i] / across : i == 1;
-        q[i] = at * fixed_sin(s * turn) * u;
-        along[i] = rate * q[i] + at * turn * fixed_cos(s * turn) * u;
-    }
-}
-
 /* ---- potentials ---- */
-
-static double along_path(const double *c, const double *y,
-                         void (*at)(const struct force_path *path, double s, double *q,
-                                    double *along),
-                         double *size)
-{
-    const struct typed_term *term = typed_term_of(c);
-    double mass[LIMIT_VARIABLES];
-    typed_masses(c, mass);
-    const struct force_path path = {term, c, typed_rows(term->typed), mass, NULL, y, at};
-    return -integral(&path, size);
-}
 
 /* a(q) = a(0) + A q */
 static double linear_potential(const double *c, const double *y)
@@ -249,27 +32,64 @@ static double linear_potential(const double *c, const double *y)
     return -sum / 2;
 }
 
+/* The parts of a formula, less those at a point: `point` times as many places further on, or 0. */
+static double parts_potential(const struct program *program, const double *c, const double *y,
+                              int point)
+{
+    const int rows = typed_rows(typed_term_of(c)->typed);
+    double part[3 * LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    if (!program)
+        return NAN;
+    typed_masses(c, mass);
+    typed_evaluate(program, c, 0, y, part);
+    for (int i = 0; i < rows; i++)
+        sum += mass[i] * (point > 0 ? part[i] - part[point * rows + i] : part[i]);
+    return sum;
+}
+
+static double formula_from_origin(const double *c, const double *y)
+{
+    return parts_potential(typed_term_of(c)->parts, c, y, 1);
+}
+
+static double formula_along_axes(const double *c, const double *y)
+{
+    return parts_potential(typed_term_of(c)->axes, c, y, 0);
+}
+
+static double formula_from_infinity(const double *c, const double *y)
+{
+    return parts_potential(typed_term_of(c)->parts, c, y, 0);
+}
+
+static double formula_from_unit(const double *c, const double *y)
+{
+    return parts_potential(typed_term_of(c)->parts, c, y, 2);
+}
+
 static double origin_potential(const double *c, const double *y)
 {
     double size;
-    return along_path(c, y, from_origin, &size);
+    return -typed_work(c, PATH_FROM_ORIGIN, NULL, y, &size);
 }
 
 static double infinity_potential(const double *c, const double *y)
 {
     double size;
-    return along_path(c, y, from_infinity, &size);
+    return -typed_work(c, PATH_FROM_INFINITY, NULL, y, &size);
 }
 
 static double around_potential(const double *c, const double *y)
 {
     double size;
-    return along_path(c, y, around_origin, &size);
+    return -typed_work(c, PATH_AROUND_ORIGIN, NULL, y, &size);
 }
 
 /* In the order in which they are tried; the first is for linear forces. */
 static double (*const potentials[TYPED_FOUND])(const double *c, const double *y) = {
-    linear_potential, origin_potential, infinity_potential, around_potential};
+    linear_potential,  formula_from_origin, formula_along_axes, formula_from_infinity,
+    formula_from_unit, origin_potential,    infinity_potential, around_potential};
+enum { FIRST_QUADRATURE = 5 };
 
 void typed_found_rows(struct typed_part *part)
 {
@@ -284,7 +104,7 @@ void typed_found_rows(struct typed_part *part)
 bool typed_potential_is_integrated(const struct system *system)
 {
     for (int t = 0; t < system->terms; t++)
-        for (int i = 1; i < TYPED_FOUND; i++)
+        for (int i = FIRST_QUADRATURE; i < TYPED_FOUND; i++)
             if (system->term[t].row->potential == potentials[i])
                 return true;
     return false;
@@ -409,17 +229,24 @@ static void set_masses(struct system *system, const double *ratio)
 }
 
 /* Is the integral from a to b what the potential says? */
-static bool fits_between(const struct typed_term *term, const double *c, const double *a,
-                         const double *b, double potential_a, double potential_b)
+static bool fits_between(const double *c, const double *a, const double *b, double potential_a,
+                         double potential_b)
 {
     const double tolerated = 1e-8;
-    double mass[LIMIT_VARIABLES];
-    typed_masses(c, mass);
-    const struct force_path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
     double size = 0;
-    const double fall = integral(&path, &size);
+    const double fall = typed_work(c, PATH_STRAIGHT, a, b, &size);
     return fabs(potential_a - potential_b - fall) <=
            tolerated * (fabs(potential_a) + fabs(potential_b) + size);
+}
+
+/* Is the formula 0 at infinity, about? */
+static bool fades(const double *c, const double *y, double value)
+{
+    const double far = 1e6, small = 1e-3;
+    double away[LIMIT_VARIABLES] = {0};
+    for (int i = 0; i < typed_rows(typed_term_of(c)->typed); i++)
+        away[i] = far * y[i];
+    return fabs(formula_from_infinity(c, away)) <= small * fabs(value);
 }
 
 static bool is_potential(double (*potential)(const double *c, const double *y),
@@ -429,12 +256,12 @@ static bool is_potential(double (*potential)(const double *c, const double *y),
     double value[POINTS];
     for (int k = 0; k < count; k++) {
         value[k] = potential(c, point[k]);
-        if (!isfinite(value[k]))
+        if (!isfinite(value[k]) ||
+            (potential == formula_from_infinity && !fades(c, point[k], value[k])))
             return false;
     }
     for (int k = 0; typed_rows(term->typed) > 1 && k < count; k++)
-        if (!fits_between(term, c, point[k], point[(k + 1) % count], value[k],
-                          value[(k + 1) % count]))
+        if (!fits_between(c, point[k], point[(k + 1) % count], value[k], value[(k + 1) % count]))
             return false;
     return true;
 }

@@ -107,7 +107,7 @@ bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
 
 /* ---- programs (typed_parts.c) ---- */
 
-#define TYPED_FOUND 4 /* ways to a potential (typed_potential.c) */
+#define TYPED_FOUND 8 /* ways to a potential (typed_potential.c) */
 
 /* Of a group, or of all of them, with those parameters known that are 0. */
 struct typed_term {
@@ -116,6 +116,9 @@ struct typed_term {
     struct term_row row; /* with the flags that hold here */
     struct program *add, *jacobian;
     struct program *potential, *slope, *observe; /* NULL: none. slope: of the potential */
+    /* Parts of a potential that nobody typed, as equations_integrate() makes them: of all
+     * antiderivatives, and along the axes; NULL: none were found. */
+    struct program *parts, *axes;
 };
 
 struct typed_part {
@@ -200,6 +203,18 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
                 struct error *error);
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
+
+/* ---- work along a path (work.c) ---- */
+
+/* Straight between two points; to `to` from the origin, from infinity along its radius, or from
+ * (1, 0, ...) about the origin and not through it: in one coordinate from the 1 of the same sign.
+ */
+enum typed_path { PATH_STRAIGHT, PATH_FROM_ORIGIN, PATH_FROM_INFINITY, PATH_AROUND_ORIGIN };
+
+/* The work of the forces of a bound term, and that of their magnitude (*size); NAN: the integral
+ * does not converge. */
+double typed_work(const double *c, enum typed_path shape, const double *from, const double *to,
+                  double *size);
 
 /* ---- potentials that were not typed (typed_potential.c) ---- */
 

@@ -163,6 +163,19 @@ struct equations {
 
 bool equations_reserve(struct equations *e, int more); /* room for more outputs */
 
+/* ---- antiderivatives (integrate.c) ----
+ *
+ * Adds what a potential is made of, where `count` outputs from `first` on are the forces along the
+ * coordinates `name` for a mass of 1: for each coordinate a part, so that the potential is the sum
+ * of the masses times their parts. The parts are minus the sums of all antiderivatives, each of
+ * which is counted once, as often as it comes in other rows; behind them are the parts at the
+ * origin and at (1, 0, ...) or, of one coordinate, at the 1 of its sign: [3][count]. Or they are
+ * the integrals from the origin along one axis after another: [count]. False: there is an
+ * antiderivative that was not found, and nothing is added; or an error is set.
+ */
+bool equations_integrate(struct equations *e, int first, int count, const int *name,
+                         bool along_axes, struct error *error);
+
 /* ---- switches (program_switch.c) ---- */
 
 /* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not

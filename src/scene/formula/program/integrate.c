@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Antiderivatives as symbols: nodes that are added to the graph. A sum is integrated summand by
+ * summand. A summand is a product of powers and calls; one of them, f(u), is integrated by its
+ * argument where the others are a constant multiple of du/dx, else a factor that is a sum is
+ * multiplied out. What this does not find is left to quadrature.
+ */
+#include <string.h>
+
+#include "scene/formula/program/program.h"
+
+#define NUMBER(x) graph_number(g, x)
+#define ABS(a) graph_apply(g, NODE_ABS, a, 0, 0)
+#define ADD(a, b) graph_apply(g, NODE_ADD, a, b, 0)
+#define SUB(a, b) graph_apply(g, NODE_SUB, a, b, 0)
+#define MUL(a, b) graph_apply(g, NODE_MUL, a, b, 0)
+#define DIV(a, b) graph_apply(g, NODE_DIV, a, b, 0)
+#define LESS(a, b) graph_apply(g, NODE_LESS, a, b, 0)
+#define IF(c, a, b) graph_apply(g, NODE_IF, c, a, b)
+#define CALL(function, a) graph_one(g, function, a)
+#define POWER(a, b) graph_two(g, function_power, a, b)
+
+enum {
+    FACTORS_MAX = 8,
+    SUMMANDS_MAX = 4096,
+    EXPANSIONS_MAX = 512,
+    GRAPH_MAX = PROGRAM_SIZE / 8 /* nodes: beyond, nothing is integrated */
+};
+
+struct integration {
+    struct graph *g;
+    int name;           /* of the variable x */
+    unsigned char *has; /* [GRAPH_MAX] of the first `known` nodes: does it depend on x? */
+    int known;
+    bool *mark;    /* [GRAPH_MAX] for walks over the graph */
+    int *map;      /* [GRAPH_MAX] */
+    double *value; /* [GRAPH_MAX] */
+    int *summand;  /* [SUMMANDS_MAX] antiderivatives */
+    int summands, earlier, expansions;
+    bool distinct; /* those that are among the `earlier` ones are left out */
+};
+
+/* number * constant * the product of base^power; power: a number, or the node `exponent` > 0. */
+struct factor {
+    int base, exponent;
+    double power;
+};
+
+struct product {
+    double number;
+    int constant, count;
+    struct factor factor[FACTORS_MAX];
+};
+
+static bool is_full(const struct integration *in)
+{
+    return in->g->failed || in->g->count > GRAPH_MAX - 256;
+}
+
+static bool depends(struct integration *in, int i)
+{
+    for (; in->known <= i; in->known++) {
+        const struct node *node = &in->g->node[in->known];
+        in->has[in->known] = node->kind == NODE_NAME && node->operand[0] == in->name;
+        for (int k = 0; k < node_arity(node->kind); k++)
+            in->has[in->known] |= in->has[node->operand[k]];
+    }
+    return in->has[i];
+}
+
+static void mark_reach(struct integration *in, int i)
+{
+    memset(in->mark, 0, (size_t)i + 1);
+    in->mark[i] = true;
+    graph_reach(in->g->node, i + 1, in->mark);
+}
+
+/* Returns the node with numbers in the place of `count` names. */
+static int substitute(struct integration *in, int i, const int *name, const double *number,
+                      int count)
+{
+    struct graph *g = in->g;
+    mark_reach(in, i);
+    for (int k = 0; k <= i; k++) {
+        const struct node node = g->node[k];
+        in->map[k] = k;
+        if (!in->mark[k])
+            continue;
+        for (int j = 0; j < count && node.kind == NODE_NAME; j++)
+            if (node.operand[0] == name[j])
+                in->map[k] = NUMBER(number[j]);
+        bool changed = false;
+        for (int j = 0; j < node_arity(node.kind); j++)
+            changed |= in->map[node.operand[j]] != node.operand[j];
+        if (changed)
+            in->map[k] = graph_copy(g, &node, in->map);
+    }
+    return in->map[i];
+}
+
+static int derivative(struct integration *in, int i)
+{
+    mark_reach(in, i);
+    graph_derive(in->g, in->name, in->mark, i + 1, in->map);
+    return in->map[i];
+}
+
+/* ---- ratios that do not depend on x ---- */
+
+/* Has the node only operations on x that are analytic, so that what is constant at some x is
+ * constant everywhere? */
+static bool is_analytic(struct integration *in, int i)
+{
+    static double (*const steps[])(double) = {floor, ceil, round, function_sign, function_step};
+    depends(in, i);
+    mark_reach(in, i);
+    for (int k = 0; k <= i; k++) {
+        const struct node *node = &in->g->node[k];
+        if (!in->mark[k] || !in->has[k])
+            continue;
+        if (node->kind == NODE_ABS || node->kind == NODE_LESS || node->kind == NODE_LESS_EQUAL ||
+            (node->kind == NODE_IF && in->has[node->operand[0]]) ||
+            (node->kind == NODE_TWO && node->two != function_power && node->two != fixed_hypot))
+            return false;
+        for (size_t s = 0; s < COUNT_OF(steps) && node->kind == NODE_ONE; s++)
+            if (node->one == steps[s])
+                return false;
+    }
+    return true;
+}
+
+/* The quotient of two nodes where names have values that the trial chooses: 1 in trial 0, else
+ * spread; names other than x change with each third trial. */
+static double quotient(struct integration *in, int a, int b, int trial)
+{
+    static const double spread[] = {-1.37, 0.83, 2.19, -0.41, 1.7, 0.29, -2.6, 0.57, 1.13};
+    const int last = a > b ? a : b;
+    for (int k = 0; k <= last; k++) {
+        const struct node *node = &in->g->node[k];
+        const bool x = node->kind == NODE_NAME && node->operand[0] == in->name;
+        const double *value = in->value;
+        if (node->kind == NODE_NAME && trial == 0)
+            in->value[k] = 1;
+        else if (node->kind == NODE_NAME)
+            in->value[k] =
+                x ? spread[trial - 1]
+                  : 0.6 + 0.7 * fmod((node->operand[0] + 1) * 0.618 + 0.377 * ((trial - 1) / 3), 1);
+        else
+            in->value[k] = node_value(node->kind, node, value[node->operand[0]],
+                                      value[node->operand[1]], value[node->operand[2]]);
+    }
+    return in->value[a] / in->value[b];
+}
+
+static bool is_near(double a, double b)
+{
+    return fabs(a - b) <= 1e-12 * fabs(b);
+}
+
+/* Returns a/b as a node without x; -1: it depends on x, or is not known to be constant. */
+static int constant_quotient(struct integration *in, int a, int b)
+{
+    struct graph *g = in->g;
+    if (b == 0 || is_full(in))
+        return -1;
+    if (!depends(in, a) && !depends(in, b))
+        return DIV(a, b);
+    if (!is_analytic(in, a) || !is_analytic(in, b))
+        return -1;
+    double q[10];
+    bool by_x = true, all = true;
+    for (int trial = 0; trial < 10; trial++) {
+        q[trial] = quotient(in, a, b, trial);
+        const double *first = &q[trial < 2 ? 0 : 1 + (trial - 1) / 3 * 3];
+        by_x &= trial == 0 || (isfinite(q[trial]) && (trial < 2 || is_near(q[trial], *first)));
+        all &= trial < 2 || is_near(q[trial], q[1]);
+    }
+    if (!by_x)
+        return -1;
+    if (all)
+        return NUMBER(is_near(q[0], q[1]) ? q[0] : q[1]);
+    const double some = 0.75;
+    const int top = substitute(in, a, &in->name, &some, 1);
+    return DIV(top, substitute(in, b, &in->name, &some, 1));
+}
+
+/* ---- products ---- */
+
+static bool add_factor(struct product *p, int base, double power, int exponent)
+{
+    for (int k = 0; k < p->count; k++) {
+        struct factor *f = &p->factor[k];
+        if (f->base != base || f->exponent || exponent)
+            continue;
+        f->power += power;
+        if (f->power == 0)
+            *f = p->factor[--p->count];
+        return true;
+    }
+    if (p->count == FACTORS_MAX)
+        return false;
+    p->factor[p->count++] = (struct factor){base, exponent, power};
+    return true;
+}
+
+/* Multiplies the product by node^power. False: it has too many factors. */
+static bool collect(struct integration *in, int i, double power, struct product *p)
+{
+    struct graph *g = in->g;
+    const struct node node = g->node[i];
+    const int a = node.operand[0], b = node.operand[1];
+    const bool whole = power == floor(power);
+    if (!depends(in, i)) {
+        if (node.kind == NODE_NUMBER)
+            p->number *= function_power(node.number, power);
+        else if (fabs(power) == 1)
+            p->constant = power > 0 ? MUL(p->constant, i) : DIV(p->constant, i);
+        else
+            p->constant = MUL(p->constant, POWER(i, NUMBER(power)));
+        return true;
+    }
+    if (whole && node.kind == NODE_NEG) {
+        p->number *= fmod(power, 2) != 0 ? -1 : 1;
+        return collect(in, a, power, p);
+    }
+    if (whole && (node.kind == NODE_MUL || node.kind == NODE_DIV))
+        return collect(in, a, power, p) &&
+               collect(in, b, node.kind == NODE_MUL ? power : -power, p);
+    if (node.kind == NODE_SQRT)
+        return collect(in, a, power / 2, p);
+    if (node.kind == NODE_TWO && node.two == fixed_hypot)
+        return add_factor(p, ADD(MUL(a, a), MUL(b, b)), power / 2, 0);
+    if (node.kind == NODE_TWO && node.two == function_power && !depends(in, b)) {
+        if (g->node[b].kind == NODE_NUMBER)
+            return collect(in, a, power * g->node[b].number, p);
+        if (fabs(power) == 1)
+            return add_factor(p, a, 1, power > 0 ? b : graph_apply(g, NODE_NEG, b, 0, 0));
+    }
+    return add_factor(p, i, power, 0);
+}
+
+static int factor_node(struct graph *g, const struct factor *f)
+{
+    return f->exponent      ? POWER(f->base, f->exponent)
+           : f->power == 1  ? f->base
+           : f->power == -1 ? DIV(NUMBER(1), f->base)
+                            : POWER(f->base, NUMBER(f->power));
+}
+
+/* All factors but one, without the constant. */
+static int other_factors(struct graph *g, const struct product *p, int but)
+{
+    int made = NUMBER(1);
+    for (int k = 0; k < p->count; k++)
+        if (k != but)
+            made = MUL(made, factor_node(g, &p->factor[k]));
+    return made;
+}
+
+/* The antiderivative of a call by its argument v; -1: not known. Those that are even begin with the
+ * square of v, free of cancellation. */
+static int call_integral(struct graph *g, const struct node *call)
+{
+    const int v = call->operand[0], half = MUL(NUMBER(0.5), v);
+    if (call->kind == NODE_ABS)
+        return MUL(half, ABS(v));
+    if (call->kind != NODE_ONE)
+        return -1;
+    if (call->one == fixed_sin)
+        return MUL(NUMBER(2), POWER(CALL(fixed_sin, half), NUMBER(2)));
+    if (call->one == fixed_cos)
+        return CALL(fixed_sin, v);
+    if (call->one == fixed_exp)
+        return CALL(fixed_expm1, v);
+    if (call->one == fixed_sinh)
+        return MUL(NUMBER(2), POWER(CALL(fixed_sinh, half), NUMBER(2)));
+    if (call->one == fixed_cosh)
+        return CALL(fixed_sinh, v);
+    if (call->one == fixed_tanh) { /* log cosh */
+        const int small = CALL(fixed_exp, MUL(NUMBER(-2), ABS(v)));
+        return ADD(ABS(v), CALL(fixed_log, MUL(NUMBER(0.5), ADD(NUMBER(1), small))));
+    }
+    if (call->one == fixed_log)
+        return SUB(MUL(v, CALL(fixed_log, v)), v);
+    if (call->one == fixed_atan)
+        return SUB(MUL(v, CALL(fixed_atan, v)),
+                   MUL(NUMBER(0.5), CALL(fixed_log, ADD(NUMBER(1), MUL(v, v)))));
+    return call->one == function_sign ? ABS(v) : -1;
+}
+
+static int power_integral(struct graph *g, const struct factor *f, double *number)
+{
+    if (f->exponent) {
+        const int more = ADD(f->exponent, NUMBER(1));
+        return IF(ABS(more), DIV(POWER(f->base, more), more), CALL(fixed_log, ABS(f->base)));
+    }
+    if (f->power == -1)
+        return CALL(fixed_log, ABS(f->base));
+    *number /= f->power + 1;
+    return POWER(f->base, NUMBER(f->power + 1));
+}
+
+static bool put_summand(struct integration *in, double number, int constant, int node)
+{
+    struct graph *g = in->g;
+    if (g->node[constant].kind == NODE_NUMBER) {
+        number *= g->node[constant].number;
+        constant = NUMBER(1);
+    }
+    const int made = MUL(NUMBER(number), MUL(constant, node));
+    for (int k = 0; k < in->earlier && in->distinct; k++)
+        if (in->summand[k] == made)
+            return true;
+    if (in->summands == SUMMANDS_MAX || is_full(in))
+        return false;
+    in->summand[in->summands++] = made;
+    return true;
+}
+
+/* ---- sums ---- */
+
+static bool integrate(struct integration *in, int i, double sign);
+
+/* By one of the factors, where the others are a multiple of the derivative of its argument. */
+static bool substitute_factor(struct integration *in, const struct product *p)
+{
+    struct graph *g = in->g;
+    for (int k = 0; k < 2 * p->count; k++) { /* calls first */
+        const struct factor *f = &p->factor[k % p->count];
+        const struct node node = g->node[f->base];
+        const bool call = k < p->count;
+        double number = p->number;
+        if (call && (f->exponent || f->power != 1))
+            continue;
+        const int argument = call ? node.operand[0] : f->base;
+        if (!is_analytic(in, argument)) /* it may jump, which its derivative does not say */
+            continue;
+        const int made = call ? call_integral(g, &node) : power_integral(g, f, &number);
+        if (made < 0)
+            continue;
+        const int slope = derivative(in, argument);
+        const int ratio = constant_quotient(in, other_factors(g, p, k % p->count), slope);
+        if (ratio < 0)
+            continue;
+        if (g->node[ratio].kind == NODE_NUMBER)
+            return put_summand(in, number * g->node[ratio].number, p->constant, made);
+        return put_summand(in, number, MUL(p->constant, ratio), made);
+    }
+    return false;
+}
+
+/* Multiplies out a factor that is a sum. */
+static bool expand(struct integration *in, struct product *p, double sign)
+{
+    struct graph *g = in->g;
+    for (int k = 0; k < p->count; k++) {
+        struct factor *f = &p->factor[k];
+        const struct node sum = g->node[f->base];
+        if ((sum.kind != NODE_ADD && sum.kind != NODE_SUB) || f->exponent || f->power < 1 ||
+            f->power != floor(f->power) || ++in->expansions > EXPANSIONS_MAX || is_full(in))
+            continue;
+        const int fewer = f->power > 1 ? POWER(f->base, NUMBER(f->power - 1)) : NUMBER(1);
+        const int others =
+            MUL(MUL(NUMBER(p->number), p->constant), MUL(other_factors(g, p, k), fewer));
+        return integrate(in, MUL(others, sum.operand[0]), sign) &&
+               integrate(in, MUL(others, sum.operand[1]), sum.kind == NODE_ADD ? sign : -sign);
+    }
+    return false;
+}
+
+static bool integrate(struct integration *in, int i, double sign)
+{
+    struct graph *g = in->g;
+    const struct node node = g->node[i];
+    if (is_full(in))
+        return false;
+    if (node.kind == NODE_NEG)
+        return integrate(in, node.operand[0], -sign);
+    if (depends(in, i) && (node.kind == NODE_ADD || node.kind == NODE_SUB))
+        return integrate(in, node.operand[0], sign) &&
+               integrate(in, node.operand[1], node.kind == NODE_ADD ? sign : -sign);
+    if (i == 0)
+        return true;
+    struct product p = {.number = 1, .constant = NUMBER(1)};
+    if (!collect(in, i, 1, &p))
+        return false;
+    struct product signed_product = p;
+    signed_product.number *= sign;
+    if (p.count == 0)
+        return put_summand(in, signed_product.number, p.constant, graph_name(g, in->name));
+    return substitute_factor(in, &signed_product) || expand(in, &p, sign);
+}
+
+/* Minus the sum of the summands from `first` on. */
+static int minus_sum(const struct integration *in, int first)
+{
+    struct graph *g = in->g;
+    int sum = 0;
+    for (int k = first; k < in->summands; k++)
+        sum = sum ? ADD(sum, in->summand[k]) : in->summand[k];
+    return sum ? graph_apply(g, NODE_NEG, sum, 0, 0) : 0;
+}
+
+static const double zeros[LIMIT_VARIABLES];
+
+/* Of the outputs at `from` the potential's parts [3][count], or [count] along the axes. */
+static bool integrate_rows(struct integration *in, const int *from, const int *name, int count,
+                           bool along_axes, int *made)
+{
+    struct graph *g = in->g;
+    double unit[LIMIT_VARIABLES] = {1};
+    in->distinct = !along_axes;
+    for (int i = 0; i < count; i++) {
+        in->name = name[i];
+        in->known = 0;
+        const int first = in->earlier = in->summands;
+        const int row =
+            along_axes ? substitute(in, from[i], name + i + 1, zeros, count - i - 1) : from[i];
+        if (!integrate(in, row, 1))
+            return false;
+        const int part = made[i] = minus_sum(in, first);
+        if (along_axes) {
+            made[i] = SUB(part, substitute(in, part, name + i, zeros, 1));
+            continue;
+        }
+        made[count + i] = substitute(in, part, name, zeros, count);
+        made[2 * count + i] = substitute(in, part, name, unit, count);
+        if (count == 1) {
+            const double other = -1;
+            made[2] =
+                IF(LESS(graph_name(g, name[0]), 0), substitute(in, part, name, &other, 1), made[2]);
+        }
+        if (is_full(in))
+            return false;
+    }
+    return true;
+}
+
+bool equations_integrate(struct equations *e, int first, int count, const int *name,
+                         bool along_axes, struct error *error)
+{
+    struct integration in = {.g = &e->graph};
+    const int outputs = along_axes ? count : 3 * count;
+    int made[3 * LIMIT_VARIABLES];
+    in.has = malloc(GRAPH_MAX * sizeof *in.has);
+    in.mark = malloc(GRAPH_MAX * sizeof *in.mark);
+    in.map = malloc(GRAPH_MAX * sizeof *in.map);
+    in.value = malloc(GRAPH_MAX * sizeof *in.value);
+    in.summand = malloc(SUMMANDS_MAX * sizeof *in.summand);
+    bool fine = in.has && in.mark && in.map && in.value && in.summand && !is_full(&in) &&
+                integrate_rows(&in, e->output + first, name, count, along_axes, made) &&
+                equations_reserve(e, outputs);
+    free(in.has);
+    free(in.mark);
+    free(in.map);
+    free(in.value);
+    free(in.summand);
+    if (!graph_check(&e->graph, error) || !fine)
+        return false;
+    memcpy(e->output + e->outputs, made, (size_t)outputs * sizeof *made);
+    e->outputs += outputs;
+    return true;
+}
