@@ -175,7 +175,7 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
     }
     error_set(error, ERROR_COMMAND,
               "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
-    return error_hint(error, "fit finds the period of such a signal");
+    return error_hint(error, "'measure spectrum' lists the lines of such a signal");
 }
 
 /* Returns true if the times between crossings repeat after `pattern` of them, to a part of the time
