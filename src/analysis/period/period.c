@@ -387,9 +387,6 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     struct motion m;
     struct lags lags;
     bool exact = false, follows = false, shaped = false;
-    *pace = series->pace;
-    if (smooth_period(series, arena, period))
-        return true;
     /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
     if (series_is_uneven(series) && wave_period(series, true, arena, period))
         return true;
@@ -428,10 +425,13 @@ static bool find_period(const struct series *series, struct arena *arena, struct
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error)
 {
-    double pace = 0;
-    if (!find_period(series, arena, period, &pace, error))
+    double pace = series->pace;
+    /* A subharmonic would move every second crossing of a smooth series. */
+    const bool smooth = smooth_period(series, arena, period);
+    if (!smooth && !find_period(series, arena, period, &pace, error))
         return false;
-    period_find_subharmonic(series, arena, period);
+    if (!smooth)
+        period_find_subharmonic(series, arena, period);
     period->period = measured_at_pace(period->period, pace);
     return true;
 }
