@@ -176,9 +176,12 @@ bool octave_tables(struct text text, const char *shown, struct contents *content
 {
     struct octave_file file = {.variables = 0};
     read_variables(text, &file);
-    for (double n = longest_vectors(&file, HUGE_VAL); n > 0; n = longest_vectors(&file, n))
-        if (!add_table(&file, n, contents, error))
+    double length = longest_vectors(&file, HUGE_VAL);
+    while (length > 0) {
+        if (!add_table(&file, length, contents, error))
             return false;
+        length = longest_vectors(&file, length);
+    }
     if (contents->parts > 0)
         contents->container = "Octave";
     return contents->parts > 0 || has_matrix(&file) || refuse_lengths(&file, shown, error);
