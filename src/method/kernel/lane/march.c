@@ -9,6 +9,7 @@
 #include "method/step/irk_body.h"
 #include "method/step/split_body.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #define LANE_CASE(shape)                                                                           \
@@ -19,6 +20,7 @@
 
 static int times(const struct method *method)
 {
+    assert(method->tableau || method->implicit || method->splitting); /* others have no lanes */
     return method->tableau    ? method->tableau->stages
            : method->implicit ? method->implicit->stages
                               : method->splitting->count;
