@@ -53,7 +53,7 @@ struct regrowth {
     size_t row;                    /* the first one where variables rest */
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
-    double work; /* evaluations and Jacobians of both solutions */
+    double work;        /* evaluations and Jacobians of both solutions */
     bool follows_jumps; /* of the run, by starting from each row of it */
     const struct method *method;
     struct system system;

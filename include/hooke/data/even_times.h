@@ -18,8 +18,8 @@ struct even_times {
  * and step are the first stamp and the mean step. A cancelled search finds that they are not even.
  *
  * Stamps 1 ms apart of which every 20th row is lost are also those of a step of 1.053 ms, rounded.
- * The values y [n] tell which of the two it is; with NULL, or where noise hides it, the stamps count
- * as rounded.
+ * The values y [n] tell which of the two it is; with NULL, or where noise hides it, the stamps
+ * count as rounded.
  */
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
                      struct even_times *out);

@@ -150,7 +150,8 @@ bool reject_outliers(struct motion *m, struct arena *arena)
             m->scratch[k] = m->segment[k].scale;
         }
         typical = fmax(quantile(m->scratch, m->segments, 0.5), rounding);
-        /* Wild echoes raise the noise between neighbours, what the model misses raises the scale. */
+        /* Wild echoes raise the noise between neighbours, what the model misses raises the scale.
+         */
         if (update_mask(m, typical, fmax(fmin(noise, typical), rounding)) == 0) {
             break;
         }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Periods after which a series only nearly repeats: pulses of two heights in turn, or an orbit whose
- * period has doubled. Lines between the harmonics of 1/T show it, before the series is clearly more
- * like itself after 2 T or 3 T.
+ * Periods after which a series only nearly repeats: pulses of two heights in turn, or an orbit
+ * whose period has doubled. Lines between the harmonics of 1/T show it, before the series is
+ * clearly more like itself after 2 T or 3 T.
  */
 #include "analysis/period/cycle.h"
 
@@ -21,12 +21,12 @@ struct lines {
     const double *t;
     double *y;
     size_t n;
-    double cycles;              /* of the period in question */
-    double period;              /* [s] */
+    double cycles;    /* of the period in question */
+    double period;    /* [s] */
     double strongest; /* power of the strongest harmonic */
     double quantum;   /* step of the sensor, 0 if none shows */
     double noise;     /* mean power of a line if all that is left is white noise */
-    double last;                /* power of the last harmonics below half the sampling rate */
+    double last;      /* power of the last harmonics below half the sampling rate */
 };
 
 struct line_sum {
@@ -82,7 +82,8 @@ static double line_contrast(const struct lines *l, double multiple, double power
     return power * 2 * SIDES / beside;
 }
 
-/* Returns true if harmonics above half the sampling rate fall on the lines between the harmonics. */
+/* Returns true if harmonics above half the sampling rate fall on the lines between the harmonics.
+ */
 static bool lines_are_folded(const struct lines *l, int n)
 {
     const double samples = (double)(l->n - 1) / l->cycles, off = remainder(samples, 1);

@@ -50,9 +50,9 @@ static void know(struct step *step, struct switches_state *state)
     step->warm = step->warm && !state->begins;
 }
 
-/* Returns true if a rate of the system grows without bound towards the end of a step over h to t, at
- * which a switch in time lies: by at least as much over each decade that is nearer (a logarithm, or
- * a negative power of the distance). A step that ends there takes its slope from rounding. */
+/* Returns true if a rate of the system grows without bound towards the end of a step over h to t,
+ * at which a switch in time lies: by at least as much over each decade that is nearer (a logarithm,
+ * or a negative power of the distance). A step that ends there takes its slope from rounding. */
 static bool ends_at_pole(struct step *step, double t, double h)
 {
     enum { DISTANCES = 3 };

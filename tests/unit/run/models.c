@@ -203,8 +203,7 @@ static void test_ledger_of_the_pendulum(void **state)
         put(&scene, "rate0", begins[i].rate);
         put(&scene, "gamma", begins[i].gamma);
         put(&scene, "F0", begins[i].drive);
-        struct run *run =
-            start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 20);
+        struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 20);
         go_to(run, 20);
         struct ledger ledger;
         run_ledger(run, &ledger);
@@ -232,8 +231,7 @@ static void test_ledger_of_each_term(void **state)
     for (size_t i = 0; i < COUNT_OF(terms); i++) {
         struct scene scene = preset_named(terms[i].scene);
         put(&scene, terms[i].name, terms[i].value);
-        struct run *run =
-            start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 10);
+        struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 10);
         go_to(run, 10);
         struct ledger ledger;
         run_ledger(run, &ledger);

@@ -18,8 +18,8 @@ static double pole_velocity(double power, double pole, double end)
     return (pow(before, 1 - power) + pow(after, 1 - power)) / (1 - power);
 }
 
-/* 240 runs: 6 methods, powers from 0 (a logarithm) to 0.8, steps of 1 to 20 ms. A step across a pole
- * misses no more than what lies around the pole, and all such steps are counted. */
+/* 240 runs: 6 methods, powers from 0 (a logarithm) to 0.8, steps of 1 to 20 ms. A step across a
+ * pole misses no more than what lies around the pole, and all such steps are counted. */
 static void test_fixed_steps_across_integrable_poles(void **state)
 {
     (void)state;
@@ -60,7 +60,6 @@ static void test_fixed_steps_across_integrable_poles(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fixed_steps_across_integrable_poles)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fixed_steps_across_integrable_poles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
