@@ -302,6 +302,7 @@ struct run_private {
     double sunk;             /* run_opinion_sunk() */
     /* evaluations and Jacobians of the solutions that regrowth_look() followed */
     double regrowth_work;
+    size_t restless; /* rows in which it found nothing at rest */
 };
 
 /* The state is no longer what the compensated sums know about. */

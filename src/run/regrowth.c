@@ -20,6 +20,8 @@
 
 /* Rows of the run that are looked at for variables at rest. */
 #define ROWS_LOOKED 4096
+/* A run that goes on in small pieces is looked at again once it has grown by one part in so many. */
+#define RESTLESS_SHARE 16
 /* Number of rows, one after the other, in which a value has to be below the tolerance, or an error
  * large. */
 #define ROWS_LASTING 8
@@ -371,11 +373,15 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     struct opinion *opinion = &run->opinion;
     if (!opinion->by || isnan(opinion->t) || !isnan(opinion->lost))
         return;
+    struct run_private *p = run->private_state;
+    const size_t rows = trace_count(run->trace);
+    if (rows >= p->restless && rows - p->restless < p->restless / RESTLESS_SHARE)
+        return;
     for (int i = 0; i < n; i++)
         find_rest(&r, i);
+    p->restless = r.any ? 0 : rows;
     if (!r.any)
         return;
-    const struct run_private *p = run->private_state;
     r.follows_jumps = p->kicks > 0 || p->epochs > 1;
     r.system = run->system;
     system_turn_at_kinks(&r.system);
@@ -384,9 +390,9 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     /* The other one where dop853 has to take short steps for its stability. */
     const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
                           look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
-    run->private_state->regrowth_work = r.work;
+    p->regrowth_work = r.work;
     if (!isnan(growth.lost)) {
-        run->private_state->sunk = growth.began;
+        p->sunk = growth.began;
         opinion->lost = growth.lost;
         return;
     }

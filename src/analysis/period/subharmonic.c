@@ -10,16 +10,17 @@
 #include <stdio.h>
 
 enum {
-    LINES_MAX = 3,       /* between the harmonics, lowest first */
-    SAMPLES_MAX = 65536, /* of a series, in its middle */
-    SIDES = 3,           /* places beside a line, on either side */
+    LINES_MAX = 3,        /* between the harmonics, lowest first */
+    SAMPLES_MAX = 8192,   /* of a series, in its middle */
+    SAMPLES_A_CYCLE = 40, /* more are averaged where there are too many */
+    HARMONICS_MAX = 16,
+    SIDES = 3, /* places beside a line, on either side */
     DOUBLINGS_MAX = 3,
 };
 
 /* A part of a series, less its harmonics. */
 struct lines {
-    const double *t;
-    double *y;
+    double *t, *y, *weight; /* weight: of each sample, through a Hann window */
     size_t n;
     double cycles;    /* of the period in question */
     double period;    /* [s] */
@@ -33,20 +34,27 @@ struct line_sum {
     double re, im; /* amplitudes of cosine and sine about the first sample */
 };
 
-/* Returns the amplitudes at a frequency [1/s] of samples [from, to) through a Hann window; each
- * sample weighs as much as the time around it. */
+/* Returns the weight of sample i among [from, to): the time around it, through a Hann window. */
+static double hann_weight(const struct lines *l, size_t i, size_t from, size_t to)
+{
+    const double span = l->t[to - 1] - l->t[from];
+    return i == from || i == to - 1 ? 0
+                                    : (l->t[i + 1] - l->t[i - 1]) / span *
+                                          (1 - cos(TWO_PI * (l->t[i] - l->t[from]) / span));
+}
+
+/* Returns the amplitudes at a frequency [1/s] of samples [from, to). */
 static struct line_sum line_sum(const struct lines *l, double frequency, size_t from, size_t to)
 {
-    const double t0 = l->t[from], span = l->t[to - 1] - t0;
-    double re = 0, im = 0;
-    for (size_t i = from + 1; i + 1 < to; i++) {
-        const double t = l->t[i] - t0, angle = TWO_PI * frequency * t;
-        const double weighted =
-            l->y[i] * (l->t[i + 1] - l->t[i - 1]) * (1 - cos(TWO_PI * t / span));
-        re += weighted * cos(angle);
-        im += weighted * sin(angle);
+    const bool whole = to - from == l->n;
+    struct line_sum sum = {0, 0};
+    for (size_t i = from; i < to; i++) {
+        const double angle = TWO_PI * frequency * (l->t[i] - l->t[from]),
+                     weighted = l->y[i] * (whole ? l->weight[i] : hann_weight(l, i, from, to));
+        sum.re += weighted * cos(angle);
+        sum.im += weighted * sin(angle);
     }
-    return (struct line_sum){re / span, im / span};
+    return sum;
 }
 
 static double line_power(const struct lines *l, double frequency, size_t from, size_t to)
@@ -60,14 +68,43 @@ static double harmonic_power(const struct lines *l, double multiple)
     return line_power(l, multiple / l->period, 0, l->n);
 }
 
-/* Takes a harmonic away: what the window leaves of it would hide weak lines of few cycles. */
-static void remove_harmonic(struct lines *l, int multiple)
+/* The mean and the harmonics up to the last one, as line_sum() has them, in one go: cosines of
+ * multiples follow from one another. */
+static void sum_harmonics(const struct lines *l, int last, struct line_sum *sum)
 {
-    const double frequency = multiple / l->period;
-    const struct line_sum sum = line_sum(l, frequency, 0, l->n);
+    for (int k = 0; k <= last; k++)
+        sum[k] = (struct line_sum){0, 0};
     for (size_t i = 0; i < l->n; i++) {
-        const double angle = TWO_PI * frequency * (l->t[i] - l->t[0]);
-        l->y[i] -= multiple ? sum.re * cos(angle) + sum.im * sin(angle) : 0.5 * sum.re;
+        const double angle = TWO_PI * (l->t[i] - l->t[0]) / l->period, c = cos(angle),
+                     s = sin(angle), weighted = l->weight[i] * l->y[i];
+        double re = weighted, im = 0;
+        for (int k = 0; k <= last; k++) {
+            sum[k].re += re;
+            sum[k].im += im;
+            const double next = re * c - im * s;
+            im = im * c + re * s;
+            re = next;
+        }
+    }
+}
+
+/* Takes the mean and the harmonics away: what the window leaves of them would hide weak lines of
+ * few cycles. */
+static void remove_harmonics(struct lines *l, int last)
+{
+    struct line_sum sum[HARMONICS_MAX + 1];
+    sum_harmonics(l, last, sum);
+    for (size_t i = 0; i < l->n; i++) {
+        const double angle = TWO_PI * (l->t[i] - l->t[0]) / l->period, c = cos(angle),
+                     s = sin(angle);
+        double re = 1, im = 0, all = 0.5 * sum[0].re;
+        for (int k = 1; k <= last; k++) {
+            const double next = re * c - im * s;
+            im = im * c + re * s;
+            re = next;
+            all += sum[k].re * re + sum[k].im * im;
+        }
+        l->y[i] -= all;
     }
 }
 
@@ -132,35 +169,65 @@ static double lines_between(const struct lines *l, int n)
     return sqrt(highest / l->strongest);
 }
 
+/* Takes samples of the middle of a part, averaged where a cycle has more than enough. False: out of
+ * memory. */
+static bool take_samples(struct lines *l, const struct series *part, struct arena *arena)
+{
+    const double cycles = (part->t[part->n - 1] - part->t[0]) / l->period,
+                 each = (double)part->n / cycles;
+    const size_t spare = part->n / SAMPLES_MAX + 1,
+                 enough = each > SAMPLES_A_CYCLE ? (size_t)(each / SAMPLES_A_CYCLE) : 1,
+                 by = spare < enough ? spare : enough,
+                 n = part->n / by < SAMPLES_MAX ? part->n / by : SAMPLES_MAX,
+                 from = (part->n - n * by) / 2;
+    double *all = arena_array(arena, 3 * n, sizeof *all);
+    if (!all)
+        return false;
+    *l = (struct lines){.t = all, .y = all + n, .weight = all + 2 * n, .n = n, .period = l->period};
+    for (size_t i = 0; i < n; i++) {
+        l->t[i] = l->y[i] = 0;
+        for (size_t k = from + i * by; k < from + (i + 1) * by; k++) {
+            l->t[i] += part->t[k] / (double)by;
+            l->y[i] += part->y[k] / (double)by;
+        }
+    }
+    return true;
+}
+
 /* Takes the samples in the middle of the part of a series that a period was read from, and the
  * harmonics of that from them. Returns false if these are too few, or if out of memory. */
 static bool lines_init(struct lines *l, const struct series *s, const struct period *p,
                        struct arena *arena)
 {
-    enum { HARMONICS_MAX = 16, PASSES = 2, CYCLES_MIN = 10, SAMPLES_MIN = 4 };
+    enum { PASSES = 2, CYCLES_MIN = 10, SAMPLES_MIN = 4 };
     static const double whole = 0.8, hann_line = 6; /* variance of a line, of n samples over n */
     const double span = s->t[s->n - 1] - s->t[0];
+    struct line_sum sum[HARMONICS_MAX + 1];
     struct series part = *s;
     if (p->last > p->first && p->last - p->first < whole * span)
         part = series_window(*s, p->first, p->last);
-    const size_t n = part.n < SAMPLES_MAX ? part.n : SAMPLES_MAX, from = (part.n - n) / 2;
-    *l = (struct lines){.t = part.t + from, .n = n, .period = p->period.value};
-    l->cycles = n > 1 ? (l->t[n - 1] - l->t[0]) / l->period : 0;
-    l->y = l->cycles < CYCLES_MIN ? NULL : arena_array(arena, n, sizeof *l->y);
-    if (!l->y || (double)n < SAMPLES_MIN * l->cycles)
+    *l = (struct lines){.period = p->period.value};
+    if (part.n < 2 || (part.t[part.n - 1] - part.t[0]) / l->period < CYCLES_MIN ||
+        !take_samples(l, &part, arena))
         return false;
-    for (size_t i = 0; i < n; i++)
-        l->y[i] = part.y[from + i];
-    l->quantum = samples_quantum(&(struct samples){.y = l->y, .n = n});
+    const size_t n = l->n;
+    l->cycles = (l->t[n - 1] - l->t[0]) / l->period;
+    if (l->cycles < CYCLES_MIN || (double)n < SAMPLES_MIN * l->cycles)
+        return false;
+    l->quantum = samples_quantum(&(struct samples){.y = part.y, .n = part.n < n ? part.n : n});
     const int below = (int)fmin((double)n / l->cycles / 2, 1e6);
     const int harmonics = below < HARMONICS_MAX ? below : HARMONICS_MAX;
-    remove_harmonic(l, 0);
+    for (size_t i = 0; i < n; i++)
+        l->weight[i] = hann_weight(l, i, 0, n);
+    sum_harmonics(l, 0, sum);
+    for (size_t i = 0; i < n; i++)
+        l->y[i] -= 0.5 * sum[0].re;
     l->last = fmax(harmonic_power(l, below), harmonic_power(l, fmax(below - 1, 1)));
+    sum_harmonics(l, harmonics, sum);
     for (int k = 1; k <= harmonics; k++)
-        l->strongest = fmax(l->strongest, harmonic_power(l, k));
+        l->strongest = fmax(l->strongest, sum[k].re * sum[k].re + sum[k].im * sum[k].im);
     for (int pass = 0; pass < PASSES && !cancelled(s->cancel); pass++)
-        for (int k = 0; k <= harmonics; k++)
-            remove_harmonic(l, k);
+        remove_harmonics(l, harmonics);
     for (size_t i = 0; i < n; i++)
         l->noise += l->y[i] * l->y[i];
     l->noise *= hann_line / ((double)n * (double)n);

@@ -203,7 +203,7 @@ static bool march_at_rest(const struct march *march, const double *before, int64
 /* Returns how many steps to try at once: up to where a parabola through the velocities of the last
  * three rows before `row` has its zero, which of a swing comes early; 0 next to it. While the
  * velocity still grows that is too far ahead to be relied on. */
-static int64_t steps_to_try(const double *row, int64_t last)
+static int64_t steps_to_try(const double *row, int64_t last, bool branches)
 {
     const double v = row[-1], rise = v - row[-1 - N], bend = rise - (row[-1 - N] - row[-1 - 2 * N]),
                  slope = rise + bend / 2, square = slope * slope - 2 * bend * v;
@@ -211,7 +211,10 @@ static int64_t steps_to_try(const double *row, int64_t last)
     const double left = -2 * v / (slope + copysign(sqrt(fmax(square, 0)), slope));
     const double grown = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : 2 * last);
     double max = grown < AT_ONCE_MOST ? grown : AT_ONCE_MOST;
-    if (slows && square >= 0)
+    /* Steps next to a turn are dearer where the force jumps there: by stages on both sides. */
+    if (branches)
+        max = fabs(v / rise) < 2 * AT_ONCE_LEAST ? 0 : fmin(max, fabs(v / rise) / 2);
+    else if (slows && square >= 0)
         max = fmin(max, left);
     return max >= 1 ? (int64_t)max : 0;
 }
@@ -232,12 +235,12 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
         struct march part = *march;
         part.first += done;
         part.row += done * N;
-        try = fast && done > 2 && step->y[1] != 0 && !whole->extended ? steps_to_try(part.row, try)
-                                                                      : 0;
+        const bool tries = fast && done > 2 && step->y[1] != 0 && !whole->extended;
+        try = tries ? steps_to_try(part.row, try, whole->pieces) : 0;
         if (try > 0) {
-            part.count = try < march->count - done ?
-            try : march
-                ->count - done;
+            part.count = march->count - done;
+            if (part.count > try)
+                part.count = try;
             const int64_t straight = whole->pieces ? march_on_branch(method, kernel, &part)
                                                    : march_straight(method, kernel, &part);
             done += straight;

@@ -58,8 +58,6 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
         {"count", 0, &far, sizeof far, "run 1"},
         {"grids", 0, &minus, sizeof minus, "run 1"},
         {"drag", 0, &seven, sizeof seven, "run 1"},
-        {"items", offsetof(struct named_value, quantity), &seven, sizeof seven,
-         "left out, damaged"},
         {"value", 0, &negative, sizeof negative, "no scene can have"},
         {"layout", 0, &seven, sizeof seven, "the view is left out"},
         {"cursors", offsetof(struct cursors, quantity), &seven, sizeof seven, "the view"},

@@ -69,7 +69,11 @@ static int compare_kernels(const struct scene *scene)
                 assert_same_trace(fast, general);
                 assert_int_equal(fast->stop, general->stop);
                 if (general->stop != STOP_DIVERGED) { /* a kernel finds that out a little later */
-                    assert_int_equal(fast->cost.evals, general->cost.evals);
+                    if (fast->cost.evals != general->cost.evals)
+                        fail_msg("%s, %s, drag %d: %lld evaluations, %lld in general, %lld steps",
+                                 scene->preset ? scene->preset->row.name : "typed",
+                                 method_at(m)->row.name, (int)drag, (long long)fast->cost.evals,
+                                 (long long)general->cost.evals, (long long)general->steps);
                     assert_int_equal(fast->cost.solves, general->cost.solves);
                 }
                 run_destroy(general);
