@@ -20,7 +20,8 @@
 
 /* Rows of the run that are looked at for variables at rest. */
 #define ROWS_LOOKED 4096
-/* A run that goes on in small pieces is looked at again once it has grown by one part in so many. */
+/* A run that goes on in small pieces is looked at again once it has grown by one part in so many.
+ */
 #define RESTLESS_SHARE 16
 /* Number of rows, one after the other, in which a value has to be below the tolerance, or an error
  * large. */

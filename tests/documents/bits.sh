@@ -12,7 +12,7 @@ ok() { # name status
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 
-scenes='pendulum pendulum-driven duffing-driven elastic-pendulum prothero-robinson drag' known='354804426 178493'
+scenes='pendulum pendulum-driven duffing-driven elastic-pendulum prothero-robinson drag' known='1516865102 178503'
 fixed='rk4 dopri5 verlet pefrl gauss4 rodas5p bdf3' adaptive='dopri5 radau5'
 masks='-FMA,-AVX2,-AVX512F,-FMA_Usable,-AVX2_Usable'
 if [ -n "${LONG:-}" ]; then
