@@ -69,7 +69,7 @@ static const struct growth rows[] = {
     {"set_lines", 50, 0, .first = "", .each = "set m #"},
     {"export_rows", 500, 1, .first = STEPS("drag", "rk4") "; export rows.csv t,y,v,energy --force"},
     {"export_json", 500, 1, .first = STEPS("damped", "verlet") "; export rows.json --force"},
-    {"measure_rows", 4000, 2001,
+    {"measure_rows", 4000, 10001,
      .first = STEPS("damped", "rk4") "; measure period; measure amplitude"},
     {"measure_growing", 4000, 4001, .each_max = 500,
      .first = "set record all; " STEPS("spring", "euler") "; measure period"},
