@@ -78,7 +78,7 @@ static double balance_row_price(const struct run_scenario *s)
 {
     /* Work in a long step of an adaptive run is found by solving it again. */
     static const double integrated = 3600, work_typed = 4000, solved = 20e3, solved_typed = 50e3,
-                        plain = 21, several = 50, work_linear = 55, work = 85, across_kink = 60;
+                        plain = 21, several = 65, work_linear = 55, work = 85, across_kink = 60;
     const struct system *system = s->system;
     const double forces = evaluation_price(system);
     if (typed_lines(system->model) > 0 && s->plan->ledger)
