@@ -6,6 +6,7 @@
  */
 #include "analysis/period/cycle.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -177,8 +178,9 @@ static bool take_samples(struct lines *l, const struct series *part, struct aren
                  each = (double)part->n / cycles;
     const size_t spare = part->n / SAMPLES_MAX + 1,
                  enough = each > SAMPLES_A_CYCLE ? (size_t)(each / SAMPLES_A_CYCLE) : 1,
-                 by = spare < enough ? spare : enough,
-                 n = part->n / by < SAMPLES_MAX ? part->n / by : SAMPLES_MAX,
+                 by = spare < enough ? spare : enough;
+    assert(by > 0);
+    const size_t n = part->n / by < SAMPLES_MAX ? part->n / by : SAMPLES_MAX,
                  from = (part->n - n * by) / 2;
     double *all = arena_array(arena, 3 * n, sizeof *all);
     if (!all)

@@ -2,6 +2,7 @@
 /* stress: every method on every stiff and extreme case, one verdict each. */
 #include "study/stability/stress.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,6 +164,7 @@ static void find_reference(struct stress_state *bench)
     const struct system *system = &bench->system;
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
     struct error ignored;
+    assert(system->n > 0);
     if (!(bench->span > 0) || !isfinite(bench->span) || !bench->grid)
         return;
     if (system_has_exact(system)) {
