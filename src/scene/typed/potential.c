@@ -278,7 +278,7 @@ bool typed_find_potential(struct system *system)
         return false;
     double point[POINTS][LIMIT_VARIABLES];
     const int count = choose_points(system, term, bound->c, point);
-    double ratio[LIMIT_VARIABLES];
+    double ratio[LIMIT_VARIABLES] = {0};
     const struct system before = *system;
     if (system->n > 2 && !find_masses(term, bound->c, point, count, ratio))
         return false;

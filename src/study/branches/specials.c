@@ -209,7 +209,7 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
         w->fold_spread = fmax(w->fold_spread, apart);
         return false;
     }
-    if (flat && (value < at) != w->fold_least) {
+    if (flat && best && (value < at) != w->fold_least) {
         best->special = SPECIAL_FOLD;
         best->accuracy = fmax(best->accuracy, w->fold_spread);
         return false;
