@@ -18,8 +18,9 @@ static void fill_rows(const struct session *session, const struct comparison *fr
         const struct run *run = from[i].run;
         struct compared_row *row = &rows[i];
         compared_init(row, &from[i]);
-        const bool stopped = cancelled(session->front.cancel);
-        if (stopped || !run_period(run, arena, &row->period))
+        const bool stopped = cancelled(session->front.cancel),
+                   arrived = !stop_is_failure(run->stop) && run->stop != STOP_GIVEN_UP;
+        if (stopped || !arrived || !run_period(run, arena, &row->period))
             row->period = (struct measured){NAN, NAN};
         for (int k = 0; k < count; k++)
             row->mixed |= from[k].path != from[0].path;
