@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/base/numeric.h>
 #include <hooke/report.h>
+#include <hooke/scene/poles.h>
 #include "command/dynamics/dynamics.h"
 
 #include <float.h>
@@ -51,7 +52,9 @@ static const char *type_name(enum equilibrium_type type)
 
 static void put_eigenvalue(struct buffer *out, const struct eigenvalue *value, const char *sign)
 {
-    if (value->im == 0)
+    if (isnan(value->re))
+        buffer_put(out, TEXT("not known"));
+    else if (value->im == 0)
         buffer_format(out, "%.5g", value->re);
     else if (value->re == 0)
         buffer_format(out, "%s%.5gi", sign, fabs(value->im));
@@ -119,6 +122,10 @@ static void put_vector(struct buffer *out, const struct equilibrium_form *form, 
             largest = i;
     const double size = form->re[k][largest]; /* its imaginary part is 0 */
     bool turns = false;
+    if (isnan(size)) {
+        buffer_put(out, TEXT(" a direction that is not known"));
+        return;
+    }
     for (int part = 0; part < (turns ? 2 : 1); part++) {
         buffer_put(out, part ? TEXT(" +- i (") : TEXT(" ("));
         for (int i = 0; i < n; i++) {
@@ -232,28 +239,54 @@ static void reply_equilibria(const struct system *system, const struct equilibri
     reply_end(reply);
 }
 
-HANDLER(equilibria)
+/* Reads the sides of the box and --full. Sides that are not given are left unchanged. */
+static bool read_sides(struct session *session, const struct arguments *args,
+                       const struct system *system, double box[][2], bool *full,
+                       struct error *error)
 {
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO");
-    struct equilibria_request request = {.scene = &session->setup.scene,
+    struct text rest = sides->count ? sides->item->text : TEXT("");
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text argument = next_key_argument(&rest);
+        *full = *full || text_is(argument, "--full");
+        if (!text_is(argument, "--full") && !read_side(session, args, argument, system, box, error))
+            return false;
+    }
+    return true;
+}
+
+/* Binds a scene whose own start has no derivatives, from a start in the box that is asked for. */
+static bool bind_without_start(struct session *session, const struct arguments *args,
+                               struct scene *scene, struct system *system)
+{
+    double box[LIMIT_VARIABLES][2];
+    struct error ignored;
+    bool full = false, whole = scene->model->n > 0;
+    *system = (struct system){.model = scene->model, .n = scene->model->n};
+    for (int i = 0; i < system->n; i++)
+        box[i][0] = box[i][1] = NAN;
+    whole = whole && read_sides(session, args, system, box, &full, &ignored);
+    for (int i = 0; i < system->n; i++)
+        whole = whole && isfinite(box[i][0]) && isfinite(box[i][1]);
+    return whole && scene_bind_inside(scene, box, system);
+}
+
+HANDLER(equilibria)
+{
+    struct scene scene = session->setup.scene;
+    struct equilibria_request request = {.scene = &scene,
                                          .cancel = session->front.cancel,
                                          .progress = report_fraction,
                                          .context = &session->front};
     struct system system;
     struct equilibria found;
     double box[LIMIT_VARIABLES][2];
-    if (!scene_bind(&session->setup.scene, &system, error) ||
-        !session_box(session, &system, args->arena, box, error))
-        return false;
-    struct text rest = sides->count ? sides->item->text : TEXT("");
     bool full = false;
-    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
-        const struct text argument = next_key_argument(&rest);
-        full = full || text_is(argument, "--full");
-        if (!text_is(argument, "--full") &&
-            !read_side(session, args, argument, &system, box, error))
-            return false;
-    }
+    if ((!scene_bind(&scene, &system, error) &&
+         !bind_without_start(session, args, &scene, &system)) ||
+        !session_box(session, &system, args->arena, box, error) ||
+        !read_sides(session, args, &system, box, &full, error))
+        return false;
     for (int i = 0; i < system.n && i < DYNAMICS_VARIABLES; i++)
         for (int k = 0; k < 2; k++)
             request.box[i][k] = box[i][k];

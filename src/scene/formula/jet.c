@@ -185,8 +185,13 @@ static struct jet to_power(struct jet x, struct jet n)
     if (!(x.value.lo > 0)) {
         const bool whole = is_number(&n) && n.value.lo == floor(n.value.lo);
         const double min = !whole ? 0 : -HUGE_VAL;
-        return x.value.hi < 0 && is_number(&n) && !whole ? jet_jump(NAN, NAN)
-                                                         : jet_jump(min, HUGE_VAL);
+        double max = HUGE_VAL;
+        if (x.value.hi < 0 && is_number(&n) && !whole)
+            return jet_jump(NAN, NAN);
+        /* it grows with x from 0 at 0 */
+        if (is_number(&n) && !whole && n.value.lo > 0)
+            max = x.value.hi > 0 ? to_power(jet_number(x.value.hi), n).value.hi : 0;
+        return jet_jump(min, max);
     }
     return jet_one(fixed_exp, jet_mul(n, jet_one(fixed_log, x)));
 }

@@ -3,6 +3,7 @@
  * arithmetic, Moore 1966). */
 #include <math.h>
 
+#include <hooke/base/numeric.h>
 #include <hooke/scene/poles.h>
 
 #include "scene/formula/outer.h"
@@ -103,4 +104,22 @@ bool system_excludes_zero(const struct system *system, const struct interval *bo
         excludes = outer_excludes_zero(sum);
     }
     return excludes;
+}
+
+bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system)
+{
+    enum { STARTS_TRIED = 64 };
+    const struct typed *typed = scene->model->typed;
+    struct error ignored;
+    uint64_t seed = 3;
+    if (!typed || typed->base)
+        return false;
+    for (int k = 0; k < STARTS_TRIED; k++) {
+        for (int i = 0; i < scene->model->n; i++)
+            scene->value[typed->initial[i]] =
+                box[i][0] + (box[i][1] - box[i][0]) * random_fraction(&seed);
+        if (scene_bind(scene, system, &ignored))
+            return true;
+    }
+    return false;
 }

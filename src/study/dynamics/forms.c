@@ -14,7 +14,11 @@
 #include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
 
-#define ZERO 1e-13     /* of the largest eigenvalue */
+#define ZERO 1e-13 /* of the largest eigenvalue */
+/* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
+static const double slope_uncertainty_max = 1e-3;
+/* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
+static const double slope_rounding_max = 1e-9;
 #define SAMPLES 16     /* where symmetries are looked at */
 #define ROUNDING 1e-11 /* of the largest rate or slope there */
 
@@ -215,22 +219,72 @@ static void clean(struct solution *s)
     }
 }
 
+static double widest_slope(int n, const struct interval *by)
+{
+    double widest = 0;
+    for (int i = 0; i < n * n; i++)
+        widest = isfinite(by[i].hi - by[i].lo) ? fmax(widest, by[i].hi - by[i].lo) : HUGE_VAL;
+    return widest;
+}
+
+static double largest_slope(int n, const struct interval *by)
+{
+    double largest = 0;
+    for (int i = 0; i < n * n; i++)
+        largest = fmax(largest, fabs(middle(by[i])));
+    return largest;
+}
+
+/* Returns true if bounds of the slopes [n][n] at a state tell what they are: beside the largest of
+ * them, or, where all are about 0, beside the largest a natural size away. */
+static bool slopes_are_known(const struct vector_field *field, const struct system *bounded,
+                             const double *state, const struct interval *by)
+{
+    const int n = field->n;
+    const double widest = widest_slope(n, by);
+    struct interval there[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    away[FIELD_VARIABLES * FIELD_VARIABLES];
+    if (widest <= slope_uncertainty_max * largest_slope(n, by))
+        return true;
+    for (int i = 0; i < n; i++)
+        there[i].lo = there[i].hi = state[i] + field->size[i];
+    system_bounds(bounded, there, rate, away);
+    return widest <= slope_rounding_max * largest_slope(n, away);
+}
+
+/* Sets what cannot be known where slopes are infinite, or nothing but rounding. */
+static void form_without_slopes(int n, struct solution *solution, struct equilibrium_form *form)
+{
+    *form = (struct equilibrium_form){.type = EQUILIBRIUM_DEGENERATE};
+    for (int k = 0; k < n; k++) {
+        solution->value[k] = (struct eigenvalue){NAN, 0};
+        for (int i = 0; i < n; i++)
+            form->re[k][i] = form->im[k][i] = NAN;
+    }
+}
+
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form)
 {
     const int n = field->n;
-    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES] = {0},
-                                      copy[FIELD_VARIABLES * FIELD_VARIABLES],
-                                      rate[FIELD_VARIABLES] = {0};
-    mean_field(bounded, solution->state, rate, jacobian);
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], copy[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int i = 0; i < n; i++)
+        at[i].lo = at[i].hi = solution->state[i];
+    system_bounds(bounded, at, rate, by);
     for (int i = 0; i < n * n; i++)
-        copy[i] = jacobian[i];
+        copy[i] = jacobian[i] = middle(by[i]);
     for (int i = 0; i < n; i++) {
-        solution->residual = fmax(solution->residual, fabs(rate[i]));
+        solution->residual = fmax(solution->residual, fabs(middle(rate[i])));
         solution->top[i] = solution->bottom[i] = solution->state[i];
     }
     solution->values = n;
     solution->trivial = NAN;
+    if (!slopes_are_known(field, bounded, solution->state, by)) {
+        form_without_slopes(n, solution, form);
+        return true;
+    }
     if (!matrix_eigenvalues(n, copy, solution->value))
         return false;
     clean(solution);

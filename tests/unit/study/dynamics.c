@@ -269,7 +269,7 @@ static void test_doubtful_equilibria(void **state)
                  {"x' = if(x>0, x-0.5, x+0.5)", "near x = 0, y = 0", 2, 0},
                  {"x' = if(x>0, 1, -1)", "near x = 0, y = 0", 0, 0},
                  {"x' = sqrt(x)-0.5", NULL, 1, 0},
-                 {"x' = sqrt(x)-2*x", "near x = 0, y = 0", 1, 0},
+                 {"x' = sqrt(x)-2*x", "near x = 0, y = 0", 2, 1},
                  {"x' = tan(x)-x", "near x = 0, y = 0", 1, 1},
                  {"x' = log(x)", NULL, 1, 0},
                  {"x' = x-1", NULL, 1, 0},

@@ -53,6 +53,44 @@ static bool rests_at(const struct zero_search *s, const double *y)
     return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, by);
 }
 
+/* Returns true if every derivative is exactly 0 at y [n], where slopes need not be finite, as that
+ * of sqrt(x) at 0. */
+static bool rests_exactly_at(const struct zero_search *s, const double *y)
+{
+    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES];
+    double rate[FIELD_VARIABLES] = {0};
+    for (int i = 0; i < s->n; i++)
+        at[i] = (struct interval){y[i], y[i]};
+    system_bounds(&s->bounded, at, bound, NULL);
+    system_derivative(&s->bounded, s->bounded.t0, y, rate);
+    bool zero = s->bounded.autonomous && zeros_are_bounded(s->n, bound);
+    for (int i = 0; i < s->n; i++)
+        zero = zero && rate[i] == 0;
+    return zero;
+}
+
+/* Returns the number of at most `significant_digits_tried` digits that is nearest to y: borders of
+ * domains are such numbers more often than not. */
+static double short_number(double y)
+{
+    enum { significant_digits_tried = 13 };
+    char text[32];
+    snprintf(text, sizeof text, "%.*e", significant_digits_tried - 1, y);
+    return strtod(text, NULL);
+}
+
+/* Moves y [n] of an undecided box to a short number next to it where all derivatives are 0. */
+static bool round_to_exact(const struct zero_search *s, double *y)
+{
+    double near[FIELD_VARIABLES];
+    for (int i = 0; i < s->n; i++)
+        near[i] = fabs(y[i]) < doubtful_apart_min * s->width[i] ? 0 : short_number(y[i]);
+    if (!rests_exactly_at(s, near))
+        return false;
+    memcpy(y, near, (size_t)s->n * sizeof *y);
+    return true;
+}
+
 /* Where a variable may be 0 as well as nearly so, it is. */
 static void round_to_zero(const struct zero_search *s, double *y)
 {
@@ -102,9 +140,13 @@ static bool list_doubtful(struct zero_search *s)
         if (!s->undecided.box[s->undecided.first + b].is_smallest)
             continue;
         middle_of(s, b, y);
-        zeros_correct(s, y);
-        round_to_zero(s, y);
-        if (!zeros_in_range(s, y) || !rests_at(s, y) || is_listed(s, y))
+        if (!round_to_exact(s, y)) {
+            zeros_correct(s, y);
+            round_to_zero(s, y);
+            if (!rests_at(s, y))
+                continue;
+        }
+        if (!zeros_in_range(s, y) || is_listed(s, y))
             continue;
         few = s->found->count < proven + DOUBTFUL_LISTED_MAX;
         if (few && !zeros_append(s, y, NULL))
@@ -252,7 +294,7 @@ static void give_reason(struct equilibria_search *search)
     } else if (found->count >= ZEROS_MAX) {
         buffer_format(&text, "the search ended after %d of them", found->count);
     } else if (has_singular(&s->undecided)) {
-        buffer_put(&text, TEXT("a pole, a jump or a vertical slope near "));
+        buffer_put(&text, TEXT("a pole, a jump, a vertical slope or the edge of a domain near "));
         put_place(search, &text);
     } else if (box_queue_count(&s->undecided) > UNDECIDED_LISTED_MAX) {
         buffer_put(&text, TEXT("bounds do not decide at many places, which are left out"));
