@@ -19,6 +19,7 @@
 #include "run/energy/work.h"
 
 #include <math.h>
+#include <string.h>
 
 static double length_of(const struct work *work, int k)
 {
@@ -66,6 +67,8 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 #define STEP_MEMORY 64 /* with so much memory */
 /* of the step: the power there goes with the square or cube of the velocity */
 #define NEAR_REST 1e-9
+/* Of the acceleration: what it changes by within NEAR_REST of the turning point is a jump. */
+static const double jump_min = 1e-6;
 
 static double velocity_at(void *context, double s)
 {
@@ -127,8 +130,8 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
     return there && step.t == t + p->h;
 }
 
-void work_across(const struct system *system, const struct quintic *p, double t, double *work,
-                 double *drag)
+static void work_across(const struct system *system, const struct quintic *p, double t,
+                        double *work, double *drag)
 {
     if (system->dry && across_dry(system, p, t, work, drag))
         return;
@@ -181,6 +184,34 @@ static bool switches_differ(const struct system *system, const double t[4], doub
     return false;
 }
 
+/* Returns true if, in a step in which the velocity changes its sign, the force jumps where that is
+ * 0 or some other switch goes over. |v| v only has a kink there. */
+static bool turn_jumps(const struct system *system, const struct quintic *p, double t)
+{
+    const double s = p->v0 * p->v1 < 0 ? turning_point(*p) : fabs(p->v0) > fabs(p->v1),
+                 still = fmax(fabs(p->v0), fabs(p->v1)) * NEAR_REST, turn = t + s * p->h;
+    double q, v, branch[4][LIMIT_SWITCHES], a[2];
+    quintic_at(p, s, &q, &v);
+    const double before[] = {q, copysign(still, p->v0)}, after[] = {q, copysign(still, p->v1)};
+    const size_t bytes = (size_t)system->switches * sizeof(double);
+    system_branches(system, t, (const double[]){p->q0, p->v0}, branch[0]);
+    system_branches(system, turn, before, branch[1]);
+    system_branches(system, turn, after, branch[2]);
+    system_branches(system, t + p->h, (const double[]){p->q1, p->v1}, branch[3]);
+    if (memcmp(branch[0], branch[1], bytes) != 0 || memcmp(branch[2], branch[3], bytes) != 0)
+        return true;
+    system_acceleration(system, turn, before, &a[0]);
+    system_acceleration(system, turn, after, &a[1]);
+    return fabs(a[1] - a[0]) > jump_min * (fabs(p->a0) + fabs(p->a1));
+}
+
+bool work_turn(const struct system *system, const struct quintic *p, double t, double *work,
+               double *drag)
+{
+    work_across(system, p, t, work, drag);
+    return !system->dry && turn_jumps(system, p, t);
+}
+
 static void scaled_state(const struct work *work, int k, double *y)
 {
     const double *state = k == 0 ? work->before : work->row + (size_t)(k - 1) * work->stride;
@@ -216,7 +247,8 @@ static void work_of_any(const struct work *work, struct work_done *done)
         if (work_turns(system, y[from][1], y[to][1])) {
             const struct quintic quintic = {h,        y[from][0], y[from][1], a[from][0],
                                             y[to][0], y[to][1],   a[to][0]};
-            work_across(system, &quintic, t, &done->work[k], &done->drag[k]);
+            done->jumps[k] = work_turn(system, &quintic, t, &done->work[k], &done->drag[k]);
+            done->any_jumps |= done->jumps[k];
             continue;
         }
         inner_states(system->n / 2, h, y[from], a[from], y[to], a[to], first, second);

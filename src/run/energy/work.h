@@ -45,9 +45,10 @@ static inline bool work_turns(const struct system *system, double v0, double v1)
     return system->kinks && (v0 * v1 < 0 || (system->dry && v0 * v1 == 0 && v0 != v1));
 }
 
-/* The work of a step from t on in which the velocity changes its sign, in parts. */
-void work_across(const struct system *system, const struct quintic *p, double t, double *work,
-                 double *drag);
+/* Sets the work of a step from t on in which the velocity changes its sign, in parts. Returns true
+ * if the force jumps there, so that the quintic does not hold. */
+bool work_turn(const struct system *system, const struct quintic *p, double t, double *work,
+               double *drag);
 
 /* Returns true if the quintic of a step from y0 [n] at t to y1 [n] obeys the equations in the
  * middle of the step and twice as many points on it give the same work within `allowed`. */

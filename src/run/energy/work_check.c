@@ -60,7 +60,8 @@ static bool quadrature_converges(const struct work *work, const struct work_done
 static void solve_step(const struct run *run, struct balance *balance, const struct work *work,
                        struct work_done *done, int k)
 {
-    const struct system *system = work->system;
+    struct system turning = *work->system;
+    const struct system *const system = &turning;
     const double t = work_time(work, k), end = work_time(work, k + 1);
     const double tol =
         fmax(fmin(solution_tolerance_max, run->plan.adaptive
@@ -71,6 +72,7 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                allowed = balance->solved++ < SOLVED_STEPS_MAX;
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
+    system_turn_at_kinks(&turning);
     if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, NULL) ||
                     run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, NULL)))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);

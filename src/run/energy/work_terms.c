@@ -331,12 +331,16 @@ static void cosines(const struct work *work, const double *c, struct work_block 
 
 static void turn_across(const struct work *work, const struct work_block *b, struct work_done *done)
 {
-    for (int k = 0; k < work->count; k++)
+    for (int k = 0; k < work->count; k++) {
+        done->jumps[k] = false;
         if (work_turns(work->system, b->v[k], b->v[k + 1]) && b->h[k] != 0) {
             const struct quintic p = {b->h[k],     b->q[k],     b->v[k],    b->a[k],
                                       b->q[k + 1], b->v[k + 1], b->a[k + 1]};
-            work_across(work->system, &p, work_time(work, k), &done->work[k], &done->drag[k]);
+            done->jumps[k] =
+                work_turn(work->system, &p, work_time(work, k), &done->work[k], &done->drag[k]);
         }
+        done->any_jumps |= done->jumps[k];
+    }
 }
 
 bool work_of_terms(const struct work *work, struct work_done *done)

@@ -2,7 +2,8 @@
 /*
  * The energy balance of motions that are right is 0, however long the steps are: 200 random linear
  * scenes solved in closed form (overdamped ones among them, and steps up to three periods) and 60
- * with a force that jumps in time, whose states are checked against a closed form, too.
+ * with a force that jumps in time and 60 with one that jumps in the state, whose states are checked
+ * against a closed form, too.
  */
 #include "unit/run/fixture.h"
 
@@ -108,11 +109,82 @@ static void test_jumping_forces_balance(void **state)
     }
 }
 
+/* y'' = -omega^2 (y - centre s), s = sign(a y + b v - c), from one switch to the next: between them
+ * y - centre s = R cos p and v = -omega R sin p, p growing as omega t. None of these slides. */
+static void solve_switching(double omega, double centre, const double line[3], double end,
+                            double *y)
+{
+    const double length = hypot(line[0], line[1] * omega), turned = atan2(line[1] * omega, line[0]);
+    double t = 0, side = line[0] * y[0] + line[1] * y[1] - line[2];
+    /* at rest on the line it moves to where it is drawn */
+    double s = side != 0 ? copysign(1, side) : copysign(1, -line[1] * y[0]);
+    while (t < end) {
+        const double q = y[0] - centre * s, u = y[1] / omega, radius = hypot(q, u),
+                     angle = atan2(-u, q),
+                     level = (line[2] - line[0] * centre * s) / (length * radius);
+        double next = 4 * PI;
+        for (int k = -1; k <= 1 && fabs(level) < 1; k += 2) {
+            const double ahead = fmod(k * acos(level) - turned - angle + 8 * PI, 2 * PI);
+            if (ahead > 1e-9 && ahead < 2 * PI - 1e-9)
+                next = fmin(next, ahead);
+        }
+        const bool ends = next > omega * (end - t);
+        const double turn = ends ? omega * (end - t) : next;
+        y[0] = centre * s + radius * cos(angle + turn);
+        y[1] = -omega * radius * sin(angle + turn);
+        t = ends ? end : t + turn / omega;
+        s = -s;
+    }
+}
+
+static void test_switching_forces_balance(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"gauss6", "dop853", "radau5", "dopri5", "rodas5p"};
+    const double k = 15, omega = sqrt(75), end = 6;
+    for (int i = 0; i < 60; i++) {
+        struct error error = {0};
+        struct typed_models *models = typed_create(&error);
+        struct scene scene = spring();
+        /* by position, velocity, both; dry friction that does not stop it, and what drives it */
+        const int kind = i / 5 % 5;
+        const double line[] = {kind == 0 || kind == 2, kind == 0 ? 0 : uniform(0.05, 0.2),
+                               kind >= 3 ? 0 : uniform(-0.01, 0.01)},
+                     force = kind == 3 ? uniform(-0.01, -0.003) : uniform(0.01, 0.2);
+        char text[160];
+        if (kind >= 3)
+            snprintf(text, sizeof text, "force %.17g*sign(v)", force);
+        else
+            snprintf(text, sizeof text, "force %.17g*sign(%.17g*y + %.17g*v - %.17g)", force,
+                     line[0], line[1], line[2]);
+        const struct typed_line typed = typing_line(text_of(text));
+        const struct model *model = typed_add(models, scene.model, &typed, &error);
+        assert_non_null(model);
+        scene_remodel(&scene, model);
+        const char *method = methods[i % (int)COUNT_OF(methods)];
+        const struct run_settings settings = {.dt = 4e-3, .tol = i % 5 % 2 ? 1e-12 : 0};
+        struct run *run = start(&scene, method, settings, end);
+        struct ledger ledger;
+        double y[] = {0.05, 0};
+        go_to(run, end);
+        run_ledger(run, &ledger);
+        solve_switching(omega, force / k, line, end, y);
+        const double apart = hypot(run->y[0] - y[0], (run->y[1] - y[1]) / omega);
+        if (apart > 1e-9)
+            fail_msg("%d: %s, %s: the state is off by %g", i, method, text, apart);
+        if (!(ledger.error_max <= 5e-8))
+            fail_msg("%d: %s, %s: the balance is off by %g", i, method, text, ledger.error_max);
+        run_destroy(run);
+        typed_destroy(models);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_forms_balance),
         cmocka_unit_test(test_jumping_forces_balance),
+        cmocka_unit_test(test_switching_forces_balance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
