@@ -2,6 +2,7 @@
 /* order: fixed steps from coarse to fine, and the slope of the errors where it means something. */
 #include "study/compare/verify.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,7 @@
 #define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
 #define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
-#define KINK 0.05             /* a change above that of slopes alike before is of rounding */
+#define KINK 0.02             /* a change above that of slopes alike before is of rounding */
 #define COST_MAX 6e6          /* of one solve */
 #define HIGH 5                /* from this order on the steps of the sweep are closer together */
 
@@ -243,34 +244,49 @@ static bool fit_window(struct order *order, int last, int size)
     return true;
 }
 
-/* Returns true if the slope changes at a point far more than at the one before, as it does where
- * rounding is met. */
+/*
+ * Returns true if the slope changes at a point far more than at the one before it, as it does where
+ * rounding is met. What rounding takes from the slope p grows as h^-p, and what a next term of the
+ * error adds changes far more slowly.
+ */
 static bool has_kink(const struct order_point *point)
 {
     const double change = fabs(point[0].slope - point[-1].slope),
-                 before = fabs(point[-1].slope - point[-2].slope);
-    return change > KINK && change > 2 * before;
+                 before = fabs(point[-1].slope - point[-2].slope),
+                 growth = pow(point[-1].dt / point[0].dt, fabs(point[-1].slope) / 2);
+    return change > KINK && change > fmax(2, growth) * before;
 }
 
-/* Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
+/* Returns the error below which a point may have traces of rounding, which grows with the number of
+ * steps. */
+static double suspect_level(const struct order *order, const struct order_point *point)
+{
+    return SUSPECT * fmax(rounding_level(order), DBL_EPSILON * (double)point->steps);
+}
+
+/*
+ * Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
  * Methods differ in what rounding does to them: points next to its level may be left out. Returns
- * how many are.
+ * false if some were left out that are not where rounding bends the line.
  */
-static int choose_window(struct order *order, int size)
+static bool choose_window(struct order *order, int size)
 {
     int last;
-    int usable = usable_points(order, &last), omitted = 0;
-    const double level = SUSPECT * rounding_level(order);
+    int usable = usable_points(order, &last);
+    bool only_kinks = true;
     order->unsettled = usable >= LEAST;
-    for (; usable >= LEAST; usable--, last--, omitted++) {
-        const bool kink = usable > LEAST && has_kink(&order->point[last]);
+    for (; usable >= LEAST; usable--, last--) {
+        const struct order_point *finest = &order->point[last];
+        const bool suspect = finest->error <= suspect_level(order, finest),
+                   kink = usable > LEAST && suspect && has_kink(finest);
         for (int n = size < usable ? size : usable; n >= LEAST && !kink; n--)
             if (fit_window(order, last, n))
-                return omitted;
-        if (order->point[last].error > level)
+                return only_kinks;
+        if (!suspect)
             break;
+        only_kinks = only_kinks && kink;
     }
-    return omitted;
+    return only_kinks;
 }
 
 /*
@@ -296,9 +312,9 @@ static void forget_window(struct order *order)
         order->point[i].fitted = false;
 }
 
-/* A window that leaves out finer points, or has few of its own, may confirm the claim, but not
+/* A window that is not `finest` above rounding, or has few points, may confirm the claim, but not
  * refute it. */
-static enum order_verdict judge(struct order *order, int omitted)
+static enum order_verdict judge(struct order *order, bool finest)
 {
     bool exact = order->points > 0;
     for (int i = 0; i < order->points; i++)
@@ -308,7 +324,7 @@ static enum order_verdict judge(struct order *order, int omitted)
     const double near = fmax(AGREES, AGREES_SHARE * order->claimed);
     if (order->fitted && fabs(order->slope - order->claimed) <= fmax(near, 2 * order->guard))
         return ORDER_AGREES;
-    if (order->fitted && (omitted > 0 || order->fitted < WINDOW || slopes_approach_claim(order)))
+    if (order->fitted && (!finest || order->fitted < WINDOW || slopes_approach_claim(order)))
         forget_window(order);
     if (order->fitted == 0)
         return order->unsettled ? ORDER_ERRATIC : ORDER_NO_RANGE;
@@ -360,8 +376,8 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
     free(grid);
     if (!ok)
         return false;
-    const int omitted = choose_window(order, order->claimed >= HIGH ? WINDOW + 1 : WINDOW);
-    order->verdict = judge(order, omitted);
+    const bool finest = choose_window(order, order->claimed >= HIGH ? WINDOW + 1 : WINDOW);
+    order->verdict = judge(order, finest);
     return true;
 }
 

@@ -164,6 +164,10 @@ void order_explain(const struct system *system, bool rests, struct order *order)
         snprintf(order->words, size, "%s", jumps);
     else if (misses)
         explain_sizes(system, order);
+    else if (order->verdict == ORDER_HIGHER && system->linear && system->autonomous)
+        snprintf(order->words, size,
+                 "the scene is linear: only the method's stability function counts there, and its "
+                 "order is higher than that of the method");
     else if (order->verdict == ORDER_AGREES)
         explain_plateau(system, order);
 }

@@ -76,6 +76,34 @@ static void test_known_orders_are_not_refuted(void **state)
     assert_true(found >= 0.8 * tried);
 }
 
+/* The stability function of rodas5p is that of order 6: on a linear scene the error falls with it,
+ * which is measured and told why. bdf3 rounds in its last steps of very many. */
+static void test_slopes_above_rounding_are_enough(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *method;
+        double duration, order;
+    } cases[] = {
+        {"spring", "rodas5p", 2, 6},   {"spring", "rodas5p", 3, 6},   {"spring", "rodas5p", 5, 6},
+        {"spring", "rodas5p", 7.3, 6}, {"spring", "rodas5p", 10, 6},  {"damped", "rodas5p", 4, 6},
+        {"pendulum", "bdf3", 10, 3},   {"pendulum", "rodas5p", 8, 5}, {"spring", "bdf3", 10, 3},
+        {"spring", "rodas4", 10, 4},   {"damped", "rodas4", 6, 4},    {"pendulum", "bdf3", 6, 3},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const struct scene scene = scene_with(cases[i].scene, NO_SETTINGS);
+        const struct order order =
+            measure(&scene, cases[i].method, DRAG_DEFAULT, cases[i].duration);
+        if (!(fabs(order.slope - cases[i].order) < 0.06 && order.guard < 0.06))
+            fail_msg("%s on %s, %g s: %g +- %g", cases[i].method, cases[i].scene, cases[i].duration,
+                     order.slope, order.guard);
+        assert_int_equal(order.verdict,
+                         cases[i].order > order.claimed ? ORDER_HIGHER : ORDER_AGREES);
+        if (order.verdict == ORDER_HIGHER)
+            assert_non_null(strstr(order.words, "the scene is linear"));
+    }
+}
+
 /* A row that claims more than it holds is found out. */
 static void test_a_wrong_claim(void **state)
 {
@@ -212,6 +240,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_orders_as_claimed),
         cmocka_unit_test(test_known_orders_are_not_refuted),
+        cmocka_unit_test(test_slopes_above_rounding_are_enough),
         cmocka_unit_test(test_a_wrong_claim),
         cmocka_unit_test(test_explicit_drag_is_first_order),
         cmocka_unit_test(test_quadratic_drag),
