@@ -100,11 +100,54 @@ static void stopped_by_a_hand(void **state)
     }
 }
 
+/* Returns where a sine of the period that is stopped after `moving` periods rests, in samples of
+ * which 50 make a period; `all` if nowhere. */
+static size_t quiet_from(double period, double moving, size_t all,
+                         size_t (*judge)(const struct motion_rows *, double))
+{
+    uint64_t seed = 7;
+    for (size_t i = 0; i < all; i++) {
+        const double swings = (double)i / 50;
+        t[i] = swings * period;
+        y[i] = (swings < moving ? cos(TWO_PI * swings) : 0) + 1e-3 * normal_from(&seed);
+    }
+    return judge(&(struct motion_rows){t, y, mask, 0, all}, period);
+}
+
+/* The unit of time does not matter: powers of two change no digit. */
+static void any_period(void **state)
+{
+    size_t (*const judges[])(const struct motion_rows *, double) = {motion_quiet, motion_rest};
+    (void)state;
+    for (size_t j = 0; j < 2; j++)
+        for (double moving = 0.5; moving < 12; moving += 0.5) {
+            const size_t rest = quiet_from(1, moving, 600, judges[j]);
+            for (int power = -40; power <= 40; power += 5)
+                assert_int_equal(quiet_from(ldexp(1, power), moving, 600, judges[j]), rest);
+        }
+}
+
+/* Two periods of rest and two of motion before it, within half a period. */
+static void two_periods_of_both(void **state)
+{
+    (void)state;
+    for (double moving = 0; moving <= 10; moving += 0.5) {
+        const size_t rest = quiet_from(1, moving, 500, motion_quiet);
+        if (moving < 2 || moving > 8)
+            assert_int_equal(rest, 500);
+        else if (moving > 3 && moving < 7.5)
+            assert_true(fabs((double)rest - 50 * moving) <= 25);
+    }
+    assert_int_equal(quiet_from(1, 1.9, 199, motion_quiet), 199); /* too short for both */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(damped_sine_never_rests),
                                        cmocka_unit_test(few_samples_a_period_do_not_rest),
                                        cmocka_unit_test(dry_friction_rests),
-                                       cmocka_unit_test(stopped_by_a_hand)};
+                                       cmocka_unit_test(stopped_by_a_hand),
+                                       cmocka_unit_test(any_period),
+                                       cmocka_unit_test(two_periods_of_both)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
