@@ -15,6 +15,7 @@ enum { PEAKS_MAX = 12, BLOCKS = 16, BLOCK_MIN = 4096, PERIODS_IN_BLOCK = 4 * PEA
 struct blocks {
     double *y;
     size_t count, length;
+    size_t begin;  /* the sample of each from which on the correlation sums */
     double period; /* [samples] */
     double whole; /* [samples] of whole periods that the correlation sums over; 0: as many as fit */
     double *product, *squares; /* [length], [length + 1], by shift, of all of them; NULL: not yet */
@@ -76,7 +77,7 @@ static double correlation(const struct blocks *b, size_t shift)
                                                          : most;
     const size_t n = (size_t)used;
     double product = 0, first = 0, second = 0;
-    for (const double *y = b->y; y < b->y + b->count * b->length; y += b->length)
+    for (const double *y = b->y + b->begin; y < b->y + b->count * b->length; y += b->length)
         for (size_t i = 0; i <= n; i++) {
             const double part = i < n ? 1 : used - (double)n;
             product += part * y[i] * y[i + shift];
@@ -157,6 +158,17 @@ static bool climb(struct climb *c, const struct blocks *b, size_t most)
     return true;
 }
 
+/* Returns how far the top lies from the middle one of three correlations [samples]: that of a
+ * cosine. Sets *doubt to how far off the top of a parabola is. */
+static double top_between(const double value[3], double period, double *doubt)
+{
+    const double angle = TWO_PI / period,
+                 parabola = 0.5 * (value[0] - value[2]) / (value[0] - 2 * value[1] + value[2]),
+                 cosine = atan((value[2] - value[0]) / (2 * value[1] * sin(angle))) / angle;
+    *doubt = fabs(cosine - parabola);
+    return cosine;
+}
+
 /*
  * The shift of the highest correlation within a quarter of a period, uphill from where it is
  * expected; NAN: at the border. A long way goes by the table. Between the samples the peak of a
@@ -172,7 +184,8 @@ static double peak_about(struct blocks *b, double shift, struct arena *arena, do
         return NAN;
     c.at = (size_t)fmin(fmax(nearbyint(shift), (double)c.low + 1), (double)c.high - 1);
     /* the same samples at neighbouring shifts */
-    b->whole = floor(((double)b->length - 1 - shift - 0.25 * b->period) / b->period) * b->period;
+    b->whole = floor(((double)b->length - 1 - shift - 0.5 * b->period) / b->period) * b->period;
+    b->begin = 0;
     bool top = climb(&c, b, FEW_STEPS);
     const bool inside = c.at > c.low && c.at < c.high;
     if (!top && inside && !cancelled(b->cancel) && (b->product || tabulate(b, arena))) {
@@ -183,11 +196,18 @@ static double peak_about(struct blocks *b, double shift, struct arena *arena, do
     }
     if (!top)
         return NAN;
-    const double *v = c.value, angle = TWO_PI / b->period,
-                 parabola = 0.5 * (v[0] - v[2]) / (v[0] - 2 * v[1] + v[2]),
-                 cosine = atan((v[2] - v[0]) / (2 * v[1] * sin(angle))) / angle;
-    *doubt = fabs(cosine - parabola);
-    return (double)c.at + cosine;
+    const double cosine = top_between(c.value, b->period, doubt);
+    if (!(b->whole > 0))
+        return (double)c.at + cosine;
+    /* What a changing amplitude does at the ends has the other sign a quarter period later. */
+    double later_doubt;
+    b->begin = (size_t)(0.25 * b->period);
+    for (size_t k = 0; k < 3; k++)
+        c.value[k] = correlation(b, c.at + k - 1);
+    b->begin = 0;
+    const double later = top_between(c.value, b->period, &later_doubt);
+    *doubt += 0.25 * fabs(later - cosine);
+    return (double)c.at + 0.5 * (cosine + later);
 }
 
 /*

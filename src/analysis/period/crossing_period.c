@@ -9,8 +9,10 @@ enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
 
 /* Relative: how far the times between crossings of a wave without noise may differ, */
 static const double regular_exact = 0.01;
-/* and those of samples that may be noisy: crossings of noise are never so regular. */
+/* and those of samples that may be noisy: crossings of noise are never so regular, */
 static const double regular_noisy = 1e-4;
+/* but for a few of them by chance. */
+static const size_t crossings_noisy_min = 7;
 /* Samples a period from which on a quintic places crossings to rounding. */
 static const double smooth_samples = 20;
 
@@ -197,7 +199,10 @@ static bool repeats_after(const struct crossing *up, size_t count, size_t patter
 static size_t crossing_pattern(const struct crossing *up, size_t count, double regular)
 {
     /* noise crosses, too, and some pattern of many repeats by chance */
-    const size_t most = regular == regular_noisy ? 1 : PATTERN_MAX;
+    const bool noisy = regular == regular_noisy;
+    const size_t most = noisy ? 1 : PATTERN_MAX;
+    if (noisy && count < crossings_noisy_min)
+        return 0;
     for (size_t pattern = 1; pattern <= most; pattern++)
         if (repeats_after(up, count, pattern, regular))
             return pattern;

@@ -40,6 +40,19 @@ bool wave_period(const struct series *series, bool exact, struct arena *arena,
  */
 bool smooth_period(const struct series *series, struct arena *arena, struct period *period);
 
+/* ---- bent_sine.c ---- */
+
+/* Returns true if the amplitude changes and one damped sine explains nearly all: what it leaves is
+ * an envelope that is not exponential. */
+bool motion_is_decaying(const struct motion *motion);
+
+/*
+ * Corrects and widens the period of a decaying motion by what an envelope that is not exponential
+ * leaves open. is_poor: one damped sine leaves more than noise.
+ */
+void period_widen_by_envelope(const struct motion *motion, bool is_poor, struct arena *arena,
+                              struct period *period);
+
 /* ---- cycle.c ---- */
 
 enum {

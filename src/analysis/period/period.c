@@ -34,28 +34,6 @@ enum {
 #define EDGE 0.4
 #define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
 
-/* Returns half the difference of the periods that a damped sine finds in the two halves, where it
- * is more than chance, else 0: an envelope that is not exponential shifts each of them. */
-static double halves_doubt(const struct motion *m)
-{
-    struct measured half[2];
-    for (size_t i = 0; i < 2; i++) {
-        const size_t n = m->samples.n;
-        const struct samples part = samples_part(&m->samples, i * (n / 2), i ? n : n / 2);
-        struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
-        h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
-        if (!harmonic_fit(&part, FREE_GAMMA, &h, m->scratch) || !h.converged)
-            return 0;
-        half[i] = (struct measured){TWO_PI / h.omega, TWO_PI / (h.omega * h.omega) *
-                                                          harmonic_sigma(&h, FREE_GAMMA) *
-                                                          sqrt(h.inverse[RATE_OMEGA][RATE_OMEGA])};
-    }
-    const double difference = fabs(half[0].value - half[1].value);
-    return difference > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty)
-               ? 0.5 * difference
-               : 0;
-}
-
 /* Of one damped sine, where there are too few windows for a line through their phases. */
 static bool whole_period(const struct motion *m, struct period *period)
 {
@@ -71,8 +49,7 @@ static bool whole_period(const struct motion *m, struct period *period)
     /* what rests has no periods */
     const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1];
     *period = (struct period){
-        .period = {TWO_PI / h->omega,
-                   fmax(TWO_PI / (h->omega * h->omega) * sigma, halves_doubt(m))},
+        .period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
         .first = x->t[0],
         .last = last,
         .periods = floor(fmin(m->overview.periods, (last - x->t[0]) * h->omega / TWO_PI + 0.01)),
@@ -177,7 +154,8 @@ static bool sine_period(const struct series *series, struct motion *m, struct ar
     struct error ignored;
     if (overview_is_exact(&m->overview))
         return crossing_period(series, &m->overview, arena, period, &ignored);
-    return phase_period(m, arena, period) || (!is_poor(m) && whole_period(m, period));
+    return phase_period(m, arena, period) ||
+           ((!is_poor(m) || motion_is_decaying(m)) && whole_period(m, period));
 }
 
 /* Of many samples, in a few passes. False: no memory, or the slower way has to judge. */
@@ -386,7 +364,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
 {
     struct motion m;
     struct lags lags;
-    bool exact = false, follows = false, shaped = false;
+    bool exact = false, follows = false, shaped = false, has_motion = false;
     /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
     if (series_is_uneven(series) && wave_period(series, true, arena, period))
         return true;
@@ -397,6 +375,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         exact = overview_is_exact(&m.overview);
         *pace = m.samples.pace;
         found = m.overview.oscillates && sine_period(series, &m, arena, period);
+        has_motion = true;
         follows = m.tracked;
         shaped = !exact && (follows || is_poor(&m));
     }
@@ -404,8 +383,10 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     if (!found) {
         if (!other_period(series, &m, &lags, arena, period, error))
             return false;
-        if (!exact)
+        if (!exact) {
             widen_by_edges(series, period);
+            period_widen_by_envelope(&m, is_poor(&m), arena, period);
+        }
         return true;
     }
     struct period part;
@@ -419,6 +400,8 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         prefer_cycles(series, arena, period);
         widen_by_edges(series, period);
     }
+    if (has_motion && !exact)
+        period_widen_by_envelope(&m, is_poor(&m), arena, period);
     return true;
 }
 

@@ -69,4 +69,15 @@ bool track_long(const struct samples *samples, struct arena *arena, struct track
  */
 bool track_period(const struct track *track, struct arena *arena, struct period *period);
 
+/*
+ * Returns how much longer the period of a span [s] may seem than it is, relative to it, where the
+ * decay rate r = -A'/A rises by `rise` [1/s] over it: as under dry friction, which delays the phase
+ * by up to 1.8 r/omega (linear and quadratic drag do not).
+ */
+double friction_delay(double rise, double omega, double span);
+
+/* Adds to the uncertainty that the period may be up to `late` [s] too long, with a warning where
+ * that is most of it. */
+void period_widen_by_friction(struct period *period, double late);
+
 #endif

@@ -13,13 +13,12 @@
 
 enum { PHASES_MIN = 4, POWERS = 3 };
 
-#define FAR_OFF 6.0  /* robust standard deviations */
-#define GAP 2.5      /* of the usual distance between phases */
-#define NORMAL 1.96  /* of a 95 % interval */
-#define RARELY 1e-5  /* the chance of scatter so small that it is none */
-#define BENDS_AT 4.0 /* standard deviations of the curvature */
-#define RISES_AT 3.0 /* standard deviations of the curvature of log A */
-#define LATE 1.8
+#define FAR_OFF 6.0    /* robust standard deviations */
+#define GAP 2.5        /* of the usual distance between phases */
+#define NORMAL 1.96    /* of a 95 % interval */
+#define RARELY 1e-5    /* the chance of scatter so small that it is none */
+#define BENDS_AT 4.0   /* standard deviations of the curvature */
+#define RISES_AT 3.0   /* standard deviations of the curvature of log A */
 #define BENDS_MIN 1e-4 /* relative change of the period over the recording that is worth a word */
 
 struct phases {
@@ -229,11 +228,23 @@ static double slope_sigma(const struct phase_polynomial *line)
     return line->sigma[1] * fmax(widen, chance ? 1 / sqrt(line->variance) : 0);
 }
 
-/*
- * How much longer the period may seem than it is, relative to it: under dry friction the decay rate
- * r = -A'/A rises and with it the delay of the phase, by up to LATE dr/omega (1.4 to 1.8 in
- * recordings whose motion is known; linear and quadratic drag have none).
- */
+double friction_delay(double rise, double omega, double span)
+{
+    static const double late = 1.8; /* 1.4 to 1.8 in recordings whose motion is known */
+    return late * rise / (omega * omega * span);
+}
+
+void period_widen_by_friction(struct period *period, double late)
+{
+    if (late > NORMAL * period->period.uncertainty && !period->warning[0])
+        snprintf(period->warning, sizeof period->warning,
+                 "the decay speeds up, as under dry friction, which delays the phases: T may be up "
+                 "to %.2g s too long ('fit drag' knows)",
+                 late);
+    period->period.uncertainty = hypot(period->period.uncertainty, late / NORMAL);
+}
+
+/* Returns how much longer the period may seem than it is, relative to it, by the bend of ln A. */
 static double delay_of_friction(const struct track *track, struct phases *p, double omega,
                                 double *scratch, unsigned char *use)
 {
@@ -251,7 +262,7 @@ static double delay_of_friction(const struct track *track, struct phases *p, dou
         return 0;
     }
     const double rise = -4 * decay.coefficient[2] / p->half; /* [1/s] */
-    return LATE * rise / (omega * omega * 2 * p->half);
+    return friction_delay(rise, omega, 2 * p->half);
 }
 
 bool track_period(const struct track *track, struct arena *arena, struct period *out)
@@ -307,13 +318,6 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
         }
     }
     const double late = delay_of_friction(track, &p, omega, scratch, use) * period;
-    if (late > NORMAL * out->period.uncertainty && !out->warning[0]) {
-        snprintf(out->warning, sizeof out->warning,
-                 "the decay speeds up, as under dry friction, which delays the phases: T may be up "
-                 "to %.2g s too "
-                 "long ('fit drag' knows)",
-                 late);
-    }
-    out->period.uncertainty = hypot(out->period.uncertainty, late / NORMAL);
+    period_widen_by_friction(out, late);
     return out->period.value > 0;
 }
