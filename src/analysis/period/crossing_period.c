@@ -7,12 +7,6 @@
 
 enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
 
-/* Relative: how far the times between crossings of a wave without noise may differ, */
-static const double regular_exact = 0.01;
-/* and those of samples that may be noisy: crossings of noise are never so regular, */
-static const double regular_noisy = 1e-4;
-/* but for a few of them by chance. */
-static const size_t crossings_noisy_min = 7;
 /* Samples a period from which on a quintic places crossings to rounding. */
 static const double smooth_samples = 20;
 
@@ -195,16 +189,24 @@ static bool repeats_after(const struct crossing *up, size_t count, size_t patter
     return true;
 }
 
+/* What the times between crossings have to show to be a pattern. */
+struct regularity {
+    double difference; /* relative, at most */
+    size_t longest;    /* crossings in a pattern: noise crosses, too, and many repeat by chance */
+    size_t crossings_min;
+    bool may_settle; /* later crossings may show it alone */
+};
+
+static const struct regularity regularities[] = {
+    [WAVE_EXACT] = {.difference = 0.01, .longest = PATTERN_MAX, .may_settle = true},
+    [WAVE_NOISY] = {.difference = 1e-4, .longest = 1, .crossings_min = 7},
+    [WAVE_NOISY_FEW] = {.difference = 1e-4, .longest = 1}};
+
 /* Returns after how many crossings their times repeat, 0 if after none. */
-static size_t crossing_pattern(const struct crossing *up, size_t count, double regular)
+static size_t crossing_pattern(const struct crossing *up, size_t count, const struct regularity *r)
 {
-    /* noise crosses, too, and some pattern of many repeats by chance */
-    const bool noisy = regular == regular_noisy;
-    const size_t most = noisy ? 1 : PATTERN_MAX;
-    if (noisy && count < crossings_noisy_min)
-        return 0;
-    for (size_t pattern = 1; pattern <= most; pattern++)
-        if (repeats_after(up, count, pattern, regular))
+    for (size_t pattern = 1; pattern <= r->longest && count >= r->crossings_min; pattern++)
+        if (repeats_after(up, count, pattern, r->difference))
             return pattern;
     return 0;
 }
@@ -213,9 +215,8 @@ static size_t crossing_pattern(const struct crossing *up, size_t count, double r
  * Reads the period from the up-crossings of a level (NAN: the middle between the extremes) whose
  * times repeat, from the first crossing on or, if it may settle, from a later one.
  */
-static bool regular_period(const struct series *series, double level, double regular,
-                           bool may_settle, size_t capacity, struct arena *arena,
-                           struct period *period)
+static bool regular_period(const struct series *series, double level, const struct regularity *r,
+                           size_t capacity, struct arena *arena, struct period *period)
 {
     struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
     double *scratch = arena_array(arena, capacity, sizeof *scratch);
@@ -229,10 +230,10 @@ static bool regular_period(const struct series *series, double level, double reg
     }
     o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
     const size_t up = up_crossings(series, &o, o.mean, crossing, capacity);
-    size_t pattern = crossing_pattern(crossing, up, regular);
-    while (may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
+    size_t pattern = crossing_pattern(crossing, up, r);
+    while (r->may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
         first++;
-        pattern = crossing_pattern(crossing + first, up - first, regular);
+        pattern = crossing_pattern(crossing + first, up - first, r);
         pattern = up - first > 2 * pattern + SETTLED_MIN ? pattern : 0;
     }
     if (pattern == 0)
@@ -254,17 +255,18 @@ static bool regular_period(const struct series *series, double level, double reg
     return true;
 }
 
-bool wave_period(const struct series *series, bool exact, struct arena *arena,
+bool wave_period(const struct series *series, enum wave_kind kind, struct arena *arena,
                  struct period *period)
 {
-    return regular_period(series, NAN, exact ? regular_exact : regular_noisy, exact, WAVE_CROSSINGS,
-                          arena, period);
+    return regular_period(series, NAN, &regularities[kind], WAVE_CROSSINGS, arena, period);
 }
 
 bool series_clean_period(const struct series *series, double centre, struct arena *arena,
                          struct period *period)
 {
-    return regular_period(series, centre, regular_exact, false, series->n / 2 + 1, arena, period) &&
+    struct regularity whole = regularities[WAVE_EXACT];
+    whole.may_settle = false;
+    return regular_period(series, centre, &whole, series->n / 2 + 1, arena, period) &&
            period->period.value * (double)(series->n - 1) >=
                smooth_samples * (series->t[series->n - 1] - series->t[0]);
 }

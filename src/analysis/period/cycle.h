@@ -22,13 +22,18 @@ bool crossing_period(const struct series *series, const struct overview *o, stru
 bool fit_beat(const struct crossing *time, size_t count, double guess, double *scratch, bool exact,
               struct period *period, size_t *used);
 
+enum wave_kind {
+    WAVE_EXACT,     /* without noise: its crossings repeat to 1 % */
+    WAVE_NOISY,     /* perhaps noisy: to 1e-4, at least 7 of them, as noise never does */
+    WAVE_NOISY_FEW, /* the same of any number, where nothing else is known: few do so by chance */
+};
+
 /*
- * Reads the period of a wave of any shape that has no noise: the pattern of its up-crossings of the
- * middle between its extremes repeats. exact: to 1 %, else to 1e-4, as noise never does. Where it
- * settles only in the course of the series, the period is that of the end, with a warning. Returns
- * false if nothing repeats or if out of memory.
+ * Reads the period of a wave of any shape: the pattern of its up-crossings of the middle between
+ * its extremes repeats. Where an exact wave settles only in the course of the series, the period is
+ * that of the end, with a warning. Returns false if nothing repeats or if out of memory.
  */
-bool wave_period(const struct series *series, bool exact, struct arena *arena,
+bool wave_period(const struct series *series, enum wave_kind kind, struct arena *arena,
                  struct period *period);
 
 /* ---- smooth_period.c ---- */

@@ -234,17 +234,18 @@ static void take_multiple(const struct series *series, bool exact, const struct 
                           struct arena *arena, struct period *period)
 {
     struct period other;
+    const enum wave_kind kind = exact ? WAVE_EXACT : WAVE_NOISY;
     const double multiple = lags_multiple(lags, period->period.value),
                  guess = multiple * period->period.value;
     if (multiple == 1) {
         /* A wave that is no sine is placed better by its crossings than by phases of sines. */
         if (period->period.uncertainty > SHARP * period->period.value &&
-            wave_period(series, exact, arena, &other) && is_same(&other, guess) &&
+            wave_period(series, kind, arena, &other) && is_same(&other, guess) &&
             other.period.uncertainty < period->period.uncertainty / 10)
             *period = other;
         return;
     }
-    if ((wave_period(series, exact, arena, &other) && is_same(&other, guess)) ||
+    if ((wave_period(series, kind, arena, &other) && is_same(&other, guess)) ||
         cycle_period(series, guess, arena, &other) ||
         (swing_period(series, arena, &other) && is_same(&other, guess))) {
         *period = other;
@@ -269,12 +270,13 @@ static bool other_period(const struct series *series, struct motion *m, const st
                  multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
     const bool beats = lines && pair.left < BEATS_LEAVE &&
                        fabs(log(pair.period[0] / pair.period[1])) < BEATS_RATIO_LOG;
-    if (wave_period(series, exact, arena, period))
+    if (wave_period(series, exact ? WAVE_EXACT : WAVE_NOISY, arena, period))
         return true;
     if (!beats)
         swings = find_swing(series, &swing);
     if ((swings && part_period(series, &swing, arena, period)) ||
-        (!beats && isfinite(guess) && cycle_period(series, multiple * guess, arena, period)))
+        (!beats && isfinite(guess) && cycle_period(series, multiple * guess, arena, period)) ||
+        (!exact && wave_period(series, WAVE_NOISY_FEW, arena, period)))
         return true;
     if (!m->overview.oscillates)
         return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
@@ -366,7 +368,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     struct lags lags;
     bool exact = false, follows = false, shaped = false, has_motion = false;
     /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
-    if (series_is_uneven(series) && wave_period(series, true, arena, period))
+    if (series_is_uneven(series) && wave_period(series, WAVE_EXACT, arena, period))
         return true;
     bool found = series->n > LONG_RECORD && long_period(series, arena, period, pace, &exact);
     if (!found) {
