@@ -9,9 +9,13 @@
 
 #include <math.h>
 
-enum { LOOKS = 64, SHORTER = 40 };
+enum { LOOKS = 64, SHORTER = 40, SHORTER_PULSE = 7 };
 /* Steps that are tried instead; no simple fraction, so that they are no multiple of a period. */
 static const double SHORTER_BY = 0.37;
+
+/* Share of what is missed above which one look has met a pulse: of a force that repeats all miss.
+ */
+static const double few_looks_share = 0.2;
 
 /* Sum over all rates of the squared difference of two derivatives, in units of their sizes. */
 static double difference_squared(const struct system *system, const double *size, const double *a,
@@ -46,7 +50,7 @@ static bool misses_changes(const struct run *run, double h, double share)
     const struct system *system = &run->system;
     const double steps = floor((run->t - system->t0) / h);
     double parabola[LIMIT_VARIABLES], inside[2][LIMIT_VARIABLES], size[LIMIT_VARIABLES] = {0};
-    double missed = 0, varies = 0;
+    double missed = 0, varies = 0, most = 0;
     /* The first pass finds the sizes. */
     for (int k = 0; k < 2 * LOOKS; k++) {
         /* Irrational multiples spread over the run and over the step. */
@@ -61,12 +65,122 @@ static bool misses_changes(const struct run *run, double h, double share)
         }
         if (k < LOOKS)
             continue;
-        missed += difference_squared(system, size, inside[now], parabola);
+        const double difference = difference_squared(system, size, inside[now], parabola);
+        missed += difference;
+        most = fmax(most, difference);
         varies += difference_squared(system, size, inside[now], inside[!now]);
     }
     /* Two independent values differ by sqrt 2 times what each varies by. */
     return varies > LOOKS * FORCE_VARIES_MIN * FORCE_VARIES_MIN &&
-           missed > share * share * varies / 2;
+           missed > share * share * varies / 2 && most <= few_looks_share * missed;
+}
+
+/* ---- pulses in single steps ---- */
+
+/* Points between those of Simpson's rule, and evaluations for all steps that are looked at: at
+ * least so many, and more in a run of very many. */
+enum { PROBES_MIN = 6, PROBES_MAX = 62, PROBED_EVALS_MIN = 8192, PROBED_EVALS_SHARE = 16 };
+
+/* Share of a variable's size by which a step may miss what the force does in it. */
+static const double step_missed_share = 0.02;
+
+/* Points and weights of rules that see a step as methods of low and of high order do. */
+struct step_rule {
+    double point[3], weight[3];
+};
+static const struct step_rule simpson = {{0, 0.5, 1}, {1. / 6, 4. / 6, 1. / 6}};
+static const struct step_rule gauss = {{0.1127016653792583, 0.5, 0.8872983346207417},
+                                       {5. / 18, 8. / 18, 5. / 18}};
+
+/* Adds to missed [n] what a force that changes in time alone does in the step from t, by the mean
+ * over `probes` points, but for what a rule sees of it. */
+static void add_missed(const struct system *system, double t, double h, int probes,
+                       const struct step_rule *rule, double *missed)
+{
+    double f[LIMIT_VARIABLES];
+    for (int k = 0; k < probes + 3; k++) {
+        const int seen = k - probes;
+        const double theta = seen < 0 ? (k + 0.5) / probes : rule->point[seen],
+                     weight = seen < 0 ? 1. / probes : -rule->weight[seen];
+        system_derivative(system, t + theta * h, system->start, f);
+        for (int i = 0; i < system->n; i++)
+            missed[i] += weight * h * f[i];
+    }
+}
+
+/* Returns what `count` steps of h from t on miss together, as a part of the variable's size where
+ * that is the largest. */
+static double missed_share(const struct system *system, const double *size, double t, double h,
+                           int64_t count, int probes, const struct step_rule *rule)
+{
+    double missed[LIMIT_VARIABLES] = {0}, most = 0;
+    for (int64_t k = 0; k < count; k++)
+        add_missed(system, t + (double)k * h, h, probes, rule, missed);
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, fabs(missed[i]) / size[i]);
+    return most;
+}
+
+/* Returns true if a force that was typed depends on time: a scene's own drive is a cosine. */
+static bool typed_force_has_time(const struct system *system)
+{
+    bool has = false;
+    for (int i = 0; i < system->terms; i++)
+        has = has || (!system->term[i].row->bind && system->term[i].row->flags & TERM_TIME);
+    return has;
+}
+
+int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t evals, int *probes)
+{
+    const int64_t share = evals / PROBED_EVALS_SHARE,
+                  all = share > PROBED_EVALS_MIN ? share : PROBED_EVALS_MIN,
+                  most = all / (PROBES_MIN + 2), looks = steps < most ? steps : most;
+    *probes = PROBES_MIN;
+    if (looks <= 0 || !typed_force_has_time(system))
+        return 0;
+    const int64_t each = all / looks - 2;
+    *probes = each < PROBES_MAX ? (int)each : PROBES_MAX;
+    return looks;
+}
+
+/* Returns true if a step and its neighbours miss a part of what a force does in them, by one of the
+ * rules: what the one misses the next may make good. */
+static bool misses_pulse(const struct run *run, const double *size, double t, double h, int probes)
+{
+    const struct system *system = &run->system;
+    const bool low = run->method->order <= 4;
+    const struct step_rule *rule[] = {&gauss, &simpson};
+    bool misses = false;
+    for (int k = 0; k < 1 + low && !misses; k++)
+        misses = missed_share(system, size, t, h, 1, probes, rule[k]) > step_missed_share &&
+                 missed_share(system, size, t - h, h, 3, probes, rule[k]) > step_missed_share;
+    return misses;
+}
+
+/* Returns true if a step, of those that are looked at, misses a pulse; sets *dt to a step that
+ * does not, NAN if none was found. */
+static bool step_misses_pulse(const struct run *run, double h, double *dt)
+{
+    const struct system *system = &run->system;
+    const double steps = floor((run->t - system->t0) / h);
+    int probes;
+    const int64_t looks = run_probed_steps(system, (int64_t)steps, run->cost.evals, &probes);
+    double size[LIMIT_VARIABLES], t = system->t0;
+    int64_t look = 0;
+    for (int i = 0; i < system->n; i++)
+        size[i] = fmax(system->scale[i], fabs(run->y[i]));
+    for (; look < looks; look++) {
+        t = system->t0 + floor(((double)look + 0.5) * steps / (double)looks) * h;
+        if (misses_pulse(run, size, t, h, probes))
+            break;
+    }
+    for (int k = 1; look < looks && k <= SHORTER_PULSE && isnan(*dt); k++) {
+        const double pieces = ceil(pow(1 / SHORTER_BY, k));
+        if (missed_share(system, size, t, h / pieces, (int64_t)pieces, PROBES_MIN, &simpson) <
+            step_missed_share / 10)
+            *dt = fabs(h) / pieces;
+    }
+    return look < looks;
 }
 
 bool run_force_unresolved(const struct run *run, double *dt)
@@ -75,9 +189,10 @@ bool run_force_unresolved(const struct run *run, double *dt)
     const double h = copysign(run->settings.dt, run->t - system->t0);
     *dt = NAN;
     if (run->plan.adaptive || run->steps < 1 || system->autonomous ||
-        run->method->flags & METHOD_EXACT || method_meets_switches(run->method, system) ||
-        !misses_changes(run, h, FORCE_MISSED_SHARE))
+        run->method->flags & METHOD_EXACT || method_meets_switches(run->method, system))
         return false;
+    if (!misses_changes(run, h, FORCE_MISSED_SHARE))
+        return step_misses_pulse(run, h, dt);
     for (int k = 1; k <= SHORTER && isnan(*dt); k++)
         if (!misses_changes(run, h * pow(SHORTER_BY, k), FORCE_MISSED_SHARE / 10))
             *dt = fabs(h) * pow(SHORTER_BY, k);

@@ -12,9 +12,13 @@
 
 /* Returns true if inside of the steps of a run the force changes in time by other values than the
  * beginning, middle and end of each step show: the steps are too long for it, or a multiple of its
- * period, so that every step sees the same. Then *dt [s] is a step that sees it, NAN if none was
- * found. False for adaptive runs, for exact solutions and where steps end at the jumps of a force.
+ * period, so that every step sees the same, or there is a pulse in one of them. Then *dt [s] is a
+ * step that sees it, NAN if none was found. False for adaptive runs, for exact solutions and where
+ * steps end at the jumps of a force.
  */
 bool run_force_unresolved(const struct run *run, double *dt);
+
+/* Returns how many steps of a run are looked at for pulses, each by 3 evaluations and *probes. */
+int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t evals, int *probes);
 
 #endif

@@ -5,6 +5,7 @@
  * to a factor of about 1.5, which is what a decision needs.
  */
 #include <hooke/run/price.h>
+#include <hooke/run/unresolved.h>
 #include <hooke/scene/typed.h>
 
 #include "run/energy/work.h"
@@ -134,12 +135,18 @@ static double bursts_price(const struct run_scenario *s, const struct run_work *
                : built_in * ways;
 }
 
-/* Instructions for reply_unresolved(): 512 evaluations at other times than those of steps. */
-static double unresolved_price(const struct run_scenario *s)
+/* Instructions for reply_unresolved(): 512 evaluations at other times than those of steps, and some
+ * in each step that is looked at for pulses. */
+static double unresolved_price(const struct run_scenario *s, const struct run_work *work)
 {
     const bool looks =
         !s->plan->adaptive && !s->system->autonomous && !(s->method->flags & METHOD_EXACT);
-    return looks ? 512 * (135 + evaluation_price_called(s->system)) : 0;
+    int probes;
+    const int64_t probed =
+        run_probed_steps(s->system, (int64_t)work->steps, (int64_t)work->evals, &probes);
+    return looks
+               ? (512 + (double)probed * (probes + 3)) * (135 + evaluation_price_called(s->system))
+               : 0;
 }
 
 static double opinion_price(const struct run_scenario *s, const struct run_work *work)
@@ -240,7 +247,7 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
              "set-up and summary");
     list_add(list, singular_price(s, work), "look for steps across singularities");
     list_add(list, bursts_price(s, work), "look for short pulses");
-    list_add(list, unresolved_price(s), "look for forces faster than steps");
+    list_add(list, unresolved_price(s, work), "look for forces faster than steps");
     if (balances(s, work))
         list_add(list, balance_price(s, work),
                  keeps_balance(s, work) ? "energy balance, kept between rows"
