@@ -57,6 +57,16 @@ static void sync_wait(struct autosave *autosave)
     autosave->syncing = false;
 }
 
+/* A picture is drawn by a copy of the process, which inherits every lock that another thread holds
+ * at that moment and then waits for it for ever (as in AddressSanitizer's allocator): none runs. */
+static struct autosave *autosave_of_process;
+
+static void wait_before_fork(void)
+{
+    if (autosave_of_process)
+        sync_wait(autosave_of_process);
+}
+
 /* A file that is not to take this one's place. */
 static void fresh_drop(struct fresh_file *fresh)
 {
@@ -283,6 +293,9 @@ void autosave_begin(struct autosave *autosave, struct session *session)
         autosave->interval = (int64_t)(seconds * 1e9);
         autosave->wished = true;
     }
+    if (!autosave_of_process)
+        pthread_atfork(wait_before_fork, NULL, NULL);
+    autosave_of_process = autosave;
     clear_away();
 }
 
@@ -291,6 +304,7 @@ void autosave_end(struct autosave *autosave)
     if (autosave->fd >= 0)
         fdatasync(autosave->fd);
     close_file(autosave);
+    autosave_of_process = NULL;
     stored_free(&autosave->stored);
     free(autosave->path);
     autosave->path = NULL;

@@ -217,8 +217,8 @@ static void test_iterm(void **state)
     struct buffer picture = {0};
     begin_with_picture(&t, "\033P>|iTerm2 3.5.0\033\\" DA1_SIXEL,
                        "\033]1337;File=inline=1;preserveAspectRatio=1;size=");
-    const size_t size = strtoul(t.seen.data + t.read, NULL, 10);
-    const size_t at = await(&t, ";width=80:") + 10;
+    const size_t number = t.read, at = await(&t, ";width=80:") + 10;
+    const size_t size = strtoul(t.seen.data + number, NULL, 10);
     const size_t stop = await(&t, "\a");
     await(&t, PROMPT);
     drop_base64(t.seen.data + at, stop - at, &picture);
