@@ -334,7 +334,7 @@ check-all: ## the long forms: every allocation, every system call, many syntheti
 	$(Q)$(MAKE) --no-print-directory check LONG=1
 
 # Scripts of which nothing depends on how the program was compiled: texts, packages, what is installed.
-SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages program_names editors)
+SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages program_names editors features)
 
 check-asan: ## the quick tests under AddressSanitizer and UBSan
 	$(Q)$(MAKE) --no-print-directory check CONFIG=asan TEST_SCRIPTS='$(filter-out $(SAME_SCRIPTS),$(TEST_SCRIPTS))'
