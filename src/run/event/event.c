@@ -364,8 +364,8 @@ static void search(struct event_search *look, double from, double value, double 
     watched->sign = roots.sign;
     if (!isnan(look->miss) && !(look->until < 1))
         look->failed |= !responses_add_miss(watch->run, look->event, look->miss);
-    if (roots.unsure && roots.nonzero)
-        doubt(watch->run, look, roots.unsure_from, false);
+    if ((roots.unsure || !path->resolved) && roots.nonzero)
+        doubt(watch->run, look, roots.unsure ? roots.unsure_from : from, false);
     else if (!isnan(look->near))
         doubt(watch->run, look, look->near, true);
     if (roots.unsure)

@@ -94,6 +94,7 @@ void path_begin(struct step_path *path, const struct inside *inside)
     path->inside = *inside;
     path->end_t = run->t;
     path->known = false;
+    path->resolved = true;
     copy_state(path->end, run->y, run->system.n);
 }
 
@@ -153,6 +154,36 @@ static void through_samples(struct step_path *path, int degree)
 /* ---- of a step without a polynomial of its own: states inside of it are steps from its beginning
  */
 
+/* Returns the value of a piece at s from its middle. */
+static double piece_value(const struct path_piece *piece, int variable, int degree, double s)
+{
+    double y = piece->c[degree][variable];
+    for (int k = degree; k-- > 0;)
+        y = y * s + piece->c[k][variable];
+    return y;
+}
+
+/*
+ * Returns true if the polynomial of part k of `pieces` follows the path at one more place: a motion
+ * whose period is a fraction of the step may be the same at all even ones. `resolved` is the share
+ * of the motion that it may be off, beside its error.
+ */
+static bool is_followed(const struct step_path *path, int k, int pieces, double resolved)
+{
+    static const double uneven = 0.6180339887498949; /* of the part */
+    const struct path_piece *piece = &path->piece[k];
+    const double length = 1. / pieces;
+    double y[LIMIT_VARIABLES];
+    bool fine = true;
+    path_state(path, (k + uneven) * length, y);
+    for (int i = 0; i < path->inside.run->system.n && fine; i++) {
+        const double value = piece_value(piece, i, path->degree, (uneven - 0.5) * length);
+        fine = fabs(y[i] - value) <=
+               piece->error[i] + resolved * terms_size(piece, i, 1, path->degree, length / 2);
+    }
+    return fine;
+}
+
 /*
  * Bends the cubic to go through the middle. The error is as large as that changed; returns false if
  * this is too large a share of the motion to bound it.
@@ -174,17 +205,19 @@ static bool through_middle(struct step_path *path)
         piece->c[4][i] = 16 * off;
         piece->error[i] = fabs(off) + ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
     }
-    return fine;
+    return fine && is_followed(path, 0, 1, resolved);
 }
 
 /*
  * Fits the polynomial of part k of `pieces`. Its error is bounded by its last terms: (theta - a) …
  * (theta - b) of the next one is below 1e-2 of the largest power. Returns false if these are too
- * large a share of the motion.
+ * large a share of the motion: bounds of the second derivative, whose error is 1e4 times as large,
+ * must show how the path bends.
  */
 static bool fit_piece(struct step_path *path, int k, int pieces)
 {
-    static const double left_out = 0.1, resolved = 1e-2;
+    static const double left_out = 0.1, smooth = 1e-2, resolved = 1e-7;
+    static const double sample_noise = 2e4 * DBL_EPSILON; /* of a value, in the last terms */
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
     struct path_piece *piece = &path->piece[k];
     const double length = 1. / pieces;
@@ -198,23 +231,22 @@ static bool fit_piece(struct step_path *path, int k, int pieces)
             piece->c[j][i] *= power;
         const double last = terms_size(piece, i, DENSE_DEGREE - 1, DENSE_DEGREE, length / 2),
                      motion = terms_size(piece, i, 1, DENSE_DEGREE, length / 2);
-        const bool smooth = last <= resolved * motion;
-        fine = fine && smooth;
-        piece->error[i] =
-            (smooth ? left_out * last : TAIL * motion) + ROUNDING * (fabs(piece->c[0][i]) + motion);
+        fine = fine && last <= resolved * motion + sample_noise * fabs(piece->c[0][i]);
+        piece->error[i] = (last <= smooth * motion ? left_out * last : TAIL * motion) +
+                          ROUNDING * (fabs(piece->c[0][i]) + motion);
     }
-    return fine;
+    return fine && is_followed(path, k, pieces, resolved);
 }
 
 static void through_pieces(struct step_path *path)
 {
-    bool fine = false;
     path->degree = DENSE_DEGREE;
-    for (path->pieces = 1; !fine; path->pieces *= 2) {
-        fine = true;
-        for (int k = 0; k < path->pieces && (fine || path->pieces == PATH_PIECES_MAX); k++)
-            fine &= fit_piece(path, k, path->pieces);
-        if (fine || path->pieces == PATH_PIECES_MAX)
+    for (path->pieces = 1;; path->pieces *= 2) {
+        path->resolved = true;
+        for (int k = 0; k < path->pieces && (path->resolved || path->pieces == PATH_PIECES_MAX);
+             k++)
+            path->resolved &= fit_piece(path, k, path->pieces);
+        if (path->resolved || path->pieces == PATH_PIECES_MAX)
             return;
     }
 }
@@ -263,11 +295,8 @@ void path_estimate(const struct step_path *path, double theta, double *y)
 {
     double s;
     const struct path_piece *piece = &path->piece[piece_at(path, theta, &s)];
-    for (int i = 0; i < path->inside.run->system.n; i++) {
-        y[i] = piece->c[path->degree][i];
-        for (int k = path->degree; k-- > 0;)
-            y[i] = y[i] * s + piece->c[k][i];
-    }
+    for (int i = 0; i < path->inside.run->system.n; i++)
+        y[i] = piece_value(piece, i, path->degree, s);
 }
 
 /* Returns the bounds from a to b in part k. */

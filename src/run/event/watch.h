@@ -9,7 +9,7 @@
 
 /* ---- path.c ---- */
 
-enum { PATH_PIECES_MAX = 8 };
+enum { PATH_PIECES_MAX = 64 };
 
 /*
  * Describes the step just taken by polynomials of theta, the share of the step, on `pieces` parts
@@ -19,7 +19,8 @@ enum { PATH_PIECES_MAX = 8 };
 struct step_path {
     struct inside inside;
     double end_t;
-    bool known; /* the polynomials were made for this step */
+    bool known;    /* the polynomials were made for this step */
+    bool resolved; /* they, if they were made, show how the step bends */
     int degree, pieces;
     double end[LIMIT_VARIABLES];
     struct path_piece {

@@ -310,10 +310,46 @@ static void test_random_functions(void **state)
     assert_true(f->tried > 60 && f->doubted * 10 < f->tried);
 }
 
+/*
+ * The closed form dips below a level for a moment in each period, in steps from a thirtieth of the
+ * period to twelve of them: polynomials that follow such steps to a few percent do not show it.
+ */
+static void test_short_dips(void **state)
+{
+    struct fixture *f = *state;
+    const struct method *exact =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
+    const int count = is_long() ? 2000 : 100;
+    for (int i = 0; i < count; i++) {
+        /* steps of whole periods begin, end and have their middle at the same state */
+        const double dt = period * (i % 5 ? pow(10, uniform(f, -1.5, 1.1)) : 1 + pick(f, 12)),
+                     depth = pow(10, uniform(f, -8, -1)), end = fmax(3 * dt, 8 * period),
+                     half = acos(1 - depth);
+        struct function g = {.kind = OF_STATE, .form = 0, .c = depth - 1};
+        double root[ROOTS_MAX];
+        int roots = 0;
+        for (double middle = M_PI; middle - half < end; middle += period) {
+            root[roots++] = middle - half;
+            if (middle + half < end)
+                root[roots++] = middle + half;
+        }
+        write_text(&g);
+        struct run *run = go(f, exact, dt, 0, end, g.text, 0);
+        assert_non_null(run);
+        judge(f, &g, run, dt, root, root, roots, 1e-6);
+        assert_int_equal(run_event_doubt(run, 0).steps, 0);
+        run_destroy(run);
+        arena_reset(&f->arena);
+    }
+    print_message("# %d dips: %d missed, %d doubled\n", f->roots / 2, f->missed, f->doubled);
+    assert_int_equal(f->missed + f->doubled, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_random_functions, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_short_dips, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
