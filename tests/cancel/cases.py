@@ -195,6 +195,8 @@ CASES = [
     ("sweep attractor", CHAOS, "sweep rho=20:30:0.01 measure=attractor --force", "", ""),
     ("sweep tol", CHAOS + "; method dop853; duration = 100", "sweep tol=1e-13:1e-3:x1.2 measure=steps", "", ""),
     ("basins", "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t)", "basins x=-2:2:0.002 v=-2:2:0.002", "", ""),
+    ("basins slow drive", "var x = 1; var v = 0; x' = v; v' = sin(3*x)-x^3-0.2*v+0.3*cos(0.01*t)",
+     "basins x=-2:2:0.002 v=-2:2:0.002", "", ""),
     ("sweep threads", CHAOS + "; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", "", ""),
     ("orbit", CHAOS, "orbit", "", ""),
     ("orbit of a family", "scene pendulum", "orbit period=9 s", "", ""),
@@ -265,8 +267,8 @@ for _what in ("k = 5 N/m", "let q = 2*y", "observe p = m*v", "event top when v f
     CASES.append((_what, LARGE, _what, "", "="))
 
 # what a short look takes, of fewer rows
-SHORT = ("load", "collect", "data clean", "plot svg data", "compare", "run until", "zero", "load scene",
-         "export large scene .c")
+SHORT = ("load", "basins slow drive", "collect", "data clean", "plot svg data", "compare", "run until", "zero",
+         "load scene", "export large scene .c")
 
 
 def workbook(path, rows):

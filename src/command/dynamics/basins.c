@@ -62,6 +62,11 @@ static bool read_side(struct session *session, const struct arguments *args, str
     return true;
 }
 
+enum { CANCEL_ROWS = 65536 };
+
+/* Of a search that the user stopped: a table of more rows would keep him waiting. */
+static const int64_t stopped_table_rows_max = 400000;
+
 /* ---- what is said ---- */
 
 static char letter(int fate)
@@ -180,7 +185,7 @@ static void reply_rest(struct reply *reply, const struct basins *basins, const c
     reply_end(reply);
 }
 
-/* A row for each start. */
+/* Returns false if out of memory or if the user stops it: of very many starts it takes a while. */
 static bool make_table(const struct map *map, struct arena *arena, struct table *table)
 {
     static const char *const names[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I",
@@ -195,6 +200,8 @@ static bool make_table(const struct map *map, struct arena *arena, struct table 
     if (!column || !value[0] || !value[1] || !fate)
         return false;
     for (size_t i = 0; i < n; i++) {
+        if (i % CANCEL_ROWS == 0 && !map->basins->cancelled && cancelled(map->request->cancel))
+            return false;
         const int f = map->basins->fate[i];
         value[0][i] = basins_value(map->request, 0, (int64_t)i / up);
         value[1][i] = basins_value(map->request, 1, (int64_t)i % up);
@@ -228,7 +235,8 @@ static void reply_map(const struct map *map, struct reply *reply)
         reply_basin(reply, map, k);
     reply_rest(reply, map->basins, "escapes", map->basins->escaping);
     reply_rest(reply, map->basins, "not decided", map->basins->undecided);
-    if (reply->store && make_table(map, &own, &table))
+    if (reply->store && (!map->basins->cancelled || map->basins->total <= stopped_table_rows_max) &&
+        make_table(map, &own, &table))
         table_store_put(reply->store, "basins", &own, &table);
     arena_reset(&own);
 }
@@ -257,7 +265,6 @@ HANDLER(basins)
                          system.model->variable[0].name);
     if (!basins_find(&request, &basins, error))
         return false;
-    const bool stopped = basins.cancelled;
     if (basins.finished > 0) {
         int width, height;
         session_size(session, &width, &height);
@@ -265,6 +272,7 @@ HANDLER(basins)
                                 asks_full(args) ? 0 : answer_rows(session), width};
         reply_map(&map, reply);
     }
+    const bool stopped = basins.cancelled || cancelled(request.cancel);
     const long long finished = basins.finished, total = basins.total;
     basins_free(&basins);
     return !stopped || error_set(error, ERROR_CANCELLED, "stopped: %lld of %lld starts finished",

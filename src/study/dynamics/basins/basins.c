@@ -187,6 +187,8 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
     }
     for (int look = 1; active > 0 && !cancelled(request->cancel); look++) {
         stepper_advance(stepper, walker, active);
+        if (cancelled(request->cancel)) /* it may have ended anywhere */
+            break;
         basins->looks += active;
         int left = 0;
         for (int k = 0; k < active; k++) {
@@ -245,6 +247,8 @@ static void *walk_all(void *context)
             }
         }
         stepper_advance(stepper, walker, active);
+        if (cancelled(job->request->cancel)) /* it may have ended anywhere */
+            break;
         atomic_fetch_add(&job->looks, active);
         int left = 0;
         for (int k = 0; k < active; k++) {
@@ -315,7 +319,7 @@ static int by_point(const void *a, const void *b)
 /* What the first starts have not shown. */
 static void learn_late(struct basins_job *job, struct basin_walk *walk)
 {
-    if (job->lates > 0)
+    if (job->lates > 0 && !cancelled(job->request->cancel))
         qsort(job->late, job->lates, sizeof *job->late, by_point);
     const int before = walk->attractors;
     for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {

@@ -11,8 +11,9 @@
 #define ALONE_TOL 1e-9
 #define FEWEST 16
 #define MOST 2048
-#define TYPICAL 1e-5 /* of sizes: what twice the steps may change of nine starts of ten, */
-#define WORST 1e-2   /* and of every one */
+#define LOOK_STEPS 256 /* of all lanes: after so many it asks whether to stop */
+#define TYPICAL 1e-5   /* of sizes: what twice the steps may change of nine starts of ten, */
+#define WORST 1e-2     /* and of every one */
 
 struct stepper {
     struct vector_field field; /* alone */
@@ -78,7 +79,8 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
         memcpy(s->system[i].start, walker[i < count ? i : 0].y, bytes);
         lanes_set(s->lanes, i, &s->system[i]);
     }
-    lanes_march(s->lanes, s->steps, NULL);
+    for (int done = 0; done < s->steps && !cancelled(s->field.cancel); done += LOOK_STEPS)
+        lanes_march(s->lanes, s->steps - done < LOOK_STEPS ? s->steps - done : LOOK_STEPS, NULL);
     for (int i = 0; i < count; i++) {
         lanes_state(s->lanes, i, end);
         memcpy(walker[i].y, end, bytes);
