@@ -87,6 +87,49 @@ void table_cells(const struct table *from, size_t rows, struct text_table *table
         }
 }
 
+/* Returns the room that the table takes with that gap; a width below 0 marks what is folded. */
+static int table_width(const struct text_table *table, const int *width, int gap)
+{
+    int wide = table->indent;
+    for (int column = 0; column < table->columns; column++)
+        if (width[column] >= 0)
+            wide += width[column] + (column > 0 ? gap : 0);
+    return wide;
+}
+
+static bool is_same_in_all_rows(const struct text_table *table, int column)
+{
+    const int rows = table->cells / table->columns;
+    for (int row = 2; row < rows; row++)
+        if (strcmp(table->cell[row * table->columns + column],
+                   table->cell[table->columns + column]) != 0)
+            return false;
+    return rows > 2;
+}
+
+/*
+ * Folds columns that have the same in all rows, but for the first, which names them, until the
+ * table fits: marks their widths, and writes what they have.
+ */
+static void fold_columns(const struct text_table *table, int *width, struct buffer *told)
+{
+    for (int column = 1; column < table->columns; column++) {
+        if (table_width(table, width, 1) <= table->max)
+            return;
+        if (!is_same_in_all_rows(table, column))
+            continue;
+        width[column] = -1;
+        buffer_format(told, "%s%s %s", told->len > 0 ? ", " : "in each row: ", table->cell[column],
+                      table->cell[table->columns + column]);
+    }
+}
+
+static void put_blanks(struct buffer *out, int count)
+{
+    for (int i = 0; i < count; i++)
+        buffer_char(out, ' ');
+}
+
 void text_table_put(const struct text_table *table, struct buffer *out)
 {
     int width[TABLE_COLUMNS_MAX] = {0};
@@ -95,24 +138,27 @@ void text_table_put(const struct text_table *table, struct buffer *out)
         int *column = &width[i % table->columns];
         *column = w > *column ? w : *column;
     }
-    int gap = table->gap, wide = table->indent;
-    for (int column = 0; column < table->columns; column++)
-        wide += width[column] + (column > 0 ? gap : 0);
-    for (; table->max > 0 && wide > table->max && gap > 1; gap--)
-        wide -= table->columns - 1;
+    int gap = table->gap;
+    while (table->max > 0 && gap > 1 && table_width(table, width, gap) > table->max)
+        gap--;
+    struct buffer told = {0};
+    if (table->max > 0)
+        fold_columns(table, width, &told);
     for (int i = 0; i < table->cells; i++) {
         const int column = i % table->columns;
-        for (int pad = 0; column == 0 && pad < table->indent; pad++)
-            buffer_char(out, ' ');
-        buffer_put(out, text_of(table->cell[i]));
         const bool last = column == table->columns - 1;
-        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + gap;
-             pad++)
-            buffer_char(out, ' ');
+        put_blanks(out, column == 0 ? table->indent : 0);
+        if (width[column] >= 0) {
+            buffer_put(out, text_of(table->cell[i]));
+            put_blanks(out, last ? 0 : width[column] + gap - text_width(text_of(table->cell[i])));
+        }
         /* No blanks at the end of a line. */
         while (last && out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')
             out->data[--out->len] = '\0';
         if (last)
             buffer_char(out, '\n');
     }
+    if (told.len > 0)
+        buffer_format(out, "%s\n", buffer_view(&told));
+    buffer_free(&told);
 }

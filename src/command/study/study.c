@@ -4,6 +4,7 @@
 #include <hooke/report.h>
 #include "command/internal.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <stdio.h>
@@ -91,17 +92,29 @@ static void put_verdicts(const struct compared_row *rows, int count, struct buff
     }
 }
 
+/* Puts the table, without the columns for much room where its rows would be broken. */
+static void put_compared(const struct compared_row *rows, int count, int width, struct arena *arena,
+                         struct buffer *text)
+{
+    bool broken = false;
+    for (int wide = 1; wide >= 0 && (wide || broken); wide--) {
+        struct text_table table = {.arena = arena, .gap = 3, .max = width};
+        buffer_clear(text);
+        columns_text(&compared_columns, rows, (size_t)count, wide, &table);
+        text_table_put(&table, text);
+        broken = text_rows(buffer_text(text), width) > text_rows(buffer_text(text), INT_MAX);
+    }
+}
+
 static void reply_table(const struct session *session, const struct comparison *from,
                         const struct compared_row *rows, int count, bool brief, struct arena *arena,
                         struct reply *reply)
 {
     int width, height;
     session_size(session, &width, &height);
-    struct text_table table = {.arena = arena, .gap = 3, .max = width};
     struct buffer text = {0};
     enum { BELOW = 5 /* [row] the reference, the machine, the runs' numbers */ };
-    columns_text(&compared_columns, rows, (size_t)count, true, &table);
-    text_table_put(&table, &text);
+    put_compared(rows, count, width, arena, &text);
     bool timed = false;
     for (int i = 0; i < count; i++)
         timed |= isfinite(from[i].time.minimum);

@@ -166,7 +166,7 @@ static const struct result_column columns[] = {
      .index = 9, .heading = "time", .look = cell_seconds},
     {.name = "time_median", AT(by.time.median), .quantity = QUANTITY_TIME},
     {.name = "ns_per_step", .real = step_ns, .index = 10, .heading = "ns/step",
-     .cell = step_time_cell, .flags = COLUMN_IF_ANY, .any = is_timed},
+     .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_timed},
     {.name = "path", .kind = COLUMN_NAME, .text = path_of},
     {.name = "status", .kind = COLUMN_NAME, .text = status_of},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(by.reference_stored),

@@ -224,6 +224,36 @@ static void people_see_columns_in_their_places_where_a_row_has_a_value(void **st
     seen(pendulums, 0, true, "l  by  T  note\n");
 }
 
+/* Gaps shrink first; then columns that are the same in all rows fold, as many as are needed. */
+static void a_table_fits_where_rows_have_the_same(void **state)
+{
+    static const char *const cells[] = {"name", "dt",   "size", "kind", "a",    "1 s", "12",
+                                        "fine", "long", "1 s",  "345",  "fine", NULL};
+    static const struct {
+        int max;
+        const char *expected;
+    } cases[] = {
+        {0, "name   dt    size   kind\na      1 s   12     fine\nlong   1 s   345    fine\n"},
+        {21, "name  dt   size  kind\na     1 s  12    fine\nlong  1 s  345   fine\n"},
+        {18, "name dt  size kind\na    1 s 12   fine\nlong 1 s 345  fine\n"},
+        {17, "name size kind\na    12   fine\nlong 345  fine\nin each row: dt 1 s\n"},
+        {10, "name size\na    12\nlong 345\nin each row: dt 1 s, kind fine\n"},
+        {5, "name size\na    12\nlong 345\nin each row: dt 1 s, kind fine\n"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct arena arena = {0};
+        struct buffer out = {0};
+        struct text_table table = {.arena = &arena, .columns = 4, .gap = 3, .max = cases[i].max};
+        for (int c = 0; cells[c]; c++)
+            cell_text(&table, cells[c]);
+        text_table_put(&table, &out);
+        assert_string_equal(buffer_view(&out), cases[i].expected);
+        buffer_free(&out);
+        arena_reset(&arena);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -232,6 +262,7 @@ int main(void)
         cmocka_unit_test(markdown_shows_text_as_text),
         cmocka_unit_test(html_and_latex_show_text_as_text),
         cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
+        cmocka_unit_test(a_table_fits_where_rows_have_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
