@@ -261,6 +261,7 @@ static int run(const struct options *options)
             talk(&program, kind);
             buffer_free(&program.offer);
             buffer_free(&program.later);
+            buffer_free(&program.passed);
         } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }

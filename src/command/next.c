@@ -20,7 +20,8 @@ struct done { /* since the recording was loaded; one statement a line */
     bool decays; /* it is the long one */
 };
 
-/* A stage follows the last statement that begins with `after`, until one begins with `until`. */
+/* A stage follows the last statement that begins with `after`, until one begins with `until`, or
+ * with what ends a later stage. */
 struct stage {
     const char *after, *until;
     enum { EITHER, FIRST, SECOND } part; /* of the lab: without damping, with it */
@@ -169,16 +170,25 @@ void command_next(const struct session *session, struct buffer *line)
         done.script.at = loaded;
         done.decays = span(done.recording) > LONG_S;
         const int part = done.decays ? SECOND : FIRST;
-        for (size_t i = 0; i < COUNT_OF(stages) && line->len == 0; i++) {
+        const struct stage *due = NULL;
+        const char *due_after = NULL;
+        for (size_t i = 0; i < COUNT_OF(stages); i++) {
             const char *after = last(done.script, stages[i].after);
             const char *until = last(done.script, stages[i].until);
             if (stages[i].part != EITHER && (int)stages[i].part != part)
                 continue;
             if (!after || (after[0] == 'r' && !session_run(session)))
                 break;
-            if (!until || until < after)
-                stages[i].put(&done, line);
+            const bool is_done = until && until >= after;
+            if (is_done && due && until > due_after)
+                due = NULL; /* it was passed over */
+            if (!is_done && !due) {
+                due = &stages[i];
+                due_after = after;
+            }
         }
+        if (due)
+            due->put(&done, line);
     }
     buffer_free(&script);
 }

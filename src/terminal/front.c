@@ -122,6 +122,12 @@ void offer_next(struct front_program *program, int room)
         command_next(session, offer);
     }
     buffer_clear(later);
+    if (!session->lesson && text_is(buffer_text(offer), buffer_view(&program->passed))) {
+        buffer_clear(offer); /* it was shown, and something else was typed */
+        return;
+    }
+    buffer_clear(&program->passed);
+    buffer_put(&program->passed, buffer_text(offer));
     const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER)));
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
@@ -129,6 +135,7 @@ void offer_next(struct front_program *program, int room)
     }
     if (fits == 0 || offer->failed || later->failed) {
         buffer_clear(offer);
+        buffer_clear(&program->passed);
     } else {
         offer->len = fits;
         offer->data[fits] = '\0';
@@ -147,6 +154,7 @@ char *offer_take(struct front_program *program, char *typed)
             free(typed);
             typed = taken;
         }
+        buffer_clear(&program->passed);
     } else {
         buffer_clear(&program->later);
     }

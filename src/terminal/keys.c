@@ -256,6 +256,7 @@ static void say_enter(const struct session *session, int count, struct buffer *l
     }
     buffer_put(line, buffer_text(&panes_active->program->offer));
     buffer_clear(&panes_active->program->offer);
+    buffer_clear(&panes_active->program->passed);
 }
 
 /* ---- the table

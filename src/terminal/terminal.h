@@ -155,6 +155,7 @@ struct front_program {
     enum front_kind next; /* set by `plain` and `panes`: who takes over */
     struct buffer offer;  /* the line that an empty Enter takes: it is shown */
     struct buffer later;  /* what there was no room for, offered when that was taken */
+    struct buffer passed; /* the last offer, as long as it is not taken: it is shown once */
 };
 
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
@@ -169,7 +170,8 @@ void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
 /* After a typed line: says what command_next() says, which an empty Enter then takes; `room`: for
  * so many cells of it, as all must be seen that is taken: where there is room for the first
- * statements only, those. 0 also where something was typed before it could be seen. */
+ * statements only, those. 0 also where something was typed before it could be seen. Says nothing
+ * where it would say the same as after the line before. */
 void offer_next(struct front_program *program, int room);
 /* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
  * malloc()ed, and so is the result, in its place. */

@@ -167,6 +167,44 @@ static void test_unseen(void **state)
     assert_int_equal(chdir(home), 0);
 }
 
+/* What was passed over is not offered any more, and what was not taken not again. */
+static void test_passed_over(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    in_folder(folder);
+    begin(&p,
+          (struct start){.argument = {"--plain", "--color", "never"}, .width = 120, .height = 40});
+    await_prompt(&p, 0);
+    static const struct {
+        const char *line, *offer;
+    } steps[] = {
+        {"load bare.txt\r", "next (Enter): plot position data bare; measure period"},
+        {"print 7*13\r", NULL},
+        {"measure period\r", NULL},
+        {"m = 200 g; fit damped\r", "next (Enter): adopt"},
+        {"print 7*13\r", NULL},
+        {"adopt\r", "next (Enter): method euler"},
+        {"run 10 s\r", "next (Enter): plot position; plot velocity; plot phase"},
+        {"compare euler verlet\r", NULL},
+        {"print 7*13\r", NULL},
+        {"fit damped\r", "next (Enter): adopt"}, /* again */
+        {"load bare.txt\r", "next (Enter): plot position data"},
+    };
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        const size_t before = p.raw.len;
+        type(&p, steps[i].line);
+        await_prompt(&p, before);
+        const char *shown = strstr(p.raw.data + before, "next (Enter)");
+        if (steps[i].offer ? !shown || strncmp(shown, steps[i].offer, strlen(steps[i].offer)) != 0
+                           : shown != NULL)
+            fail_msg("%s: %.80s", steps[i].line, shown ? shown : "no offer");
+    }
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
 /* What is long is read on the whole screen: to its end, where the offer stands. A page is turned
  * once: a blank too many would be typed ahead, and then nothing is offered. */
 static void await_offer(struct person *p, const char *offer)
@@ -393,9 +431,13 @@ static void test_lesson_in_panes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lab),          cmocka_unit_test(test_unseen),
-        cmocka_unit_test(test_panes),        cmocka_unit_test(test_small),
-        cmocka_unit_test(test_lesson),       cmocka_unit_test(test_lesson_in_panes),
+        cmocka_unit_test(test_lab),
+        cmocka_unit_test(test_unseen),
+        cmocka_unit_test(test_passed_over),
+        cmocka_unit_test(test_panes),
+        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_lesson),
+        cmocka_unit_test(test_lesson_in_panes),
         cmocka_unit_test(test_whole_lesson),
     };
     return make_folder(state_folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
