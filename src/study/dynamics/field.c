@@ -16,7 +16,9 @@
 #define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
 #define FLOW_STIFF 2000000
 #define DELTA 1e-6
-#define JUMP 1e-6  /* of the rates, where a kink leaves rounding */
+#define JUMP 1e-6 /* of the rates, where a kink leaves rounding */
+/* Part of the largest size below which a natural size is only a floor. */
+static const double unseen_size_max = 2e-12;
 #define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
 
 /* ---- what it is ---- */
@@ -54,6 +56,17 @@ static void forget(struct vector_field *field)
     field->drive_by[0] = field->drive_by[1] = NAN;
 }
 
+/* Sets the sizes in which states are measured. A variable that the motion from the scene's start
+ * leaves at rest, as where that is an equilibrium, has none of its own: it gets the largest. */
+static void choose_sizes(const struct system *system, double *size)
+{
+    double most = 0;
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, system->scale[i]);
+    for (int i = 0; i < system->n; i++)
+        size[i] = system->scale[i] < unseen_size_max * most ? most : system->scale[i];
+}
+
 bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error)
 {
@@ -68,8 +81,8 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
         return error_set(error, ERROR_COMMAND,
                          "the scene has %d variables: at most %d are followed", system->n,
                          FIELD_VARIABLES);
+    choose_sizes(system, field->size);
     for (int i = 0; i < system->n; i++) {
-        field->size[i] = system->scale[i];
         field->turn[i] = variable_is_angle(system, i) ? TWO_PI : 0;
     }
     forget(field);

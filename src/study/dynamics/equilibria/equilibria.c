@@ -26,6 +26,8 @@ static const double doubtful_apart_min = 1e-7;
 static const double place_apart_min = 1e-3;
 /* Relative to the range: zeros on the edge are found in a box that is larger by this. */
 static const double search_margin = 1e-6;
+/* Relative to the range: the least size of a variable. */
+static const double size_min = 0.1;
 
 struct equilibria_search {
     struct zero_search zeros;
@@ -212,6 +214,8 @@ static bool begin(struct equilibria_search *search, struct error *error)
     for (int i = 0; i < s->n; i++) {
         const double turn = field->turn[i];
         s->width[i] = request->box[i][1] - request->box[i][0];
+        /* symmetries are looked at all around, not where the scene's start happens to stay */
+        field->size[i] = fmax(field->size[i], size_min * s->width[i]);
         s->turn[i] = turn > 0 && fabs(s->width[i] - turn) <= search_margin * turn ? turn : 0;
         box.side[i] = (struct interval){request->box[i][0] - search_margin * s->width[i],
                                         request->box[i][1] + search_margin * s->width[i]};
