@@ -227,13 +227,25 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
+/* What a system of n variables has of it: the arrays are long enough for any. */
+static void copy_controller(struct controller *to, const struct controller *from, int n)
+{
+    const size_t behind = offsetof(struct controller, elapsed);
+    to->tol = from->tol;
+    copy_state(to->scale, from->scale, n);
+    copy_state(to->excess, from->excess, n);
+    memcpy((char *)to + behind, (const char *)from + behind, sizeof *to - behind);
+}
+
 static enum stop advance_step(struct run *run, struct segment *segment)
 {
     struct run_private *p = run->private_state;
     if (run->steps >= segment->limit || run->t == segment->target->t)
         return STOP_END;
     double t, h, end, was = run->t;
-    const struct controller controller = run->controller;
+    struct controller controller;
+    if (run->plan.adaptive)
+        copy_controller(&controller, &run->controller, run->system.n);
     p->gap_known = false;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
@@ -245,7 +257,8 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     }
     if (!run_in_bounds(run, run->y)) {
         restore(run);
-        run->controller = controller;
+        if (run->plan.adaptive)
+            copy_controller(&run->controller, &controller, run->system.n);
         return STOP_DIVERGED;
     }
     bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, noticed = true;
@@ -273,7 +286,8 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (refused || !noticed || !ledger_ready(run, 1) ||
         !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
-        run->controller = controller;
+        if (run->plan.adaptive)
+            copy_controller(&run->controller, &controller, run->system.n);
         run->steps--;
         run->t = was;
         event_records_truncate(run, 0);
