@@ -333,12 +333,18 @@ void run_diagnose(struct run *run);
  * above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /*
- * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes.
- * Compares recorded states, at most 256 in a call. Not `whole`: stops where its work gets larger
- * than OPINION_BUDGET and OPINION_SHARE of the run's own, or OPINION_BUDGET_DOUBT and OPINION_DOUBT
- * where the error so far makes the rest doubtful. src/run/opinion.c has the way.
+ * How much work an opinion may be. QUIET: the closed form at the last row; a second solution only
+ * where variables at rest may have grown again. BRIEF: OPINION_BRIEF_SHARE of the run's own work.
+ * DEMANDED: OPINION_BUDGET and OPINION_SHARE of the run's own, and at least that where small values
+ * were asked for (atol). WHOLE: to the end. Those within a budget go on with OPINION_BUDGET_DOUBT
+ * and OPINION_DOUBT: BRIEF where the error so far says that no digit may be left at the end,
+ * DEMANDED where it may get larger than OPINION_WRONG.
  */
-void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
+enum opinion_effort { OPINION_QUIET, OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
+
+/* Fills run->opinion up to the present state of an adaptive run, or as far as its effort goes:
+ * nothing else of it changes. Compares recorded states, at most 256 in a call. */
+void run_second_opinion(struct run *run, enum opinion_effort effort, const struct cancel *cancel);
 /* Whether there is one, which has seen what the run may have missed: what no step has seen the
  * second solution has not seen either, unless they differ by much. */
 bool run_opinion_known(const struct run *run);

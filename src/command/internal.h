@@ -109,7 +109,8 @@ void reply_sliding(struct run *run, struct reply *reply);
 /* every value is below the smallest number */
 void reply_vanished(const struct run *run, struct reply *reply);
 void reply_below_tolerance(const struct run *run, struct reply *reply);
-void seek_opinion(const struct session *session, struct run *run); /* as `set opinion` says */
+/* As `set opinion` says, and as far as the reply shows errors. */
+void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
 void plan_opinion(const struct session *session, const struct system *system,
                   const struct plan *plan, struct buffer *text); /* what it will cost */
 /* Its line, and a warning where the error is large; false: nothing is right, which is an error. */

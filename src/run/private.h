@@ -302,7 +302,7 @@ struct run_private {
     double sunk;             /* run_opinion_sunk() */
     /* evaluations and Jacobians of the solutions that regrowth_look() followed */
     double regrowth_work;
-    size_t restless; /* rows in which it found nothing at rest */
+    size_t restless; /* rows in which nothing rests that may grow again */
 };
 
 /* The state is no longer what the compensated sums know about. */
@@ -433,11 +433,16 @@ void opinion_forget(struct run *run); /* it starts anew */
 /* Returns what the opinion measures errors of variable i by, or infinity where it does not know the
  * present state. */
 double opinion_size(const struct run *run, int i);
+/* Returns how many rows of a run a brief opinion compares with the closed form: what takes a share
+ * of its work. */
+size_t opinion_brief_rows(const struct system *system, const struct method *method, double evals);
 /*
- * regrowth.c: looks for variables that came to rest within their tolerance, so that neither of the
- * solutions of the opinion knows them, and follows what becomes of errors of that size:
+ * regrowth.c: variables that came to rest within their tolerance, so that neither of the solutions
+ * of the opinion knows them. The first returns true if they may have grown again since then, at a
+ * small share of the run's work; the second follows what becomes of errors of that size:
  * opinion.sunk and lost.
  */
+bool regrowth_is_likely(struct run *run);
 void regrowth_look(struct run *run, const struct cancel *cancel);
 
 /* run.c: one more epoch, false: no memory; system and plan of the last one come into force. */

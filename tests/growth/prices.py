@@ -9,6 +9,8 @@ computed: the share of each part in the instructions of `run` is what the list s
 left out: what computes it takes at most 0.5 % of the instructions of `run`, and a force whose
           coefficient is 0 no more than a scene that never had it.
 screen:   at 80 columns `plan` of each built-in scene has at most 22 lines.
+adaptive: a run takes at most 1.5 times the instructions of its steps with the second opinion, at
+          most 1.1 times with -q; of runs of some hundred steps the set-up is left out.
 quiet:    5e5 steps with -q take at most 1.1 times the instructions of the steps alone.
 """
 import os
@@ -18,7 +20,7 @@ import sys
 import tempfile
 
 SCREEN_COLUMNS, SCREEN_LINES = 80, 22
-FACTOR, SHARE_MIN, LEFT_OUT_MAX, QUIET_MAX = 1.5, 3, 0.5, 1.1
+FACTOR, SHARE_MIN, LEFT_OUT_MAX, QUIET_MAX, OPINION_MAX = 1.5, 3, 0.5, 1.1, 1.5
 
 POLYNOMIAL = "scene new m; var y = 0.05; y'' = -75*y - 500*y^3"
 # Parts: a pattern for the entries of the list, and the functions that compute them.
@@ -56,6 +58,13 @@ CASES = [
     "scene kepler; method dop853 tol=1e-9",
     "scene robertson; method rodas5p; duration = 1e5 s",
     "scene stiff-vanderpol; method radau5",
+]
+ADAPTIVE = [
+    "scene vanderpol; mu = 1000; method rodas5p tol=1e-6; run 2000 s",
+    "scene kepler; method dop853 tol=1e-6; run 1000 s",
+    "scene spring; method dopri5 tol=1e-9; run 100 s",
+    "scene pendulum; method dopri5; run 1000 s",
+    "scene pendulum; method dop853; run 1000 s",
 ]
 QUIET = ["spring", "damped", "drag", "driven", "pendulum", "duffing"]
 
@@ -146,6 +155,15 @@ def check_quiet(hooke, scenes, methods, verdicts):
                          (scene, method, ratio))
 
 
+def check_adaptive(hooke, verdicts):
+    for script in ADAPTIVE:
+        for quiet, limit in ((False, OPINION_MAX), (True, QUIET_MAX)):
+            found = counts(hooke, script, quiet)
+            ratio = (found["command_run"] - found["run_create"]) / found["run_advance"]
+            verdicts.say(ratio <= limit, "%s%s: %.3f times the steps alone" %
+                         (script, " (-q)" if quiet else "", ratio))
+
+
 def check_screen(hooke, verdicts):
     def said(script):
         return subprocess.run([hooke, "-n", "--color", "never", "-c", script], capture_output=True,
@@ -170,6 +188,7 @@ def main():
     for script in CASES:
         check_case(hooke, script, verdicts)
     check_absent_forces(hooke, verdicts)
+    check_adaptive(hooke, verdicts)
     check_screen(hooke, verdicts)
     methods = ["euler", "symplectic-euler", "verlet", "rk4"]
     check_quiet(hooke, QUIET if is_long else QUIET[::2], methods if is_long else methods[1:3], verdicts)

@@ -211,7 +211,7 @@ static bool arrive(struct session *session, const struct advance *advance,
     if (run->stop == STOP_CANCELLED)
         reply_line(reply, "%s at t = %.6g s; 'continue' goes on",
                    session->front.watched ? "paused" : "stopped", run->t);
-    seek_opinion(session, run);
+    seek_opinion(session, run, reply);
     reply_run(session, run, reply);
     reply_event(advance->slot, pass->count > 0 ? pass->stopped[0] : NULL, reply);
     reply_growth(run, reply);

@@ -8,13 +8,18 @@
 
 #define SPIKES 10 /* times the error, where the largest on the way deserves a word */
 
-void seek_opinion(const struct session *session, struct run *run)
+void seek_opinion(const struct session *session, struct run *run, const struct reply *reply)
 {
     const int kind = session->setup.settings.opinion;
+    enum opinion_effort effort = reply->quiet ? OPINION_QUIET : OPINION_BRIEF;
+    if (reply_wants_records(reply)) /* which have the error among them */
+        effort = OPINION_DEMANDED;
+    if (kind == OPINIONS_FULL)
+        effort = OPINION_WHOLE;
     if (run->missed.from == run->missed.to)
         run_missed_burst(run, &run->missed);
     if (kind != OPINIONS_OFF)
-        run_second_opinion(run, kind == OPINIONS_FULL, session->front.cancel);
+        run_second_opinion(run, effort, session->front.cancel);
 }
 
 void plan_opinion(const struct session *session, const struct system *system,
@@ -27,14 +32,15 @@ void plan_opinion(const struct session *session, const struct system *system,
     if (kind == OPINIONS_OFF)
         buffer_put(text, TEXT("not estimated (set opinion off)\n"));
     else if (plan->exact_known)
-        buffer_put(text, TEXT("from the closed form at 256 rows or fewer\n"));
+        buffer_put(text, TEXT("from the closed form at some rows, in a share of the run's work\n"));
     else if (kind == OPINIONS_FULL)
         buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
     else
-        buffer_format(text,
-                      "from a second solution, %.0f evaluations or a tenth of the run's;\n"
-                      "          in doubt %.0f or half of it ('set opinion off': none)\n",
-                      OPINION_BUDGET / system->n, OPINION_BUDGET_DOUBT / system->n);
+        buffer_format(
+            text,
+            "from a second solution, in %.0f %% of the run's work; where no digit may\n"
+            "          be right %.0f evaluations or half of it ('set opinion off': none)\n",
+            100 * OPINION_BRIEF_SHARE, OPINION_BUDGET_DOUBT / system->n);
 }
 
 static void put_solution(const struct opinion *opinion, struct buffer *text)

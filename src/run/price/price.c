@@ -151,9 +151,10 @@ static double unresolved_price(const struct run_scenario *s, const struct run_wo
 
 static double opinion_price(const struct run_scenario *s, const struct run_work *work)
 {
+    static const double begun = 50e3; /* stiffness, a look for variables at rest */
     const struct method *smooth = method_find("dop853"),
                         *second = work->second ? work->second : smooth;
-    return work->second_rows * exact_state_price(s->system) +
+    return (work->second ? begun : 0) + work->second_rows * exact_state_price(s->system) +
            work->second_evals * solver_evaluation_price(s->system, second, true) +
            work->rest_evals * solver_evaluation_price(s->system, smooth, true);
 }

@@ -27,16 +27,13 @@ static void count_second(const struct run_scenario *s, struct run *trial, double
     if (!s->plan->adaptive || s->opinion == 0)
         return;
     if (s->plan->exact_known) {
-        static const double rows_max = 256;
-        work->second_rows = fmin(rows_max, work->steps);
+        work->second_rows =
+            fmin((double)opinion_brief_rows(s->system, s->method, work->evals), work->steps);
         return;
     }
-    run_second_opinion(trial, s->opinion == 2, s->cancel);
-    const double budget = fmax(OPINION_BUDGET_DOUBT / s->system->n, OPINION_DOUBT * work->evals);
+    run_second_opinion(trial, s->opinion == 2 ? OPINION_WHOLE : OPINION_BRIEF, s->cancel);
     work->second_evals = scale * trial->opinion.work;
     work->rest_evals = trial->private_state->regrowth_work;
-    if (s->opinion < 2)
-        work->second_evals = fmin(work->second_evals, fmax(trial->opinion.work, budget));
     work->second = trial->opinion.by;
 }
 

@@ -72,7 +72,7 @@ static double ratio_of(const struct run *run, const struct answer *answer, doubl
 /* What is said, in tolerances: as the program asks for it after each run. */
 static double said_of(struct run *run)
 {
-    run_second_opinion(run, false, NULL);
+    run_second_opinion(run, OPINION_DEMANDED, NULL);
     return run->opinion.error / run->controller.tol;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values below the tolerance of an adaptive run: numbers without a right digit. */
-#include "run/private.h"
+#include "run/error/follower.h"
 
 #include <float.h>
 #include <math.h>
@@ -39,4 +39,21 @@ int run_below_tolerance(const struct run *run, double *below)
         count++;
     }
     return count;
+}
+
+bool run_asks_small_values(const struct run *run)
+{
+    static const double small_tolerances = 1e4; /* 100, which errors may be, a hundred times */
+    const struct system *system = &run->system;
+    double size[LIMIT_VARIABLES] = {0};
+    bool asks = false;
+    for (int i = 0; i < system->n; i++)
+        asks |= system->atol[i] > 0;
+    if (asks)
+        run_sizes_add(run, 0, trace_count(run->trace), size);
+    for (int i = 0; i < system->n && asks; i++)
+        if (system->atol[i] > 0 &&
+            fabs(run->y[i]) < small_tolerances * run->controller.tol * size[i])
+            return true;
+    return false;
 }

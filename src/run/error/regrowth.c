@@ -13,13 +13,13 @@
  */
 #include <hooke/base/elementary.h>
 
-#include "run/private.h"
+#include "run/error/exponential.h"
+#include "run/error/follower.h"
+#include "run/price/evaluation.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Rows of the run that are looked at for variables at rest. */
-#define ROWS_LOOKED 4096
 /* A run that goes on in small pieces is looked at again once it has grown by one part in so many.
  */
 #define RESTLESS_SHARE 16
@@ -45,20 +45,12 @@
 /* Logarithm of what counts as growth. */
 #define GROWTH_MIN 0.1
 
-struct follower {
-    struct step step;
-    struct controller controller;
-    double y[LIMIT_VARIABLES];
-};
-
 struct regrowth {
     struct run *run;
     size_t row;                    /* the first one where variables rest */
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
-    double work;        /* evaluations and Jacobians of both solutions */
     bool follows_jumps; /* of the run, by starting from each row of it */
-    const struct method *method;
     struct system system;
     struct follower base, displaced;
     double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
@@ -82,7 +74,8 @@ static double scale_add(struct scale_mean *mean, const struct run *run, size_t r
         return run->system.atol[i] / run->controller.tol;
     mean->sum += fabs(t - mean->before) * sqrt(sqrt(fmax(y / min, 1)));
     mean->before = t;
-    const double scale = way > 0 ? min * fixed_pow(mean->sum / way, 4) : min;
+    const double root = mean->sum / way,
+                 scale = way > 0 ? min * ((root * root) * (root * root)) : min;
     return isfinite(scale) ? scale : min;
 }
 
@@ -106,12 +99,19 @@ static bool rest_add(struct rest *rest, const struct trace *trace, size_t row, d
     return rest->count >= ROWS_AT_REST_MIN && time > min_time;
 }
 
+/* Returns how many rows are looked at: what takes some percent of the run's work. */
+static size_t rows_looked(const struct run *run)
+{
+    static const double evals_a_row = 64, rows_min = 64, rows_max = 4096;
+    return (size_t)fmin(rows_max, fmax(rows_min, run_evaluations(run) / evals_a_row));
+}
+
 /* Finds where variable i came to rest within its tolerance. */
 static void find_rest(struct regrowth *r, int i)
 {
     const struct trace *trace = r->run->trace;
     const size_t rows = trace_count(trace), first = run_own_start(r->run),
-                 by = 1 + (rows - first) / ROWS_LOOKED;
+                 by = 1 + (rows - first) / rows_looked(r->run);
     const double min_time = REST_RUN_SHARE * fabs(r->run->t - trace_time(trace, first));
     struct scale_mean mean = {.before = r->run->system.t0};
     struct rest zero = {0}, any = {.value = trace_state(trace, first)[i]};
@@ -183,24 +183,6 @@ static void move(struct regrowth *r, const double *own, double factor)
     }
 }
 
-static double work_of(const struct cost *cost)
-{
-    return (double)(cost->evals + cost->jacobians);
-}
-
-/* Returns true also where a step fails, short of t: there is no solution. */
-static bool go_to(struct regrowth *r, struct follower *f, double t, double max,
-                  const struct cancel *cancel)
-{
-    while (f->step.t != t) {
-        if (cancelled(cancel) || work_of(&f->step.cost) > max / 2)
-            return false;
-        if (method_adapt(r->method, &f->step, &f->controller, t) != STEP_OK)
-            break;
-    }
-    return true;
-}
-
 /* What has become of errors of the second solution's tolerance. */
 struct growth {
     double log;     /* of the error over the tolerance */
@@ -212,6 +194,70 @@ struct growth {
     double t;       /* [s] followed up to there */
     double agreed;  /* [s] where the run last grew as the base did; NAN: nowhere */
 };
+
+/* ---- is there any growth? ---- */
+
+/* Returns at how many rows the Jacobian is looked at: what takes some percent of the run's work. */
+static size_t jacobians_looked(const struct run *run)
+{
+    static const double share = 0.02, count_min = 4, a_product = 60;
+    const double n = run->system.n,
+                 own = run_evaluations(run) *
+                       solver_evaluation_price(&run->system, run->method, true),
+                 look = (n + 1) * evaluation_price_called(&run->system) + a_product * n * n * n;
+    return (size_t)fmin(ROWS_COMPARED, fmax(count_min, share * own / look));
+}
+
+/* Takes v [n], in sizes along the run, on by dt with the Jacobian of a row. Returns the logarithm
+ * of its growth, 0 where that is rounding of the Jacobian. work has 3 n^2 doubles. */
+static double frozen_growth(const struct regrowth *r, size_t row, double dt, double *v,
+                            double *work)
+{
+    static const double rounding = 1e-11;
+    const struct trace *trace = r->run->trace;
+    const int n = r->run->system.n;
+    system_jacobian(&r->run->system, trace_time(trace, row), trace_state(trace, row), work);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            work[i * n + j] *= dt * r->scale[j] / r->scale[i];
+    const double noise = rounding * matrix_norm(n, work),
+                 log = exponential_apply(n, work, v, work + n * n);
+    return fabs(log) > noise ? log : 0;
+}
+
+/*
+ * Returns true unless all variables that came to rest are stable there: a displacement of them is
+ * taken from row to row by exponentials of Jacobians, which are exact for what changes slowly,
+ * however fast it oscillates. True also where that is not known.
+ */
+static bool rest_is_unstable(const struct regrowth *r)
+{
+    static const double growth_max = 2; /* e-foldings, far below those that errors need */
+    const struct trace *trace = r->run->trace;
+    const int n = r->run->system.n;
+    const size_t rows = trace_count(trace) - 1 - r->row, max = jacobians_looked(r->run),
+                 count = rows < max ? rows : max;
+    double v[LIMIT_VARIABLES] = {0}, size = 0, grown = 0,
+           *work = malloc(3 * (size_t)n * (size_t)n * sizeof *work);
+    bool unstable = !work;
+    for (size_t k = 0; k <= count && count > 0 && !unstable; k++) {
+        const size_t last = k > 0 ? k - 1 : 0, next = k < count ? k + 1 : count;
+        const double dt = (trace_time(trace, r->row + next * rows / count) -
+                           trace_time(trace, r->row + last * rows / count)) /
+                          2;
+        double resting = 0;
+        for (int i = 0; i < n && grown <= 0; i++)
+            v[i] = r->resting[i] ? copysign(1, v[i]) : 0;
+        size = grown <= 0 ? 0 : size;
+        size += frozen_growth(r, r->row + k * rows / count, dt, v, work);
+        for (int i = 0; i < n; i++)
+            resting = r->resting[i] ? fmax(resting, fabs(v[i])) : resting;
+        grown = resting > 0 ? size + fixed_log(resting) : -HUGE_VAL;
+        unstable = grown > growth_max || isnan(grown);
+    }
+    free(work);
+    return unstable;
+}
 
 static void growth_add(struct growth *growth, double t, double change, double unit)
 {
@@ -243,7 +289,7 @@ static bool run_agrees(const struct regrowth *r, const double *own)
 static void compare(struct regrowth *r, struct growth *growth, const double *own, double t)
 {
     double ratio, now = 0, factor = 1;
-    const bool failed = r->base.step.t != t || r->displaced.step.t != t;
+    const bool failed = r->base.step.t != t || r->displaced.step.t != t; /* no solution there */
     if (failed) {
         r->base.step.t = r->displaced.step.t = t;
         copy_state(r->displaced.y, r->base.y, r->run->system.n);
@@ -258,8 +304,8 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
     if (growth->log <= 0 || now == 0)
         displace(r);
     r->before = distance(r, &ratio);
-    r->base.step.warm = r->base.step.again = false;
-    r->displaced.step.warm = r->displaced.step.again = false;
+    follower_state_changed(&r->base);
+    follower_state_changed(&r->displaced);
 }
 
 /* Large errors that do not last are those of the moments of jumps. */
@@ -285,7 +331,8 @@ static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, 
     const int parts = (int)fmin(ROWS_COMPARED, 1 + fabs(t_end - t) / longest);
     for (int part = 1; part <= parts; part++) {
         const double next = part < parts ? t + (t_end - t) * part / parts : t_end;
-        if (!go_to(r, &r->base, next, max, cancel) || !go_to(r, &r->displaced, next, max, cancel))
+        if (follower_go(&r->base, next, max / 2, cancel) == FOLLOWER_SPENT ||
+            follower_go(&r->displaced, next, max / 2, cancel) == FOLLOWER_SPENT)
             return false;
         if (part < parts)
             compare(r, growth, r->base.y, next);
@@ -316,30 +363,13 @@ static bool follow(struct regrowth *r, struct growth *growth, double max,
     return true;
 }
 
-static bool follower_begin(struct follower *f, const struct regrowth *r, double *work)
-{
-    f->step = (struct step){
-        .system = &r->system, .y = f->y, .work = work, .t = trace_time(r->run->trace, r->row)};
-    f->controller = (struct controller){.tol = r->run->opinion.tol};
-    method_choose_kernels(r->method, &f->step, true);
-    copy_state(f->y, trace_state(r->run->trace, r->row), r->run->system.n);
-    return method_begin(r->method, &f->step);
-}
-
-static void measure_sizes(struct regrowth *r)
-{
-    memset(r->size, 0, sizeof r->size);
-    for (size_t row = 0; row < r->row; row++)
-        for (int i = 0; i < r->run->system.n; i++)
-            r->size[i] = fmax(r->size[i], fabs(trace_state(r->run->trace, row)[i]));
-}
-
 static bool follow_both(struct regrowth *r, struct growth *growth, double max,
                         const struct cancel *cancel)
 {
     double ratio;
     r->displacement = sqrt(r->run->controller.tol);
-    measure_sizes(r);
+    memset(r->size, 0, sizeof r->size);
+    run_sizes_add(r->run, 0, r->row, r->size);
     displace(r);
     r->before = distance(r, &ratio);
     return follow(r, growth, max, cancel);
@@ -348,50 +378,55 @@ static bool follow_both(struct regrowth *r, struct growth *growth, double max,
 static bool look_by(struct regrowth *r, const struct method *method, struct growth *growth,
                     double max, const struct cancel *cancel)
 {
-    const size_t size = method ? method_work_size(method, r->run->system.n) + 1 : 0;
-    double *work = method ? calloc(2 * size, sizeof *work) : NULL;
+    const double tol = r->run->opinion.tol;
     bool done = false;
-    r->method = method;
-    if (!work)
-        return false;
-    if (follower_begin(&r->base, r, work)) {
-        if (follower_begin(&r->displaced, r, work + size)) {
-            done = follow_both(r, growth, max, cancel);
-            method_end(method, &r->displaced.step);
-        }
-        method_end(method, &r->base.step);
-        r->work += work_of(&r->base.step.cost) + work_of(&r->displaced.step.cost);
-    }
-    free(work);
+    if (follower_begin(&r->base, r->run, r->row, method, &r->system, tol) &&
+        follower_begin(&r->displaced, r->run, r->row, method, &r->system, tol))
+        done = follow_both(r, growth, max, cancel);
+    r->run->private_state->regrowth_work += follower_work(&r->base) + follower_work(&r->displaced);
+    follower_end(&r->base);
+    follower_end(&r->displaced);
     return done;
+}
+
+/* Returns true if variables came to rest, which it finds. */
+static bool find_resting(struct regrowth *r, struct run *run)
+{
+    *r = (struct regrowth){.run = run};
+    for (int i = 0; i < run->system.n; i++)
+        find_rest(r, i);
+    return r->any;
+}
+
+bool regrowth_is_likely(struct run *run)
+{
+    struct regrowth r;
+    struct run_private *p = run->private_state;
+    const size_t rows = trace_count(run->trace);
+    if (rows >= p->restless && rows - p->restless < p->restless / RESTLESS_SHARE)
+        return false;
+    const bool likely = find_resting(&r, run) && rest_is_unstable(&r);
+    p->restless = likely ? 0 : rows;
+    return likely;
 }
 
 void regrowth_look(struct run *run, const struct cancel *cancel)
 {
-    struct regrowth r = {.run = run};
+    struct regrowth r;
     struct growth growth = {.lost = NAN};
     const int n = run->system.n;
     struct opinion *opinion = &run->opinion;
-    if (!opinion->by || isnan(opinion->t) || !isnan(opinion->lost))
+    if (!opinion->by || isnan(opinion->t) || !isnan(opinion->lost) || !find_resting(&r, run))
         return;
     struct run_private *p = run->private_state;
-    const size_t rows = trace_count(run->trace);
-    if (rows >= p->restless && rows - p->restless < p->restless / RESTLESS_SHARE)
-        return;
-    for (int i = 0; i < n; i++)
-        find_rest(&r, i);
-    p->restless = r.any ? 0 : rows;
-    if (!r.any)
-        return;
     r.follows_jumps = p->kicks > 0 || p->epochs > 1;
     r.system = run->system;
     system_turn_at_kinks(&r.system);
-    const double max = fmax(OPINION_BUDGET_DOUBT / n,
-                            OPINION_DOUBT * (double)(run->cost.evals + run->cost.jacobians));
+    p->regrowth_work = 0;
+    const double max = fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * run_evaluations(run));
     /* The other one where dop853 has to take short steps for its stability. */
     const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
                           look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
-    p->regrowth_work = r.work;
     if (!isnan(growth.lost)) {
         p->sunk = growth.began;
         opinion->lost = growth.lost;

@@ -46,7 +46,10 @@ static double spectral_radius(const double *jacobian, int n)
 double run_stiffness(const struct run *run)
 {
     const struct system *system = &run->system;
-    const size_t rows = trace_count(run->trace) - 1, count = rows < LOOKS ? rows : LOOKS;
+    static const double evals_a_look = 256, looks_min = 4; /* a small share of the run's work */
+    const size_t rows = trace_count(run->trace) - 1,
+                 max = (size_t)fmin(LOOKS, fmax(looks_min, (double)run->cost.evals / evals_a_look)),
+                 count = rows < max ? rows : max;
     double *jacobian = malloc((size_t)system->n * (size_t)system->n * sizeof *jacobian), sum = 0;
     size_t row = 0;
     for (size_t k = 0; jacobian && k < count; k++) {

@@ -14,9 +14,9 @@
 #include <hooke/base/elementary.h>
 #include <hooke/run/opinion.h>
 
-#include "run/private.h"
+#include "run/error/follower.h"
+#include "run/price/evaluation.h"
 
-#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -32,13 +32,18 @@
 /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
 #define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
-#define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
+/* no step is longer where forces depend on time: there may be pulses; of a brief opinion no longer
+ * than the run's own in the mean */
+#define PARTS 512
 /* of the time until a run was lost: after that much more it is certain, and followed no more */
 #define CERTAIN 0.2
-#define LOOK_EACH 64 /* steps between looks at the budget */
-#define PAST 64      /* errors that are remembered on the way */
+/* of the run's work, for rows of the closed form */
+#define CLOSED_FORM_SHARE 0.2
+#define PAST 64 /* errors that are remembered on the way */
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
+/* Part of a run from which the growth of its error is taken: a beginning says nothing. */
+#define BRIEF_TELLS 10
 /* in the mean since then: what is that large only in jumps is no loss */
 #define LOST 0.1
 
@@ -53,27 +58,21 @@ struct distances {
 };
 
 struct second {
-    const struct method *method; /* NULL: it is the closed form, and nothing below `at` is used */
+    /* Without a method it is the closed form, and nothing below `at` is used. */
+    struct follower follower;
     struct distances distances;
     int64_t at; /* step of the run that it was last compared with */
     struct system system;
-    struct step step;
-    struct controller controller;
-    double y[LIMIT_VARIABLES];
     size_t epoch, kick; /* the next ones */
     struct saltation saltation;
     double error; /* struct opinion's, so far */
     struct {
-        double t, error;
+        int64_t step; /* of the run */
+        double error;
     } past[PAST];
     int count, each, skipped; /* of the past: every so many comparisons */
+    int parts;                /* its steps are no longer than that part of the run, see PARTS */
 };
-
-static double work_of(const struct cost *cost)
-{
-    assert(cost);
-    return (double)(cost->evals + cost->jacobians);
-}
 
 void opinion_forget(struct run *run)
 {
@@ -82,9 +81,7 @@ void opinion_forget(struct run *run)
     run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN};
     if (!second)
         return;
-    if (second->method)
-        method_end(second->method, &second->step);
-    free(second->step.work);
+    follower_end(&second->follower);
     free(second);
     run->private_state->second = NULL;
 }
@@ -92,13 +89,11 @@ void opinion_forget(struct run *run)
 /* ---- distances ---- */
 
 /* Takes the rows that are new into the sizes of the run. */
-static void measure_sizes(const struct run *run, struct distances *d)
+static void add_new_rows(const struct run *run, struct distances *d)
 {
-    for (; d->sized < trace_count(run->trace); d->sized++) {
-        const double *y = trace_state(run->trace, d->sized);
-        for (int i = 0; i < run->system.n; i++)
-            d->size[i] = fmax(d->size[i], fabs(y[i]));
-    }
+    const size_t rows = trace_count(run->trace);
+    run_sizes_add(run, d->sized, rows, d->size);
+    d->sized = rows;
 }
 
 /* Returns what a distance of variable i is measured by: its largest value, or its natural size
@@ -162,8 +157,24 @@ static bool closed_form_misses(const struct run *run, struct saltation *saltatio
     return isnan(saltation->lost);
 }
 
+size_t opinion_brief_rows(const struct system *system, const struct method *method, double evals)
+{
+    const double own = evals * solver_evaluation_price(system, method, true);
+    return (size_t)fmin(ROWS, 1 + CLOSED_FORM_SHARE * own / exact_state_price(system));
+}
+
+/* Returns how many rows are compared with the closed form: the last one at least. */
+static size_t closed_form_rows(const struct run *run, enum opinion_effort effort)
+{
+    if (effort == OPINION_QUIET)
+        return 1;
+    return effort == OPINION_BRIEF
+               ? opinion_brief_rows(&run->system, run->method, run_evaluations(run))
+               : ROWS;
+}
+
 /* The rows since the last time: what it says of those before stays. */
-static void against_closed_form(struct run *run)
+static void against_closed_form(struct run *run, enum opinion_effort effort)
 {
     struct run_private *p = run->private_state;
     const struct trace *trace = run->trace;
@@ -175,9 +186,9 @@ static void against_closed_form(struct run *run)
         second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
         second->saltation.lost = NAN;
     }
-    measure_sizes(run, &second->distances);
+    add_new_rows(run, &second->distances);
     const size_t first = next_row(run, second), rows = trace_count(trace) - first,
-                 count = rows < ROWS ? rows : ROWS;
+                 max = closed_form_rows(run, effort), count = rows < max ? rows : max;
     for (size_t k = 0; k < count; k++) {
         const size_t row = run_spread_row(run, first, k, count);
         const struct epoch *epoch = run_epoch(run, trace_step(trace, row));
@@ -200,42 +211,35 @@ static const struct method *choose_method(const struct run *run, bool other)
                           : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
 
-static bool second_begin(struct run *run, bool other)
+static bool second_begin(struct run *run, bool other, enum opinion_effort effort)
 {
     const struct epoch *epoch = run->private_state->epoch;
-    const int n = run->system.n;
     struct second *second = calloc(1, sizeof *second);
     const struct method *method = second ? choose_method(run, other) : NULL;
-    double *work = method ? calloc(method_work_size(method, n) + 1, sizeof *work) : NULL;
-    if (!work) {
+    if (!method) {
         free(second);
         return false;
     }
-    second->method = method;
     second->system = epoch->system;
     system_turn_at_kinks(&second->system);
-    memcpy(second->y, trace_state(run->trace, 0), (size_t)n * sizeof *second->y);
-    second->step =
-        (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
-    method_choose_kernels(method, &second->step, true);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     /* a run of a higher order may be far better than its tolerance */
     const double tighter =
         run->method->order > method->order ? TIGHTER * TIGHTER * TIGHTER : TIGHTER;
-    second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
-                                   : fmax(tighter * run->controller.tol, TOL_EXPLICIT);
+    const double tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
+                             : fmax(tighter * run->controller.tol, TOL_EXPLICIT);
+    if (!follower_begin(&second->follower, run, 0, method, &second->system, tol)) {
+        free(second);
+        return false;
+    }
     second->distances = (struct distances){.t = epoch->t, .lost = NAN};
     second->saltation.lost = NAN;
     second->epoch = 1;
     second->each = 1;
+    second->parts = effort == OPINION_BRIEF ? (int)fmin(PARTS, (double)run->steps) : PARTS;
     run->private_state->second = second;
-    run->opinion = (struct opinion){.error = NAN,
-                                    .max = NAN,
-                                    .t = NAN,
-                                    .lost = NAN,
-                                    .by = method,
-                                    .tol = second->controller.tol};
-    method_begin(method, &second->step);
+    run->opinion =
+        (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN, .by = method, .tol = tol};
     return true;
 }
 
@@ -243,20 +247,16 @@ static bool second_begin(struct run *run, bool other)
 static bool second_go(const struct run *run, struct second *second, double to, double max,
                       const struct cancel *cancel)
 {
-    struct step *step = &second->step;
-    const double from = step->t, longest = fabs(run->t - run->system.t0) / PARTS;
+    struct follower *follower = &second->follower;
+    const double from = follower->step.t, longest = fabs(run->t - run->system.t0) / second->parts;
     const int parts =
-        second->system.autonomous ? 1 : (int)fmin(PARTS, 1 + fabs(to - from) / longest);
-    int64_t steps = 0;
-    for (int part = 1; step->t != to;) {
+        second->system.autonomous ? 1 : (int)fmin(second->parts, 1 + fabs(to - from) / longest);
+    for (int part = 1; part <= parts; part++) {
         const double next = part < parts ? from + (to - from) * part / parts : to;
-        if (method_adapt(second->method, step, &second->controller, next) != STEP_OK)
-            return false;
-        part += step->t == next;
-        if (++steps % LOOK_EACH == 0 && (work_of(&step->cost) > max || cancelled(cancel)))
+        if (follower_go(follower, next, max, cancel) != FOLLOWER_ARRIVED)
             return false;
     }
-    return work_of(&step->cost) <= max;
+    return follower_work(follower) <= max;
 }
 
 /* To the time of the changes before the state after `step`, and across. */
@@ -273,32 +273,32 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         const double t = first ? epoch->t : jump ? kick->t : NAN;
         if (miss && !((miss->t - t) * (run->t - run->system.t0) > 0)) {
             if (!second_go(run, second, miss->t, max, cancel) ||
-                !saltation_pass_miss(run, &second->saltation, second->y))
+                !saltation_pass_miss(run, &second->saltation, second->follower.y))
                 return false;
             continue;
         }
         if (!bind && !jump)
             return true;
         if (!second_go(run, second, t, max, cancel) ||
-            !saltation_enter(run, &second->saltation, &second->system, t, second->y))
+            !saltation_enter(run, &second->saltation, &second->system, t, second->follower.y))
             return false;
         if (first) {
             second->system = epoch->system;
             system_turn_at_kinks(&second->system);
-            method_choose_kernels(second->method, &second->step, true);
+            method_choose_kernels(second->follower.method, &second->follower.step, true);
             second->epoch++;
-        } else if (saltation_jump(run, &second->saltation, kick->step, second->y)) {
+        } else if (saltation_jump(run, &second->saltation, kick->step, second->follower.y)) {
             second->kick++;
         } else {
             return false;
         }
-        saltation_leave(&second->saltation, &second->system, second->y);
-        second->step.warm = second->step.again = false;
-        second->controller = (struct controller){.tol = second->controller.tol};
+        saltation_leave(&second->saltation, &second->system, second->follower.y);
+        follower_state_changed(&second->follower);
+        second->follower.controller = (struct controller){.tol = second->follower.controller.tol};
     }
 }
 
-static void remember(struct second *second, double t, double error)
+static void remember(struct second *second, int64_t step, double error)
 {
     second->error = error;
     if (++second->skipped < second->each)
@@ -310,7 +310,7 @@ static void remember(struct second *second, double t, double error)
         second->count = PAST / 2;
         second->each *= 2;
     }
-    second->past[second->count].t = t;
+    second->past[second->count].step = step;
     second->past[second->count++].error = error;
 }
 
@@ -325,65 +325,74 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
 {
     struct second *second = run->private_state->second;
     const struct trace *trace = run->trace;
-    measure_sizes(run, &second->distances);
+    add_new_rows(run, &second->distances);
     const size_t found = second->at > 0 ? trace_row_from(trace, second->at) : 1;
     const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
     const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
         const size_t row = run_spread_row(run, first, k, count);
         const double t = trace_time(trace, row),
-                     ahead = (t - second->step.t) * (run->t - run->system.t0);
+                     ahead = (t - second->follower.step.t) * (run->t - run->system.t0);
         if (ahead < 0)
             continue;
         if (!second_cross(run, second, trace_step(trace, row), max, cancel) ||
             !second_go(run, second, t, max, cancel))
             return false;
         second->at = trace_step(trace, row);
-        compare(run, &second->distances, t, trace_state(trace, row), second->y);
-        saltation_note(&second->saltation, run->system.n, trace_state(trace, row), second->y);
-        remember(second, t, run->opinion.error);
+        compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
+        saltation_note(&second->saltation, run->system.n, trace_state(trace, row),
+                       second->follower.y);
+        remember(second, second->at, run->opinion.error);
         if (lost && is_lost(run))
             return false;
     }
     return true;
 }
 
-/* How errors grow in the second half of the way that the second solution came. */
-struct growth {
-    double ratio, power; /* of the error there; of time */
-};
-
-static struct growth growth_of(const struct run *run, const struct second *second)
-{
-    const double t0 = run->system.t0, way = fabs(run->opinion.t - t0);
-    double half = second->error;
-    for (int i = second->count - 1; i >= 0 && fabs(second->past[i].t - t0) >= way / 2; i--)
-        half = second->past[i].error;
-    const double ratio = half > 0 ? second->error / half : 1;
-    return (struct growth){ratio, log2(fmax(ratio, 1))};
-}
-
-/* Predicts the error at the end from its growth so far. Only decides whether the second solution
- * is worth more work; no user sees it. */
+/*
+ * Predicts the error at the end from its growth in the second half of the way that the second
+ * solution came. The way is counted in steps of the run: where a stiff run's steps grow with time,
+ * what happens in a step stays alike. Only decides whether the second solution is worth more work;
+ * no user sees it.
+ */
 static double extrapolated(const struct run *run, const struct second *second)
 {
-    const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
-    const struct growth growth = growth_of(run, second);
-    return second->error * (growth.power > POWER_MAX
-                                ? fixed_exp(fixed_log(growth.ratio) * (whole - way) / (way / 2))
-                                : fixed_pow(whole / way, fmax(growth.power, 1)));
+    const double way = (double)second->at, whole = (double)run->steps;
+    double half = second->error;
+    for (int i = second->count - 1; i >= 0 && (double)second->past[i].step >= way / 2; i--)
+        half = second->past[i].error;
+    const double ratio = half > 0 ? second->error / half : 1, power = log2(fmax(ratio, 1));
+    return second->error * (power > POWER_MAX
+                                ? fixed_exp(fixed_log(ratio) * (whole - way) / (way / 2))
+                                : fixed_pow(whole / way, fmax(power, 1)));
 }
 
-/* As far as it may go, anew by the other method where it fails at first. False: not to the end. */
-static bool second_try(struct run *run, double max, const struct cancel *cancel)
+/* Returns the work that the second solution may take at first, in its own evaluations. */
+static double first_budget(const struct run *run, enum opinion_effort effort)
+{
+    const double own = run_evaluations(run);
+    if (effort == OPINION_WHOLE)
+        return HUGE_VAL;
+    if (effort == OPINION_DEMANDED)
+        return fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
+    return fmax(OPINION_BRIEF_MIN, OPINION_BRIEF_SHARE * own) *
+           solver_evaluation_price(&run->system, run->method, true) /
+           solver_evaluation_price(&run->system, run->opinion.by, true);
+}
+
+/* As far as it may go, anew by the other method where it fails at first. Sets *max to the work that
+ * it was allowed. False: not to the end. */
+static bool second_try(struct run *run, enum opinion_effort effort, double *max,
+                       const struct cancel *cancel)
 {
     struct run_private *p = run->private_state;
     for (int try = p->second ? 1 : 0; try < 2; try++) {
-        if (!p->second && !second_begin(run, try > 0))
+        if (!p->second && !second_begin(run, try > 0, effort))
             return false;
-        if (second_follow(run, max, false, cancel))
+        *max = first_budget(run, effort);
+        if (second_follow(run, *max, false, cancel))
             return true;
-        if (work_of(&p->second->step.cost) > max || cancelled(cancel) ||
+        if (follower_work(&p->second->follower) > *max || cancelled(cancel) ||
             !isnan(p->second->saltation.lost))
             return false;
         if (try == 0)
@@ -392,38 +401,49 @@ static bool second_try(struct run *run, double max, const struct cancel *cancel)
     return false;
 }
 
-static void against_second(struct run *run, bool whole, const struct cancel *cancel)
+/* A brief opinion goes on only where no digit may be left at the end. */
+static void against_second(struct run *run, enum opinion_effort effort, const struct cancel *cancel)
 {
-    const double own = work_of(&run->cost);
-    const double max = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
-    const struct run_private *p = run->private_state;
-    if (second_try(run, max, cancel) || isnan(run->opinion.t))
+    const double own = run_evaluations(run);
+    double max = 0;
+    if (second_try(run, effort, &max, cancel) || isnan(run->opinion.t))
         return;
-    const double wrong = OPINION_WRONG * run->controller.tol;
-    const bool spent = work_of(&p->second->step.cost) > max;
-    if (spent && extrapolated(run, p->second) > wrong)
+    const struct second *second = run->private_state->second;
+    const bool is_brief = effort == OPINION_BRIEF, spent = follower_work(&second->follower) > max,
+               tells = !is_brief || BRIEF_TELLS * (double)second->at > (double)run->steps;
+    const double doubtful = is_brief ? OPINION_LOST : OPINION_WRONG * run->controller.tol;
+    if (spent && tells && extrapolated(run, second) > doubtful)
         second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true,
                       cancel);
 }
 
-void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel)
+void run_second_opinion(struct run *run, enum opinion_effort effort, const struct cancel *cancel)
 {
     if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop) ||
         run->opinion.t == run->t)
         return;
     const struct run_private *p = run->private_state;
     if (p->second &&
-        run->plan.exact_known != !p->second->method) /* the scene was changed on the way */
+        run->plan.exact_known != !p->second->follower.method) /* the scene was changed on the way */
+        opinion_forget(run);
+    if (p->second && p->second->follower.method && effort > OPINION_BRIEF &&
+        p->second->parts < PARTS)
         opinion_forget(run);
     if (p->second && !isnan(p->second->saltation.lost))
         return;
     if (run->plan.exact_known) {
-        against_closed_form(run);
+        against_closed_form(run, effort);
         return;
     }
-    against_second(run, whole, cancel);
-    run->opinion.work = p->second ? work_of(&p->second->step.cost) : 0;
-    regrowth_look(run, cancel);
+    if (effort < OPINION_DEMANDED && run_asks_small_values(run))
+        effort = OPINION_DEMANDED;
+    const bool regrows = regrowth_is_likely(run);
+    if (effort == OPINION_QUIET && !regrows)
+        return;
+    against_second(run, effort == OPINION_QUIET ? OPINION_BRIEF : effort, cancel);
+    run->opinion.work = p->second ? follower_work(&p->second->follower) : 0;
+    if (regrows)
+        regrowth_look(run, cancel);
 }
 
 bool run_opinion_known(const struct run *run)

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Adaptive solutions beside a run. */
+#include "run/error/follower.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static double work_of(const struct cost *cost)
+{
+    return (double)(cost->evals + cost->jacobians);
+}
+
+double follower_work(const struct follower *follower)
+{
+    return work_of(&follower->step.cost);
+}
+
+double run_evaluations(const struct run *run)
+{
+    return work_of(&run->cost);
+}
+
+bool follower_begin(struct follower *follower, const struct run *run, size_t row,
+                    const struct method *method, const struct system *system, double tol)
+{
+    const int n = run->system.n;
+    double *work = method ? calloc(method_work_size(method, n) + 1, sizeof *work) : NULL;
+    follower->step = (struct step){
+        .system = system, .y = follower->y, .work = work, .t = trace_time(run->trace, row)};
+    follower->controller = (struct controller){.tol = tol};
+    if (!work)
+        return false;
+    copy_state(follower->y, trace_state(run->trace, row), n);
+    method_choose_kernels(method, &follower->step, true);
+    if (!method_begin(method, &follower->step)) {
+        free(work);
+        return false;
+    }
+    follower->method = method;
+    return true;
+}
+
+void follower_end(struct follower *follower)
+{
+    if (!follower->method)
+        return;
+    method_end(follower->method, &follower->step);
+    free(follower->step.work);
+    follower->method = NULL;
+}
+
+enum follower_end follower_go(struct follower *follower, double t, double max_work,
+                              const struct cancel *cancel)
+{
+    while (follower->step.t != t) {
+        if (follower_work(follower) > max_work || cancelled(cancel))
+            return FOLLOWER_SPENT;
+        if (method_adapt(follower->method, &follower->step, &follower->controller, t) != STEP_OK)
+            return FOLLOWER_FAILED;
+    }
+    return FOLLOWER_ARRIVED;
+}
+
+void follower_state_changed(struct follower *follower)
+{
+    follower->step.warm = follower->step.again = false;
+}
+
+void run_sizes_add(const struct run *run, size_t from, size_t to, double *size)
+{
+    enum { ROWS_LOOKED = 4096 };
+    const size_t by = 1 + (to - from) / ROWS_LOOKED;
+    for (size_t row = from; row < to; row = row + by < to || row + 1 == to ? row + by : to - 1) {
+        const double *y = trace_state(run->trace, row);
+        for (int i = 0; i < run->system.n; i++)
+            size[i] = fmax(size[i], fabs(y[i]));
+    }
+}
