@@ -179,12 +179,34 @@ static void test_switching_forces_balance(void **state)
     }
 }
 
+/* Quadratic drag bends where the body turns, and a force that depends on its place works there,
+ * too: between the two parts of such a step the place counts as well as the velocity. */
+static void test_work_by_place_where_drag_turns(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 40; i++) {
+        struct scene scene = spring();
+        set(&scene, "C", uniform(10, 200));
+        set(&scene, "mu", uniform(0.2, 3));
+        set(&scene, "width", uniform(0.005, 0.03));
+        const double dt = uniform(4e-3, 8e-3);
+        struct run *run = start(&scene, "gauss6", (struct run_settings){.dt = dt}, 6);
+        struct ledger ledger;
+        go_to(run, 6);
+        run_ledger(run, &ledger);
+        if (!(ledger.error_max <= 2e-6))
+            fail_msg("%d: dt = %g: the balance is off by %g", i, dt, ledger.error_max);
+        run_destroy(run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_forms_balance),
         cmocka_unit_test(test_jumping_forces_balance),
         cmocka_unit_test(test_switching_forces_balance),
+        cmocka_unit_test(test_work_by_place_where_drag_turns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
