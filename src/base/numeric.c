@@ -18,32 +18,65 @@ double quantile(double *values, size_t n, double share)
     return n ? gsl_stats_select(values, 1, n, (size_t)(share * (double)(n - 1) + 0.5)) : NAN;
 }
 
-/* Two sorted runs, [0, middle) and [middle, n), into `out`. */
-static bool merge(const double *in, size_t middle, size_t n, double *out,
-                  const struct cancel *cancel)
+/* Maps doubles to integers of the same order: those of negative numbers are reversed. */
+static uint64_t sort_key(double value)
 {
-    for (size_t i = 0, a = 0, b = middle; i < n; i++) {
-        if (i % LOOK_EACH_ROWS == 0 && cancelled(cancel))
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
+}
+
+enum { RADIX_BITS = 11, RADIX_SIZE = 1 << RADIX_BITS, RADIX_PASSES = 6 };
+
+static size_t radix_digit(double value, int pass)
+{
+    return (sort_key(value) >> (pass * RADIX_BITS)) & (RADIX_SIZE - 1);
+}
+
+/* Turns the counts of one digit into the first index of each. Returns false if all values have the
+ * same digit. */
+static bool radix_offsets(uint32_t count[RADIX_SIZE], size_t n)
+{
+    uint32_t sum = 0;
+    for (size_t k = 0; k < RADIX_SIZE; k++) {
+        const uint32_t here = count[k];
+        if (here == n)
             return false;
-        out[i] = b == n || (a < middle && in[a] <= in[b]) ? in[a++] : in[b++];
+        count[k] = sum;
+        sum += here;
     }
     return true;
 }
 
+/* Sorts by one digit after the other, from the lowest up (least significant digit radix sort). */
 bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel)
 {
-    const size_t middle = n / 2;
+    uint32_t count[RADIX_PASSES][RADIX_SIZE];
+    double *in = values, *out = scratch;
     if (cancelled(cancel))
         return false;
-    if (n <= LOOK_EACH_ROWS) {
+    if (n <= RADIX_SIZE || n > UINT32_MAX) {
         gsl_sort(values, 1, n);
         return true;
     }
-    if (!sort_values(values, middle, scratch, cancel) ||
-        !sort_values(values + middle, n - middle, scratch, cancel))
-        return false;
-    memcpy(scratch, values, n * sizeof *values);
-    return merge(scratch, middle, n, values, cancel);
+    memset(count, 0, sizeof count);
+    for (size_t i = 0; i < n && !cancelled_at(cancel, i); i++)
+        for (int pass = 0; pass < RADIX_PASSES; pass++)
+            count[pass][radix_digit(values[i], pass)]++;
+    for (int pass = 0; pass < RADIX_PASSES; pass++) {
+        if (cancelled(cancel))
+            return false;
+        if (!radix_offsets(count[pass], n))
+            continue;
+        for (size_t i = 0; i < n; i++)
+            out[count[pass][radix_digit(in[i], pass)]++] = in[i];
+        double *const sorted = out;
+        out = in;
+        in = sorted;
+    }
+    if (in != values)
+        memcpy(values, in, n * sizeof *values);
+    return true;
 }
 
 size_t first_from(const double *ascending, size_t n, double x)

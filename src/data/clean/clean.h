@@ -31,6 +31,7 @@ struct cleaning {
     double *residual;              /* [n] y - local fit; 0 where there is none */
     double *model;                 /* [n] local fit, NAN where there is none */
     double *sorted;                /* [n] work */
+    double (*turn)[2]; /* [n] cosine and sine of the oscillation's phase, from the first fit on */
     struct local *local;
     size_t locals;
 };

@@ -15,7 +15,10 @@ enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
 #define COVERED 1.25       /* of the two periods: across a gap a fit is none */
 #define NEAR_ENOUGH 0.002  /* of the swing: so far the amplitude may bend within two periods */
-#define SETTLED_SHARE 1e-3 /* of the scale of the residuals: smaller changes end the rounds */
+#define SETTLED_SHARE 0.1 /* of the standard error: smaller changes end the rounds */
+
+/* Number of samples that a fit is sought with, before all of them improve it. */
+enum { SOUGHT_WITH = 128 };
 
 struct clean_samples {
     size_t n;
@@ -75,38 +78,96 @@ static double largest_change(const double a[TERMS], const double b[TERMS])
     return change;
 }
 
-static bool robust_fit(const struct clean_samples *s, double min, double parameter[TERMS],
-                       double *scale)
+static void set_weights(const struct clean_samples *s, bool huber, double width)
 {
-    double before[TERMS] = {0};
-    for (size_t i = 0; i < s->n; i++)
-        s->weight[i] = 1;
-    for (int round = 0; round <= ROUNDS; round++) {
+    for (size_t i = 0; i < s->n; i++) {
+        const double r = fabs(s->residual[i]) / width, x = r / BISQUARE;
+        s->weight[i] = huber ? 1 / fmax(r, 1) : x < 1 ? (1 - x * x) * (1 - x * x) : 0;
+    }
+}
+
+/* Fits from the given weights on; first_round: ROUNDS_HUBER where these are bisquare weights. */
+static bool robust_fit(const struct clean_samples *s, int first_round, double min,
+                       double parameter[TERMS], double *scale)
+{
+    const double settled = SETTLED_SHARE / sqrt((double)s->n);
+    double before[TERMS];
+    memcpy(before, parameter, sizeof before);
+    for (int round = first_round; round <= ROUNDS; round++) {
         if (cancelled(s->cancel) || !weighted_fit(s, parameter))
             return false;
         *scale = residual_scale(s, parameter);
         const double width = fmax(*scale, min);
-        if (round > 0 && largest_change(parameter, before) <= SETTLED_SHARE * width) {
+        if (round > 0 && largest_change(parameter, before) <= settled * width) {
             if (round > ROUNDS_HUBER)
                 return true;
             round = ROUNDS_HUBER;
         }
         memcpy(before, parameter, sizeof before);
-        for (size_t i = 0; i < s->n; i++) {
-            const double r = fabs(s->residual[i]) / width, x = r / BISQUARE;
-            s->weight[i] = round < ROUNDS_HUBER ? 1 / fmax(r, 1)
-                           : x < 1              ? (1 - x * x) * (1 - x * x)
-                                                : 0;
-        }
+        set_weights(s, round < ROUNDS_HUBER, width);
     }
     return true;
 }
 
-static void terms_at(double t, double middle, double period, double term[TERMS])
+/* Copies SOUGHT_WITH of the samples: one of each of as many stretches, its place in them by the
+ * golden ratio, so that no fault that recurs every few samples is in all of them. */
+static void pick_samples(const struct clean_samples *s, struct clean_samples *few)
 {
-    const double s = (t - middle) / period, c = cos(TWO_PI * s), d = sin(TWO_PI * s);
-    const double all[TERMS] = {1, s, c, d, s * c, s * d};
+    static const double golden_ratio = 0.6180339887498949;
+    const double each = (double)s->n / SOUGHT_WITH;
+    few->n = SOUGHT_WITH;
+    for (size_t k = 0; k < few->n; k++) {
+        const double place = fmod((double)k * golden_ratio, 1);
+        const size_t i = (size_t)(((double)k + place) * each);
+        memcpy(few->term[k], s->term[i], sizeof few->term[k]);
+        few->y[k] = s->y[i];
+    }
+}
+
+/* Fits few of the samples first where there are many, then all from that answer on. */
+static bool robust_fit_quickly(const struct clean_samples *s, double min, double parameter[TERMS],
+                               double *scale)
+{
+    double term[SOUGHT_WITH][TERMS], y[SOUGHT_WITH], weight[SOUGHT_WITH], residual[SOUGHT_WITH],
+        size[SOUGHT_WITH];
+    struct clean_samples few = {.term = term,
+                                .y = y,
+                                .weight = weight,
+                                .residual = residual,
+                                .size = size,
+                                .cancel = s->cancel};
+    const bool many = s->n > SOUGHT_WITH;
+    const struct clean_samples *first = many ? &few : s;
+    if (many)
+        pick_samples(s, &few);
+    for (size_t i = 0; i < first->n; i++)
+        first->weight[i] = 1;
+    if (!robust_fit(first, 0, min, parameter, scale))
+        return false;
+    if (!many)
+        return true;
+    set_weights(s, false, fmax(residual_scale(s, parameter), min));
+    return robust_fit(s, ROUNDS_HUBER + 1, min, parameter, scale);
+}
+
+/* Fills the terms of a row from the cosine and sine at its time. */
+static void terms_at(const struct cleaning *c, size_t row, double middle, double term[TERMS])
+{
+    const double s = (c->t[row] - middle) / c->period, x = c->turn[row][0], y = c->turn[row][1];
+    const double all[TERMS] = {1, s, x, y, s * x, s * y};
     memcpy(term, all, sizeof all);
+}
+
+/* Fills c->turn. Returns false if out of memory. */
+static bool fill_turns(struct cleaning *c)
+{
+    c->turn = arena_array(c->scratch, c->n, sizeof *c->turn);
+    for (size_t i = 0; c->turn && i < c->n && !cancelled_at(c->cancel, i); i++) {
+        const double angle = TWO_PI * (c->t[i] - c->t[0]) / c->period;
+        c->turn[i][0] = cos(angle);
+        c->turn[i][1] = sin(angle);
+    }
+    return c->turn != NULL;
 }
 
 static size_t row_at(const struct cleaning *c, double t)
@@ -130,22 +191,22 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
         return;
     }
     struct clean_samples s = *work;
-    double parameter[TERMS], here[TERMS];
+    double parameter[TERMS] = {0}, here[TERMS];
     s.n = 0;
     for (size_t i = from; i < to; i++)
         if (!c->excluded[i]) {
-            terms_at(c->t[i], local->t, c->period, s.term[s.n]);
+            terms_at(c, i, local->t, s.term[s.n]);
             s.y[s.n++] = c->y[i];
         }
     const double min = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
     const bool enough = s.n >= SAMPLES_MIN && (double)s.n * c->step > COVERED * c->period &&
                         local->to > local->from;
-    local->fitted = enough && robust_fit(&s, min, parameter, &local->scale);
+    local->fitted = enough && robust_fit_quickly(&s, min, parameter, &local->scale);
     /* So few samples are followed too closely. */
     local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
     for (size_t i = local->from; i < local->to; i++) {
-        terms_at(c->t[i], local->t, c->period, here);
+        terms_at(c, i, local->t, here);
         c->model[i] = local->fitted ? value_of(parameter, here) : NAN;
     }
     put_residuals(c, local);
@@ -160,7 +221,7 @@ bool clean_fit(struct cleaning *c)
     size_t largest = 0;
     if (!again)
         c->local = arena_array(c->scratch, c->locals, sizeof *c->local);
-    if (!c->local)
+    if (!c->local || (!again && !fill_turns(c)))
         return false;
     for (size_t k = 0; k < c->locals; k++) {
         const double begin = first + each * (double)k;

@@ -48,9 +48,10 @@ static const double motion_correlation = 0.25;
 
 struct sentinel_search {
     const double *y; /* NAN where a value is missing */
-    double *sorted;  /* [n] the others */
+    double *present; /* [values] those that are present, ascending */
+    double *sorted;  /* [others] the same without the candidate */
     double *scratch; /* [n] */
-    size_t n, others;
+    size_t n, values, others;
     double value; /* the candidate */
     const struct cancel *cancel;
 };
@@ -60,19 +61,27 @@ static bool is_other(const struct sentinel_search *s, size_t i)
     return !isnan(s->y[i]) && s->y[i] != s->value;
 }
 
-/* Sorts the values that are present, the candidate excluded. Returns the number of different ones.
+/* Sorts the values that are present. Returns false if cancelled. */
+static bool sort_present(struct sentinel_search *s)
+{
+    s->values = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (!isnan(s->y[i]))
+            s->present[s->values++] = s->y[i];
+    return sort_values(s->present, s->values, s->scratch, s->cancel);
+}
+
+/* Leaves the candidate out of the values that are present. Returns the number of different others.
  */
-static size_t sort_others(struct sentinel_search *s)
+static size_t leave_out_candidate(struct sentinel_search *s)
 {
     size_t different = 0;
     s->others = 0;
-    for (size_t i = 0; i < s->n; i++)
-        if (is_other(s, i))
-            s->sorted[s->others++] = s->y[i];
-    if (!sort_values(s->sorted, s->others, s->scratch, s->cancel))
-        return 0;
-    for (size_t i = 0; i < s->others; i++)
-        different += i == 0 || s->sorted[i] > s->sorted[i - 1];
+    for (size_t i = 0; i < s->values; i++)
+        if (s->present[i] != s->value) {
+            s->sorted[s->others++] = s->present[i];
+            different += i == 0 || s->present[i] > s->present[i - 1];
+        }
     return different;
 }
 
@@ -214,7 +223,7 @@ static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
 
 static bool is_sentinel(struct sentinel_search *s)
 {
-    if (sort_others(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
+    if (leave_out_candidate(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
         return false;
     const size_t strays = (size_t)(stray_share * (double)s->others);
     const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];
@@ -236,7 +245,7 @@ static bool is_sentinel(struct sentinel_search *s)
 static bool find_sentinel(struct sentinel_search *s)
 {
     s->value = NAN;
-    if (sort_others(s) < DIFFERENT_MIN || s->others < ROWS_MIN)
+    if (!sort_present(s) || leave_out_candidate(s) < DIFFERENT_MIN || s->others < ROWS_MIN)
         return false;
     double candidate[3] = {s->sorted[0], s->sorted[s->others - 1], NAN};
     most_frequent(s, &candidate[2]);
@@ -254,11 +263,12 @@ bool recording_leave_out_sentinels(struct recording *recording)
     const size_t n = recording->rows;
     struct arena scratch = {0};
     struct sentinel_search s = {.y = recording->y,
+                                .present = arena_array(&scratch, n + 1, sizeof(double)),
                                 .sorted = arena_array(&scratch, n + 1, sizeof(double)),
                                 .scratch = arena_array(&scratch, n + 1, sizeof(double)),
                                 .n = n,
                                 .cancel = recording->cancel};
-    const bool memory = s.sorted && s.scratch;
+    const bool memory = s.present && s.sorted && s.scratch;
     for (int kind = 0; kind < KINDS_MAX && memory && find_sentinel(&s); kind++) {
         size_t count = 0;
         double shown = NAN;
