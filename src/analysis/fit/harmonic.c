@@ -21,11 +21,11 @@ enum { CHUNK = 64, COLUMNS = HARMONIC_PARAMETERS + 1, PASSES = 40 };
 
 #define PIVOT_MIN 1e-10 /* squared sine of the angle between a column and those before it */
 
-typedef double pair __attribute__((vector_size(16)));
+typedef double four __attribute__((vector_size(32)));
 
 union block {
     double d[CHUNK];
-    pair p[CHUNK / 2];
+    four p[CHUNK / 4];
 };
 
 /* exp((-gamma/2 + i omega) k dt): a chunk starts from an exact phase, so no error accumulates along
@@ -34,19 +34,16 @@ struct phase_table {
     double re[CHUNK], im[CHUNK];
 };
 
-/* Four accumulators, so that additions overlap; the order of the sums is fixed, whatever the
+/* Eight accumulators, so that additions overlap; the order of the sums is fixed, whatever the
  * compiler makes of it. */
-static double dot(const union block *x, const union block *y)
+static inline double dot(const union block *x, const union block *y)
 {
-    pair a = {0, 0}, b = a, c = a, d = a;
-    for (int k = 0; k < CHUNK / 2; k += 4) {
+    four a = {0, 0, 0, 0}, b = a;
+    for (int k = 0; k < CHUNK / 4; k += 2) {
         a += x->p[k] * y->p[k];
         b += x->p[k + 1] * y->p[k + 1];
-        c += x->p[k + 2] * y->p[k + 2];
-        d += x->p[k + 3] * y->p[k + 3];
     }
-    pair total = (a + b) + (c + d);
-    return total[0] + total[1];
+    return ((a[0] + a[2]) + (b[0] + b[2])) + ((a[1] + a[3]) + (b[1] + b[3]));
 }
 
 static void turn_init(struct phase_table *turn, const struct harmonic *h, double dt)
@@ -62,7 +59,7 @@ static void turn_init(struct phase_table *turn, const struct harmonic *h, double
 
 /* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
  */
-static void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
+static inline void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
                        const struct phase_table *turn, union block *u, union block *v,
                        union block *s)
 {
@@ -87,7 +84,7 @@ static void fill_basis(const struct samples *x, size_t at, int count, const stru
 
 /* Products of the model's first `unknowns` columns and of the residual (the last column). Returns
  * the number of samples used. */
-static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
+CLONES static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
                        double gram[COLUMNS][COLUMNS], double *residual)
 {
     union block column[COLUMNS], s, mask;
@@ -115,25 +112,25 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
         for (int k = count; k < CHUNK; k++) {
             r->d[k] = mask.d[k] = 0;
         }
-        for (int k = 0; k < CHUNK / 2; k++) {
+        for (int k = 0; k < CHUNK / 4; k++) {
             u->p[k] *= mask.p[k];
             v->p[k] *= mask.p[k];
             r->p[k] *= mask.p[k];
         }
         if (unknowns > RATE_OMEGA) {
             union block *w = &column[RATE_OMEGA];
-            for (int k = 0; k < CHUNK / 2; k++) {
+            for (int k = 0; k < CHUNK / 4; k++) {
                 w->p[k] = s.p[k] * (h->b * u->p[k] - h->a * v->p[k]);
             }
         }
         if (unknowns > RATE_GAMMA) {
             union block *g = &column[RATE_GAMMA];
-            for (int k = 0; k < CHUNK / 2; k++) {
+            for (int k = 0; k < CHUNK / 4; k++) {
                 g->p[k] = -0.5 * s.p[k] * (h->a * u->p[k] + h->b * v->p[k]);
             }
         }
         column[LINEAR_C] = mask;
-        for (int k = 0; k < CHUNK / 2 && h->drifts; k++) {
+        for (int k = 0; k < CHUNK / 4 && h->drifts; k++) {
             column[LINEAR_D].p[k] = s.p[k] * mask.p[k];
         }
         for (int i = 0; i <= unknowns; i++) {
