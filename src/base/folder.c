@@ -4,8 +4,8 @@
  * by anything but an empty folder; with force both names are exchanged, and the old folder is
  * removed under the hidden one.
  */
-#define _GNU_SOURCE /* renameat2 */
-#include <hooke/base.h>
+#define _GNU_SOURCE /* asprintf, renameat2 */
+#include <hooke/base/folder_file.h>
 #include "base/internal.h"
 
 #include <dirent.h>
@@ -167,27 +167,32 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
 
 /* ---- filling ---- */
 
-/* Which of its files. */
-static bool refuse_file(const struct folder *folder, const char *name, int number,
-                        struct error *error)
+bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
+                      struct error *error)
 {
-    char path[SAFE_NAME_SIZE], file[SAFE_NAME_SIZE];
-    return error_set(error, ERROR_IO, "cannot write %s/%s: %s",
-                     safe_name(text_of(folder->at.path), path), safe_name(text_of(name), file),
-                     system_message(number));
+    *file = (struct writer){.fd = -1, .folder = -1};
+    if (asprintf(&file->path, "%s/%s", folder->at.path, name) < 0)
+        file->path = NULL;
+    file->chunk = malloc(WRITER_CHUNK);
+    if (!file->path || !file->chunk) {
+        writer_abandon(file);
+        return error_memory(error);
+    }
+    file->fd = openat(folder->fd, name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file->fd >= 0)
+        return true;
+    writer_refuse(file, error, system_message(errno));
+    writer_abandon(file);
+    return false;
 }
 
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error)
 {
-    struct writer file = {.folder = -1};
-    file.fd = openat(folder->fd, name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file.fd < 0)
-        return refuse_file(folder, name, errno, error);
-    writer_write(&file, content);
-    int number = file.failed ? file.failure : file_synced(file.fd);
-    if (close(file.fd) != 0 && errno != EINTR && number == 0)
-        number = errno;
-    return number == 0 || refuse_file(folder, name, number, error);
+    struct writer file;
+    if (!folder_file_open(folder, name, &file, error))
+        return false;
+    writer_put(&file, content);
+    return writer_commit(&file, error);
 }
 
 /* ---- putting in place: each step returns 0 or an errno ---- */

@@ -17,8 +17,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define CHUNK ((size_t)65536)
-
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why)
 {
     char name[SAFE_NAME_SIZE];
@@ -163,7 +161,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 {
     *writer = (struct writer){.fd = -1, .folder = -1, .force = policy.force};
     writer->path = strdup(path);
-    writer->chunk = malloc(CHUNK);
+    writer->chunk = malloc(WRITER_CHUNK);
     if (policy.refuse && writer->path)
         writer_refuse(writer, error, WRITER_REFUSED);
     else if (open_all(writer, policy.confine, error))
@@ -205,9 +203,9 @@ static void flush(struct writer *writer)
 
 void writer_put(struct writer *writer, struct text text)
 {
-    if (text.len > CHUNK - writer->used)
+    if (text.len > WRITER_CHUNK - writer->used)
         flush(writer);
-    if (text.len > CHUNK) {
+    if (text.len > WRITER_CHUNK) {
         writer_write(writer, text);
     } else if (text.len > 0) {
         memcpy(writer->chunk + writer->used, text.at, text.len);
@@ -290,8 +288,9 @@ bool writer_commit(struct writer *writer, struct error *error)
     int number = writer->failed ? writer->failure : file_synced(writer->fd);
     if (number == 0)
         number = closes_well(writer->fd);
-    bool done = number == 0 && writer_allows(writer, &mode, error);
-    if (done) {
+    const bool unnamed = writer->base != NULL; /* a file of a folder has its name already */
+    bool done = number == 0 && (!unnamed || writer_allows(writer, &mode, error));
+    if (done && unnamed) {
         number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
         if (number == 0) {
             number = file_synced(writer->folder);

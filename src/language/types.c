@@ -3,6 +3,7 @@
 #include <hooke/language/complete.h>
 #include <hooke/scene/formula.h>
 #include <hooke/session/dynamics.h>
+#include <hooke/study/stability.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -53,6 +54,26 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
 READ_ITEM(read_choice)
 {
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
+}
+
+READ_ITEM(read_stressed)
+{
+    struct stress_case one;
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    struct suggestion near = {.wanted = item->text};
+    for (size_t i = 0; stress_case_at(i, &one); i++) {
+        if (text_is(item->text, one.name))
+            return true;
+        suggestion_offer(&near, one.name);
+    }
+    if (choose_row(parser, argument, item, error))
+        return true;
+    if (!error->hint[0])
+        suggestion_hint(&near, error);
+    return error->hint[0] ? false
+                          : error_hint(error, "it takes methods, and the cases that 'stress --full' "
+                                              "lists");
 }
 
 READ_ITEM(read_scene)
@@ -390,6 +411,15 @@ COMPLETE_ITEM(complete_size)
 COMPLETE_ITEM(complete_choice)
 {
     complete_catalog(c, argument->choices);
+}
+
+COMPLETE_ITEM(complete_stressed)
+{
+    struct stress_case one;
+    complete_catalog(c, argument->choices);
+    for (size_t i = 0; stress_case_at(i, &one); i++)
+        if (!strchr(one.name, ' ')) /* it would have to be quoted */
+            complete_offer(c, one.name, one.brief);
 }
 
 COMPLETE_ITEM(complete_scene)

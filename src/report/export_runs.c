@@ -146,21 +146,22 @@ bool export_runs(const struct session *session, const struct argument_value *run
         return false;
     const int lead = count > 1;
     struct table_column *out = arena_array(arena, (size_t)(columns + lead), sizeof *out);
-    double *work = arena_array(arena, largest, sizeof *work);
+    const bool whole = count == 1 && rows == largest; /* all rows of one run */
+    double *work = arena_array(arena, whole ? 0 : largest, sizeof *work);
     if (!out || !work)
         return error_memory(error);
     for (int c = 0; c < columns + lead; c++) {
-        double *value = arena_array(arena, rows, sizeof *value);
+        double *value = arena_array(arena, rows, sizeof *value), *all = whole ? value : work;
         size_t n = 0;
         if (!value)
             return error_memory(error);
         for (int r = 0; r < count; r++) {
             const struct run *run = session->run[index[r]]->run;
-            if (c >= lead && !chosen_values(run, &list[c - lead], work, error))
+            if (c >= lead && !chosen_values(run, &list[c - lead], all, error))
                 return false;
             for (size_t i = 0; i < trace_count(run->trace); i++)
                 if (mark[r][i])
-                    value[n++] = c < lead ? run->number : work[i];
+                    value[n++] = c < lead ? run->number : all[i];
         }
         out[c] = (struct table_column){.name = "run", .unit = "", .value = value};
         if (c < lead)

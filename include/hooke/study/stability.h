@@ -115,6 +115,10 @@ struct stress_case {
     double tol;  /* 0: 1e-6 for methods that adapt */
 };
 
+/* Fills in a case: the table's, then every preset that calls itself stiff or extreme. Returns false
+ * beyond the last. */
+bool stress_case_at(size_t index, struct stress_case *out);
+
 struct stress_row {
     int index; /* of the case */
     const struct method *method;

@@ -323,7 +323,7 @@ static void put_short(const struct session *session, const struct stress *stress
     buffer_put(&end, TEXT("; wrong: an error above 1 % without a word; said so: refused, diverged "
                           "...\n"));
     buffer_put(&end, stress->count > 1 && methods > 1
-                         ? TEXT("'stress METHOD', 'stress case=NAME': verdict by verdict; --full: "
+                         ? TEXT("'stress METHOD', 'stress CASE': verdict by verdict; --full: "
                                 "the matrix, with reasons\n")
                          : TEXT("the reasons: --full\n"));
     if (stress->count > 1 && methods > 1)
@@ -397,30 +397,52 @@ static bool this_scene(const struct session *session, struct arena *arena, struc
     return true;
 }
 
-HANDLER(stress)
+/* Lists the methods that are named, or all where none is, and the case. Returns their number; 0
+ * with an error where two cases are named. */
+static int list_stressed(const struct argument_value *wanted, const struct method **method,
+                         struct text *only, struct error *error)
 {
-    const struct argument_value *wanted = argument_value(args, "METHOD");
-    const struct method **method =
-        arena_array(args->arena, method_catalog.count + (size_t)wanted->count, sizeof *method);
-    struct stress *stress = arena_array(args->arena, 1, sizeof *stress);
     int methods = 0;
-    if (!method || !stress)
-        return error_memory(error);
-    for (int i = 0; i < wanted->count; i++)
-        method[methods++] = (const struct method *)(const void *)wanted->item[i].row;
-    for (size_t i = 0; i < method_catalog.count && wanted->count == 0; i++) {
+    for (int i = 0; i < wanted->count; i++) {
+        const struct item *item = &wanted->item[i];
+        if (item->row) {
+            method[methods++] = (const struct method *)(const void *)item->row;
+        } else if (only->len > 0) {
+            error_at(error, item->text, "one case at a time");
+            return 0;
+        } else {
+            *only = item->text;
+        }
+    }
+    const bool all = methods == 0;
+    for (size_t i = 0; i < method_catalog.count && all; i++) {
         const struct method *row =
             (const struct method *)(const void *)catalog_row(&method_catalog, i);
         if (!(row->flags & METHOD_EXTERNAL)) /* somebody else's: only when named */
             method[methods++] = row;
     }
+    return methods;
+}
+
+HANDLER(stress)
+{
+    const struct argument_value *wanted = argument_value(args, "METHOD|CASE");
+    const struct argument_value *one = argument_value(args, "case");
+    const struct method **method =
+        arena_array(args->arena, method_catalog.count + (size_t)wanted->count, sizeof *method);
+    struct stress *stress = arena_array(args->arena, 1, sizeof *stress);
+    struct text only = one->count ? one->item->text : TEXT("");
+    if (!method || !stress)
+        return error_memory(error);
+    const int methods = list_stressed(wanted, method, &only, error);
+    if (methods == 0)
+        return false;
     struct stress_scene of;
     const bool present = has_argument(args, "scene");
     if (present && !this_scene(session, args->arena, &of, error))
         return false;
-    const struct argument_value *one = argument_value(args, "case");
-    const bool ok = study_stress(present ? &of : NULL, one->count ? one->item->text : TEXT(""),
-                                 method, methods, session->front.cancel, stress, error);
+    const bool ok = study_stress(present ? &of : NULL, only, method, methods, session->front.cancel,
+                                 stress, error);
     struct buffer text = {0};
     if (session->setup.settings.timing == TIMING_OFF) {
         stress->seconds = NAN;
@@ -466,9 +488,9 @@ COMMAND(
         "larger, 0 and with the other "
         "sign, initial\n"
         "values of 1e-310, 1e-150 and 1e150.",
-    .examples = "stress euler rk4 radau5; stress case=orego\nscene pendulum; stress scene rk4 "
+    .examples = "stress euler rk4 radau5; stress orego\nscene pendulum; stress scene rk4 "
                 "verlet dop853",
     .see = "stability compare precision", .flags = COMMAND_TABLES,
     ARGUMENTS(WORD("scene", TYPE_NONE),
-              PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+              PLACE("METHOD|CASE", TYPE_STRESSED, .flags = ARG_MANY, .choices = &method_catalog),
               KEY("case", TYPE_TEXT), OPTION("full", TYPE_NONE)))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers and files of a report: values, tables of runs, data. */
 #include <hooke/base/fields.h>
+#include <hooke/base/folder_file.h>
 #include <hooke/base/numeric.h>
 #include <hooke/report/lab.h>
 
@@ -211,8 +212,14 @@ static bool put_table(struct report *report, const char *name, const struct tabl
                       struct error *error)
 {
     struct buffer content = {0};
+    struct writer file;
     struct table whole = *table;
     whole.cancel = report->session->front.cancel;
+    if (!report->put) {
+        report->files++;
+        return folder_file_open(report->folder, name, &file, error) &&
+               table_send(&whole, TABLE_CSV, &file, error);
+    }
     table_format(&whole, TABLE_CSV, &content);
     const bool ok = (!cancelled(whole.cancel) || error_set(error, ERROR_CANCELLED, "stopped")) &&
                     report_put(report, name, &content, error);

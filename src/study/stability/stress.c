@@ -108,19 +108,31 @@ static bool listed(const char *preset)
     return false;
 }
 
-/* The table, and every preset that calls itself stiff or extreme. */
-static void collect(struct stress *stress)
+bool stress_case_at(size_t index, struct stress_case *out)
 {
-    for (size_t i = 0; i < COUNT_OF(cases); i++)
-        stress->cases[stress->count++] = cases[i];
-    for (size_t i = 0; i < preset_catalog.count && stress->count < STRESS_MAX; i++) {
+    if (index < COUNT_OF(cases)) {
+        *out = cases[index];
+        return true;
+    }
+    index -= COUNT_OF(cases);
+    for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct row *row = catalog_row(&preset_catalog, i);
         const bool named = text_starts(text_of(row->name), TEXT("stiff-")) ||
                            text_starts(text_of(row->name), TEXT("extreme-"));
-        if (named && !listed(row->name))
-            stress->cases[stress->count++] =
-                (struct stress_case){.name = row->name, .brief = row->brief, .preset = row->name};
+        if (named && !listed(row->name) && index-- == 0) {
+            *out = (struct stress_case){
+                .name = row->name, .brief = row->brief, .preset = row->name};
+            return true;
+        }
     }
+    return false;
+}
+
+static void collect(struct stress *stress)
+{
+    while (stress->count < STRESS_MAX &&
+           stress_case_at((size_t)stress->count, &stress->cases[stress->count]))
+        stress->count++;
 }
 
 /* ---- one case ---- */

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files of a folder that are written in parts. */
+#ifndef HOOKE_BASE_FOLDER_FILE_H
+#define HOOKE_BASE_FOLDER_FILE_H
+
+#include <hooke/base.h>
+
+/* Opens a new file of a folder that is being filled; writer_commit() ends it. Returns false with an
+ * error if it cannot be made. */
+bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
+                      struct error *error);
+
+#endif
