@@ -71,9 +71,10 @@ READ_ITEM(read_stressed)
         return true;
     if (!error->hint[0])
         suggestion_hint(&near, error);
-    return error->hint[0] ? false
-                          : error_hint(error, "it takes methods, and the cases that 'stress --full' "
-                                              "lists");
+    return error->hint[0]
+               ? false
+               : error_hint(error, "it takes methods, and the cases that 'stress --full' "
+                                   "lists");
 }
 
 READ_ITEM(read_scene)

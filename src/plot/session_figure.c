@@ -126,9 +126,46 @@ static void own_window(const struct drawing *d, const struct run *run, double wi
     window[1] = run_goes_back(run) ? end + d->shown : end;
 }
 
-static bool add_run(struct drawing *d, const struct run *run)
+/* Adds the curves of the rows, one a coordinate. */
+static bool add_rows(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
+                     const char *label, bool thinned)
 {
     const bool plane = plot_is_plane(d->request->kind);
+    double *x = arena_array(d->arena, rows->n + 1, sizeof *x);
+    if (!x)
+        return error_memory(d->error);
+    if (plane && d->request->columns) {
+        if (!chosen_at_rows(run, &d->against, rows, d->arena, x, d->error))
+            return false;
+    } else if (plane) {
+        state_at_rows(run, 0, rows, x);
+    }
+    double *t = plane ? arena_array(d->arena, rows->n + 1, sizeof *t) : x;
+    if (!t)
+        return error_memory(d->error);
+    for (size_t i = 0; i < rows->n; i++)
+        t[i] = trace_time(run->trace, rows->row[i]);
+    for (int i = 0; i < d->coordinates; i++) {
+        double *y = arena_array(d->arena, rows->n + 1, sizeof *y);
+        if (!y)
+            return error_memory(d->error);
+        if (!vertical_values(d, run, i, rows, y))
+            return false;
+        d->curve[d->curves] =
+            (struct curve){.label = d->coordinates > 1 ? drawing_label(d, i) : label,
+                           .x = x,
+                           .y = y,
+                           .n = rows->n,
+                           .t = plane ? t : NULL,
+                           .thinned = d->request->follow || thinned};
+        if (!d->curve[d->curves++].label)
+            return error_memory(d->error);
+    }
+    return true;
+}
+
+static bool add_run(struct drawing *d, const struct run *run)
+{
     struct curve *curve = &d->curve[d->curves];
     const char *label = drawing_run_label(d, run);
     *curve = (struct curve){.label = label};
@@ -140,46 +177,15 @@ static bool add_run(struct drawing *d, const struct run *run)
     }
     double window[2];
     own_window(d, run, window);
+    struct arena arena = {0}; /* the numbers of the rows are given back before the curve is read */
     struct chosen_rows rows;
     const struct row_request part = drawing_rows(d, window);
-    if (!choose_rows(run, &part, d->arena, &rows, d->error))
-        return false;
-    bool drawn;
-    if (!drawing_smooth(d, run, &rows, label, &drawn))
-        return false;
-    if (drawn)
-        return true;
-    double *x = arena_array(d->arena, rows.n + 1, sizeof *x);
-    if (!x)
-        return error_memory(d->error);
-    if (plane && d->request->columns) {
-        if (!chosen_at_rows(run, &d->against, &rows, d->arena, x, d->error))
-            return false;
-    } else if (plane) {
-        state_at_rows(run, 0, &rows, x);
-    }
-    double *t = plane ? arena_array(d->arena, rows.n + 1, sizeof *t) : x;
-    if (!t)
-        return error_memory(d->error);
-    for (size_t i = 0; i < rows.n; i++)
-        t[i] = trace_time(run->trace, rows.row[i]);
-    for (int i = 0; i < d->coordinates; i++) {
-        double *y = arena_array(d->arena, rows.n + 1, sizeof *y);
-        if (!y)
-            return error_memory(d->error);
-        if (!vertical_values(d, run, i, &rows, y))
-            return false;
-        d->curve[d->curves] =
-            (struct curve){.label = d->coordinates > 1 ? drawing_label(d, i) : label,
-                           .x = x,
-                           .y = y,
-                           .n = rows.n,
-                           .t = plane ? t : NULL,
-                           .thinned = d->request->follow || part.count > 0};
-        if (!d->curve[d->curves++].label)
-            return error_memory(d->error);
-    }
-    return true;
+    bool drawn = false;
+    const bool ok = choose_rows(run, &part, &arena, &rows, d->error) &&
+                    drawing_smooth(d, run, &rows, label, &drawn) &&
+                    (drawn || add_rows(d, run, &rows, label, part.count > 0));
+    arena_reset(&arena);
+    return ok;
 }
 
 /* ---- axes ---- */

@@ -59,9 +59,9 @@ static void turn_init(struct phase_table *turn, const struct harmonic *h, double
 
 /* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
  */
-static inline void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
-                       const struct phase_table *turn, union block *u, union block *v,
-                       union block *s)
+static inline void fill_basis(const struct samples *x, size_t at, int count,
+                              const struct harmonic *h, const struct phase_table *turn,
+                              union block *u, union block *v, union block *s)
 {
     if (x->uniform) {
         double start = x->t0 + (double)at * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
@@ -85,7 +85,7 @@ static inline void fill_basis(const struct samples *x, size_t at, int count, con
 /* Products of the model's first `unknowns` columns and of the residual (the last column). Returns
  * the number of samples used. */
 CLONES static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
-                       double gram[COLUMNS][COLUMNS], double *residual)
+                              double gram[COLUMNS][COLUMNS], double *residual)
 {
     union block column[COLUMNS], s, mask;
     struct phase_table turn;

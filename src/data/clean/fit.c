@@ -13,8 +13,8 @@
 
 enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-#define COVERED 1.25       /* of the two periods: across a gap a fit is none */
-#define NEAR_ENOUGH 0.002  /* of the swing: so far the amplitude may bend within two periods */
+#define COVERED 1.25      /* of the two periods: across a gap a fit is none */
+#define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
 #define SETTLED_SHARE 0.3 /* of the standard error: smaller changes end the rounds */
 
 /* Number of samples that a fit is sought with, before all of them improve it. */

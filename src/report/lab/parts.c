@@ -375,10 +375,11 @@ static bool put_file(struct report *report, const char *name, const char *end,
 
 /* As picture, as text and in words. */
 static bool write_figure(struct report *report, const struct figure_request *request,
-                         const struct figure *figure, struct error *error)
+                         const struct figure *figure, const struct buffer *words,
+                         struct error *error)
 {
     char name[48];
-    struct buffer text = {0}, svg = {0}, pdf = {0}, words = {0};
+    struct buffer text = {0}, svg = {0}, pdf = {0};
     struct error why = {0};
     struct figure untitled = *figure; /* the caption says it */
     untitled.title = NULL;
@@ -387,15 +388,14 @@ static bool write_figure(struct report *report, const struct figure_request *req
     bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) ||
               error_memory(error);
     ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &svg, error) &&
-         put_words(report, *request, &words, error) && put_file(report, name, "svg", &svg, error) &&
-         put_file(report, name, "txt", &text, error);
+         put_file(report, name, "svg", &svg, error) && put_file(report, name, "txt", &text, error);
     if (report->latex && !report->no_pdf[0] && !picture_offered(PICTURE_PDF, &why))
         snprintf(report->no_pdf, sizeof report->no_pdf, "%s", why.text);
     const bool drawn = report->latex && !report->no_pdf[0];
     ok = ok && (!drawn || (figure_picture(&untitled, PICTURE_PDF, 0, 0, &pdf, error) &&
                            put_file(report, name, "pdf", &pdf, error)));
     document_figure(&report->document,
-                    &(struct document_picture){name, buffer_view(&words), buffer_text(&svg),
+                    &(struct document_picture){name, buffer_view(words), buffer_text(&svg),
                                                buffer_text(&text), drawn});
     put_caption(report, request);
     if (!ok && error->code != ERROR_IO) { /* which says which file */
@@ -405,7 +405,6 @@ static bool write_figure(struct report *report, const struct figure_request *req
     buffer_free(&text);
     buffer_free(&svg);
     buffer_free(&pdf);
-    buffer_free(&words);
     return ok;
 }
 
@@ -423,20 +422,24 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
                                      .trail = HUGE_VAL};
     struct arena arena = {0}; /* what a figure takes of a long run is given back after it */
     struct figure figure;
+    struct buffer words = {0};
     if (runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model))
         return true;
     if (report->figures == REPORT_FIGURES)
         return error_set(error, ERROR_COMMAND, "a report has at most %d figures", REPORT_FIGURES);
     choose_window(session, &request);
-    bool ok = session_figure(session, &request, &arena, &figure, error);
+    /* One figure at a time: each takes 24 bytes a row. */
+    bool ok = put_words(report, request, &words, error) &&
+              session_figure(session, &request, &arena, &figure, error);
     if (ok) {
         report->figure[report->figures++] = (struct report_figure){kind, section};
         for (int i = 0; i < runs; i++)
             report->run_shown[run[i]] = true;
         if (recording >= 0)
             report->recording_shown[recording] = true;
-        ok = write_figure(report, &request, &figure, error);
+        ok = write_figure(report, &request, &figure, &words, error);
     }
+    buffer_free(&words);
     arena_reset(&arena);
     return ok;
 }

@@ -120,8 +120,8 @@ bool stress_case_at(size_t index, struct stress_case *out)
         const bool named = text_starts(text_of(row->name), TEXT("stiff-")) ||
                            text_starts(text_of(row->name), TEXT("extreme-"));
         if (named && !listed(row->name) && index-- == 0) {
-            *out = (struct stress_case){
-                .name = row->name, .brief = row->brief, .preset = row->name};
+            *out =
+                (struct stress_case){.name = row->name, .brief = row->brief, .preset = row->name};
             return true;
         }
     }
