@@ -69,6 +69,14 @@ static void put_witness(const struct run *run, struct buffer *text)
                    TEXT(", not known beyond: errors may decide whether the next event happens"));
 }
 
+static bool is_exact_available(const struct run *run)
+{
+    const struct method *method = method_find("exact");
+    enum drag drag = DRAG_DEFAULT;
+    struct error ignored;
+    return method && method_applies(method, &run->system, &drag, &ignored);
+}
+
 /* Where no digit is right any longer: by the second solution, or because variables fell below their
  * tolerance, where neither solution knows them. */
 static void say_lost(const struct session *session, const struct run *run, struct reply *reply,
@@ -94,9 +102,10 @@ static void say_lost(const struct session *session, const struct run *run, struc
     } else {
         *ok = error_set(error, ERROR_NUMERICAL, "%s", buffer_view(&text));
         error_hint(error,
-                   "a smaller tol moves that time; where the motion is chaotic 'set opinion warn' "
-                   "takes it as it "
-                   "is; run %d is kept",
+                   is_exact_available(run)
+                       ? "'method exact' is the closed form; run %d is kept"
+                       : "a smaller tol moves that time; where the motion is chaotic 'set opinion "
+                         "warn' takes it as it is; run %d is kept",
                    run->number);
     }
     buffer_free(&text);

@@ -173,15 +173,15 @@ static void put_shorter_step(const struct run *run, double dt, bool implicit_hel
 static void explain_adaptive_divergence(const struct run *run, struct buffer *text)
 {
     const double rate = fastest_rate(run);
-    if (fate_of(run) == SOLUTION_GOES_ON) {
-        buffer_put(text, TEXT("errors of steps have led out of the range of numbers, the solution "
-                              "goes on; try a smaller tol"));
-    } else if (!(run->method->flags & METHOD_IMPLICIT) && !run->method->rosenbrock &&
-               rate * run->settings.dt * STEP_HOPELESS > 1) {
+    if (!(run->method->flags & METHOD_IMPLICIT) && !run->method->rosenbrock &&
+        rate * run->settings.dt * STEP_HOPELESS > 1) {
         buffer_put(text, TEXT("the scene's fastest rate is about "));
         buffer_short(text, rate, 2);
         buffer_format(text, " 1/s, too fast for %s; try %s", run->method->row.name,
                       remedy_for_rate(run));
+    } else if (fate_of(run) == SOLUTION_GOES_ON) {
+        buffer_put(text, TEXT("errors of steps have led out of the range of numbers, the solution "
+                              "goes on; try a smaller tol"));
     } else {
         buffer_put(text, TEXT("no step, however short, gives a state within the range of numbers; "
                               "it is not known why"));
