@@ -119,6 +119,13 @@ struct widening residual_widening(const struct samples *samples, const double *r
  * 1). */
 double autocorrelation_factor(double rho);
 
+/*
+ * Returns the factor by which the variance of the slope of a line through n times of cycles grows
+ * where its residuals have that lag-1 autocorrelation: as of an autoregressive process, or of a
+ * random walk, where each cycle begins some random time after the one before.
+ */
+double line_correlation_factor(double rho, double n);
+
 /* ---- motion.c: what every analysis of an oscillation starts from ---- */
 
 struct swing_segment {

@@ -362,3 +362,14 @@ double autocorrelation_factor(double rho)
     rho = fmin(fmax(rho, 0), 0.9999);
     return (1 + rho) / (1 - rho);
 }
+
+double line_correlation_factor(double rho, double n)
+{
+    /* of a random walk: its variance about a line is n/15 of that of a step */
+    static const double chance = 2, walk_factor = 1.5;
+    const double walk = 1 - 7.5 / n;
+    if (!(rho > chance / sqrt(n)))
+        return 1;
+    return rho > 0.7 * walk ? fmax(walk_factor * n, autocorrelation_factor(rho))
+                            : autocorrelation_factor(rho);
+}

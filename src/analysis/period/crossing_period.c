@@ -67,16 +67,24 @@ bool fit_beat(const struct crossing *up, size_t count, double guess, double *scr
         }
         slope = (w * wnt - wn * wt) / det;
         start = up[0].t + (wt - slope * wn) / w;
+        double square = 0, product = 0, before = 0;
         for (size_t i = 0; i < count; i++) {
             double n = nearbyint((up[i].t - origin) / guess), r = up[i].t - start - n * slope;
             double sigma = fmax(up[i].uncertainty, 1e-15 * (fabs(up[i].t) + guess));
-            chi2 += fabs(r) <= limit ? r * r / (sigma * sigma) : 0;
             scratch[i] = fabs(r);
+            if (fabs(r) <= limit) {
+                chi2 += r * r / (sigma * sigma);
+                square += r * r;
+                product += r * before;
+                before = r;
+            }
         }
         /* Scatter about the line says more than the single uncertainties where it is larger, or
          * where these are only rounding. */
         double spread = *used > 2 ? chi2 / (double)(*used - 2) : 1,
                widen = exact && *used > 3 ? spread : fmax(spread, 1);
+        if (square > 0)
+            widen *= line_correlation_factor(product / square, (double)*used);
         out->period = (struct measured){slope, sqrt(widen * w / det)};
         limit = fmax(5 * MAD_TO_SIGMA * quantile(scratch, count, 0.5), 1e-12 * guess);
     }
@@ -84,16 +92,40 @@ bool fit_beat(const struct crossing *up, size_t count, double guess, double *scr
     return true;
 }
 
+/*
+ * Adds half the difference between the period of the rising and of the falling edges: where the
+ * amplitude changes, a level is passed later and later on one of them, and earlier on the other.
+ */
+static void widen_by_falling_edges(const struct crossing *all, size_t count, struct period *period)
+{
+    double first = NAN, last = NAN; /* [s] how long the level is passed for */
+    for (size_t i = 1; i < count; i++) {
+        if (all[i].up || !all[i - 1].up)
+            continue;
+        last = all[i].t - all[i - 1].t;
+        first = isnan(first) ? last : first;
+    }
+    if (isfinite(first) && period->periods >= 1)
+        period->period.uncertainty =
+            hypot(period->period.uncertainty, 0.5 * (last - first) / period->periods);
+}
+
+/* Copies the rising crossings, perhaps into the same array. Returns how many. */
+static size_t keep_rising(const struct crossing *all, size_t count, struct crossing *rising)
+{
+    size_t up = 0;
+    for (size_t i = 0; i < count; i++)
+        if (all[i].up)
+            rising[up++] = all[i];
+    return up;
+}
+
 /* Finds the up-crossings of a level, the first `capacity` of them. Returns how many. */
 static size_t up_crossings(const struct series *series, const struct overview *o, double level,
                            struct crossing *crossing, size_t capacity)
 {
     const size_t count = series_crossings(series, o, level, crossing, capacity);
-    size_t up = 0;
-    for (size_t i = 0; i < count && i < capacity; i++)
-        if (crossing[i].up)
-            crossing[up++] = crossing[i];
-    return up;
+    return keep_rising(crossing, count < capacity ? count : capacity, crossing);
 }
 
 /*
@@ -153,16 +185,20 @@ static double interpolation_error(const struct series *series, const struct over
 bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
                      struct period *period, struct error *error)
 {
-    size_t capacity = 2 * (size_t)o->periods + 16, used;
-    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
+    size_t capacity = 4 * (size_t)o->periods + 16, used;
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing),
+                    *edge = arena_array(arena, capacity, sizeof *edge);
     double *scratch = arena_array(arena, capacity, sizeof *scratch);
-    if (!crossing || !scratch)
+    if (!crossing || !edge || !scratch)
         return error_memory(error);
-    const size_t up = up_crossings(series, o, o->mean, crossing, capacity);
+    const size_t all = series_crossings(series, o, o->mean, edge, capacity),
+                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
     *period = (struct period){.level = o->mean, .how = "up-crossings"};
     if (up >= 2 &&
         fit_beat(crossing, up, o->period, scratch, overview_is_exact(o), period, &used)) {
         widen_by_edges(series, o, period);
+        if (overview_is_exact(o))
+            widen_by_falling_edges(edge, edges, period);
         if (up < 4 && overview_is_exact(o))
             period->period.uncertainty =
                 hypot(period->period.uncertainty,
@@ -218,18 +254,20 @@ static size_t crossing_pattern(const struct crossing *up, size_t count, const st
 static bool regular_period(const struct series *series, double level, const struct regularity *r,
                            size_t capacity, struct arena *arena, struct period *period)
 {
-    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing);
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing),
+                    *edge = arena_array(arena, capacity, sizeof *edge);
     double *scratch = arena_array(arena, capacity, sizeof *scratch);
     struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
     size_t first = 0, used;
-    if (!crossing || !scratch)
+    if (!crossing || !edge || !scratch)
         return false;
     for (size_t i = 0; i < series->n; i++) {
         o.low = series->y[i] < o.low ? series->y[i] : o.low;
         o.high = series->y[i] > o.high ? series->y[i] : o.high;
     }
     o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
-    const size_t up = up_crossings(series, &o, o.mean, crossing, capacity);
+    const size_t all = series_crossings(series, &o, o.mean, edge, capacity),
+                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
     size_t pattern = crossing_pattern(crossing, up, r);
     while (r->may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
         first++;
@@ -248,6 +286,7 @@ static bool regular_period(const struct series *series, double level, const stru
     if (!fit_beat(crossing, cycles, cycle, scratch, true, period, &used))
         return false;
     widen_by_edges(series, &o, period);
+    widen_by_falling_edges(edge, edges, period);
     if (first > 0)
         snprintf(period->warning, sizeof period->warning,
                  "the period settles: it is read from t = %.6g s on, where it repeats to 1 %%",

@@ -97,6 +97,25 @@ double lags_multiple(const struct lags *lags, double period);
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period);
 
+/* ---- waves.c ---- */
+
+/*
+ * Counts the waves of a series, one by one. Where T holds several whose times differ and do not
+ * repeat, or another number than it should, their mean takes its place, with a warning; where each
+ * comes some random time after the one before, T is widened.
+ */
+void period_check_waves(const struct series *series, struct arena *arena, struct period *period);
+
+/* Takes the mean time between the waves of a series for its period, with a warning. Returns false
+ * if they come at no rhythm, or if out of memory. */
+bool waves_period(const struct series *series, struct arena *arena, struct period *period);
+
+/* ---- few_cycles.c ---- */
+
+/* Multiplies a period by 2 or 3 where cycles that follow each other differ, but not those two or
+ * three later, and warns of it: of three cycles and more. */
+void period_find_turns(const struct series *series, struct arena *arena, struct period *period);
+
 /* ---- subharmonic.c ---- */
 
 /* Multiplies a period by 2 or 3, several times if need be, where successive cycles differ in turn,

@@ -13,6 +13,7 @@ enum {
     LINES_ROWS_MAX = 32768, /* in which two lines are looked for to name both */
     NOISE_SAMPLES = 4096,
     CYCLES_SURE = 6,
+    LINES_CYCLES = 15,   /* fewer have no lines between their harmonics */
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
 };
 
@@ -278,6 +279,8 @@ static bool other_period(const struct series *series, struct motion *m, const st
         (!beats && isfinite(guess) && cycle_period(series, multiple * guess, arena, period)) ||
         (!exact && wave_period(series, WAVE_NOISY_FEW, arena, period)))
         return true;
+    if (!m->overview.oscillates && !lines && !swings && waves_period(series, arena, period))
+        return true;
     if (!m->overview.oscillates)
         return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
     if (!exact && whole_period(m, period)) {
@@ -415,8 +418,13 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     const bool smooth = smooth_period(series, arena, period);
     if (!smooth && !find_period(series, arena, period, &pace, error))
         return false;
-    if (!smooth)
-        period_find_subharmonic(series, arena, period);
+    if (!smooth) {
+        period_check_waves(series, arena, period);
+        if (series->t[series->n - 1] - series->t[0] < LINES_CYCLES * period->period.value)
+            period_find_turns(series, arena, period);
+        else
+            period_find_subharmonic(series, arena, period);
+    }
     period->period = measured_at_pace(period->period, pace);
     return true;
 }

@@ -78,7 +78,8 @@ static double scatter(const struct phases *p, const unsigned char *use, int term
     }
     const double rho = square > 0 ? product / square : 0, chance = 1 / sqrt(n);
     const double variance = square / fmax(n - terms, 1);
-    return variance * (rho > chance ? autocorrelation_factor(rho) : 1);
+    return variance *
+           fmax(rho > chance ? autocorrelation_factor(rho) : 1, line_correlation_factor(rho, n));
 }
 
 /* Least squares through the phases in use; scratch [n]: the size of the residuals in their standard
