@@ -2,6 +2,7 @@
 #include <hooke/base.h>
 #include "base/internal.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -23,16 +24,41 @@ struct file_reading {
     int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0: it need not */
 };
 
+/* Suggests files of the same folder whose names are like the one that does not exist. */
+static void suggest_files(const char *path, struct error *error)
+{
+    enum { ENTRIES_MAX = 4096, FOLDER_MAX = 4096 };
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char folder[FOLDER_MAX] = ".", name[SAFE_NAME_SIZE];
+    struct suggestion suggestion = {.wanted = text_of(path + length)};
+    if (length >= sizeof folder)
+        return;
+    memcpy(folder, length > 0 ? path : ".", length > 0 ? length : 1);
+    DIR *listed = opendir(folder);
+    const struct dirent *entry;
+    for (int i = 0; listed && i < ENTRIES_MAX && (entry = readdir(listed)); i++)
+        if (entry->d_name[0] != '.' &&
+            strcmp(safe_name(text_of(entry->d_name), name), entry->d_name) == 0)
+            suggestion_offer(&suggestion, entry->d_name);
+    if (listed)
+        closedir(listed);
+    suggestion_hint(&suggestion, error);
+}
+
 static bool cannot_read(struct error *error, const char *path, int number)
 {
     char name[SAFE_NAME_SIZE];
     if (number == EINTR)
         return error_set(error, ERROR_CANCELLED, "reading %s was interrupted",
                          safe_name(text_of(path), name));
-    return error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
-                     number != EISDIR                    ? system_message(number)
-                     : strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
-                                                         : "it is a directory");
+    error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
+              number != EISDIR                    ? system_message(number)
+              : strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
+                                                  : "it is a directory");
+    if (number == ENOENT)
+        suggest_files(path, error);
+    return false;
 }
 
 /*

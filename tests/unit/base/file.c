@@ -248,6 +248,7 @@ static void reading_refuses(void **state)
     assert_false(file_read("missing", 100, &b, &error));
     assert_int_equal(error.code, ERROR_IO);
     assert_string_equal(error.text, "cannot read missing: No such file or directory");
+    assert_string_equal(error.hint, "");
     assert_false(file_read("mis\033sing", 100, &b, &error));
     assert_string_equal(error.text, "cannot read mis\\x1bsing: No such file or directory");
     assert_false(file_read(".", 100, &b, &error));
@@ -271,6 +272,25 @@ static void reading_refuses(void **state)
     assert_true(file_read("b", 0, &b, &error));
     assert_string_equal(b.data, "");
     buffer_free(&b);
+}
+
+static void near_names_are_suggested(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct buffer b = {0};
+    assert_int_equal(mkdir("inner", 0777), 0);
+    assert_true(put("inner/out", "", gentle, &error));
+    assert_true(put("a", "", gentle, &error));
+    assert_false(file_read("A", 9, &b, &error));
+    assert_string_equal(error.hint, "did you mean 'a'?");
+    assert_false(file_read("inner/Out.txt", 9, &b, &error));
+    assert_string_equal(error.text, "cannot read inner/Out.txt: No such file or directory");
+    assert_string_equal(error.hint, "");
+    assert_false(file_read("inner/oud", 9, &b, &error));
+    assert_string_equal(error.hint, "did you mean 'out'?");
+    assert_false(file_read("neither/oud", 9, &b, &error));
+    assert_string_equal(error.hint, "");
 }
 
 static void *feed(void *path)
@@ -375,6 +395,7 @@ int main(void)
         IN_FOLDER(refusals_say_why),
         IN_FOLDER(confined_to_the_current_folder),
         IN_FOLDER(reading_refuses),
+        IN_FOLDER(near_names_are_suggested),
         IN_FOLDER(pipes_and_links_are_read),
         IN_FOLDER(a_pipe_without_writer_can_be_interrupted),
         IN_FOLDER(a_pipe_without_writer_is_refused_soon),
