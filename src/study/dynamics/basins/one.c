@@ -31,6 +31,8 @@ static int follow(struct basin_walk *walk, const struct cancel *cancel)
     walker_start(walk, &walker, walk->field.system.start);
     while (stepper && fate == BASIN_MISSING && !cancelled(cancel)) {
         stepper_advance(stepper, &walker, 1);
+        if (cancelled(cancel)) /* it may have ended anywhere */
+            break;
         fate = walker_look(walk, &walker);
         const bool tries = fate == BASIN_MISSING && walker.looks % ATTEMPT == 0;
         if (walker.looks < WALK_LOOKS && (tries || fate == BASIN_UNDECIDED))
