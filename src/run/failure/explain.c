@@ -250,10 +250,30 @@ static void explain_divergence(const struct run *run, struct buffer *text)
         explain_fixed_divergence(run, text);
 }
 
+/* Returns true if some derivative has an infinite slope in the state that was reached, as that of
+ * sqrt(abs(v)) at v = 0: then there is no Jacobian. */
+static bool has_no_jacobian(const struct run *run)
+{
+    const struct system *system = &run->system;
+    double *jac = system_new_jacobian(system, run->t, run->y);
+    bool finite = true;
+    for (int i = 0; jac && i < system->n * system->n; i++)
+        finite = finite && isfinite(jac[i]);
+    free(jac);
+    return !finite;
+}
+
 static void explain_no_solution(const struct run *run, struct buffer *text)
 {
     if (explain_domain(run, text) || explain_state(run, text))
         return;
+    if (has_no_jacobian(run)) {
+        buffer_format(text,
+                      "the equations have an infinite slope there, and %s needs their Jacobian; "
+                      "try a method that does not, as dopri5",
+                      run->method->row.name);
+        return;
+    }
     buffer_format(text, "the implicit equation of %s was not solved", run->method->row.name);
     if (run->plan.adaptive) {
         buffer_format(text, " by any step, however short%s",
