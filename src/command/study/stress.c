@@ -320,8 +320,8 @@ static void put_short(const struct session *session, const struct stress *stress
                   stress->count == 1 ? "" : "s");
     if (!isnan(stress->seconds))
         buffer_format(&end, ", %.1f s", stress->seconds);
-    buffer_put(&end, TEXT("; wrong: an error above 1 % without a word; said so: refused, diverged "
-                          "...\n"));
+    buffer_put(&end, TEXT("; wrong: an error above 1 % without a word (bounded, damped away); "
+                          "said so: refused, diverged ...\n"));
     buffer_put(&end, stress->count > 1 && methods > 1
                          ? TEXT("'stress METHOD', 'stress CASE': verdict by verdict; --full: "
                                 "the matrix, with reasons\n")
