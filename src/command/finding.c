@@ -410,6 +410,8 @@ static void explain(const struct session *session, struct text statement, const 
     else if (!kind && own && text_is(where, ">"))
         buffer_format(&text, "%s makes no table; 'export FILE table' writes the last one",
                       own->row.name);
+    else if (is_kind(kind, "method") && text_is(where, "all"))
+        buffer_put(&text, TEXT("methods are named one by one: 'list methods' lists them"));
     else if (!known && !law)
         put_meanings(session, command, statement, where, kind,
                      strstr(error->hint, "did you mean") != NULL, &text);
@@ -418,6 +420,8 @@ static void explain(const struct session *session, struct text statement, const 
     if (!kind && own && text_is(text_of(own->row.name), "plot") &&
         catalog_find(&plot_catalog, where))
         put_use("'plot %1' is a plot of its own", where, &text);
+    if (is_kind(kind, "method") && text.len == 0 && !error->hint[0])
+        buffer_put(&text, TEXT("'list methods' lists them"));
     if (text.len > 0) {
         error->hint[0] = '\0';
         error_hint(error, "%s", buffer_view(&text));
