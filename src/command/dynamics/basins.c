@@ -293,7 +293,8 @@ COMMAND(
         "not repeat. Starts that leave every bound escape; what is not clear after 1000 looks "
         "is 'not decided'. The map has a\n"
         "letter for each attractor; 'plot basins > FILE' draws it, 'export FILE table of basins' "
-        "writes a row for each start.",
+        "writes a row for each start "
+        "(after Ctrl-C only of up to 400000 starts).",
     .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
                 "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv; plot basins > basins.svg",
     .see = "equilibria sweep lyapunov plot", .flags = COMMAND_TABLES,

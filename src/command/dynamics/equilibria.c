@@ -320,7 +320,9 @@ COMMAND(
         "none is missed and none\n"
         "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
         "a variable; without it\n"
-        "what runs have shown, widened. Kinds follow from the eigenvalues of the Jacobian. "
+        "what runs have shown, widened. With a whole box the scene's start may lie on a pole. "
+        "Kinds follow from the\n"
+        "eigenvalues of the Jacobian ('not known': a slope is infinite). "
         "Of a scene with a drive\n"
         "those of the mean over its period; of an angle one turn. --full: index and eigenvectors, "
         "too.",
