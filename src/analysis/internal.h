@@ -150,6 +150,7 @@ struct motion {
     double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
     double autocorrelation;
     bool tracked; /* found window by window: the damped sine is only the nearest there is */
+    bool buried;  /* in noise, so that no part of it has to be looked at */
     size_t rejected, clipped; /* clipped are counted in rejected */
     struct ceiling {
         double level; /* flat tops: what is beyond reads as this */

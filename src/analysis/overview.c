@@ -292,11 +292,63 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
     return memory;
 }
 
+/* Makes a series of means of `each` neighbours. Returns false if out of memory. */
+static bool average_samples(const struct samples *x, size_t each, struct arena *arena,
+                            struct series *out)
+{
+    const size_t n = x->n / each;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0, used = 0;
+        for (size_t k = i * each; k < (i + 1) * each; k++) {
+            sum += x->use[k] ? x->y[k] : 0;
+            used += x->use[k];
+        }
+        y[i] = used > 0 ? sum / used : x->y[i * each];
+        t[i] = 0.5 * (x->t[i * each] + x->t[(i + 1) * each - 1]);
+    }
+    *out = (struct series){.t = t, .y = y, .n = n, .cancel = x->cancel};
+    return true;
+}
+
+/*
+ * Returns true for a long recording of which each sample is little but noise, and in which means of
+ * neighbours neither oscillate as a whole nor in a part. Nothing is left to look for then but a
+ * fast oscillation that neither the spectrum of the whole nor a single sample shows.
+ */
+static bool is_buried(const struct motion *m, double noise, struct arena *arena)
+{
+    enum { ROWS_LONG = 65536, MEANS = 8192 };
+    static const double noise_share = 0.9; /* of the standard deviation */
+    const struct samples *x = &m->samples;
+    double sum = 0, square = 0, used = 0;
+    for (size_t i = 0; i < x->n && x->n > ROWS_LONG && !cancelled_at(x->cancel, i); i++)
+        if (x->use[i]) {
+            sum += x->y[i] - x->y[0];
+            square += (x->y[i] - x->y[0]) * (x->y[i] - x->y[0]);
+            used++;
+        }
+    if (!(used > 0 && noise > noise_share * sqrt((square - sum * sum / used) / used)))
+        return false;
+    struct series means;
+    struct motion few;
+    struct swing swing;
+    return average_samples(x, x->n / MEANS, arena, &means) &&
+           motion_init(&few, &means, arena, x->cancel) && !few.overview.oscillates &&
+           !find_swing(&means, &swing);
+}
+
 /* What the spectrum of the whole did not show; use [n]: as before the first try. False: no memory.
  */
 static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
 {
     const double noise = samples_noise(&m->samples, m->scratch);
+    memcpy(m->samples.use, use, m->samples.n);
+    m->buried = is_buried(m, noise, arena);
+    if (m->buried)
+        return true;
     for (size_t part = 2; part <= 16 && !m->overview.oscillates; part *= 2) {
         memcpy(m->samples.use, use, m->samples.n);
         if (!fit_beginning(m, part, noise, arena)) {

@@ -264,7 +264,7 @@ static bool other_period(const struct series *series, struct motion *m, const st
     struct mode_pair pair;
     struct swing swing;
     bool swings = false;
-    if (overview_is_constant(&m->overview))
+    if (overview_is_constant(&m->overview) || m->buried)
         return motion_refuse_known(m, NULL, NULL, error);
     const bool exact = overview_is_exact(&m->overview), lines = two_lines(&m->samples, &pair);
     const double guess = lags->correlation ? lags_period(lags) : NAN,

@@ -94,12 +94,42 @@ static void ended_by_the_flag(void **state)
     arena_reset(&arena);
 }
 
+/* Long noise is refused by means of its neighbours; a line of a tenth of it, which no single sample
+ * shows, is found all the same. */
+static void weak_lines_are_found_in_long_noise(void **state)
+{
+    (void)state;
+    enum { ROWS = 100000 };
+    static const double periods[] = {0, 7.3, 90, 1300, 20000}; /* samples; 0 means noise alone */
+    for (size_t k = 0; k < COUNT_OF(periods); k++) {
+        struct arena arena = {0};
+        struct period period;
+        struct error error = {0};
+        uint64_t seed = 11 + k;
+        double *t = arena_array(&arena, ROWS, sizeof *t), *y = arena_array(&arena, ROWS, sizeof *y);
+        for (size_t i = 0; i < ROWS; i++) {
+            t[i] = 1e-3 * (double)i;
+            y[i] = normal_from(&seed);
+            if (periods[k] > 0)
+                y[i] += 0.1 * sin(TWO_PI * (double)i / periods[k]);
+        }
+        const struct series series = {.t = t, .y = y, .n = ROWS};
+        const bool found = series_period(&series, &arena, &period, &error);
+        assert_int_equal(found, periods[k] > 0);
+        if (found)
+            assert_true(fabs(period.period.value - 1e-3 * periods[k]) <
+                        4 * period.period.uncertainty);
+        arena_reset(&arena);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_samples_without_starts),
         cmocka_unit_test(transforms_and_sorts_in_pieces),
         cmocka_unit_test(ended_by_the_flag),
+        cmocka_unit_test(weak_lines_are_found_in_long_noise),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
