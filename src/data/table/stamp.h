@@ -22,9 +22,9 @@ bool stamp_parse(struct text text, struct stamp *stamp);
 
 /* What a column has of them. */
 struct stamp_column {
-    size_t count;
-    bool date, clock; /* in every one of them */
-    int64_t first;    /* day of the first */
+    size_t count, clocks; /* stamps, and those with a time of day */
+    bool date;            /* in every one of them */
+    int64_t first;        /* day of the first */
 };
 
 /* [s] since the midnight before the column's first stamp. */

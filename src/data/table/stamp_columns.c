@@ -14,10 +14,16 @@ double stamp_seconds(struct stamp_column *column, struct text field)
     if (!stamp_parse(field, &stamp))
         return NAN;
     if (column->count++ == 0)
-        *column = (struct stamp_column){1, stamp.date, stamp.clock, stamp.day};
+        *column = (struct stamp_column){.count = 1, .date = stamp.date, .first = stamp.day};
     column->date &= stamp.date;
-    column->clock &= stamp.clock;
+    column->clocks += stamp.clock;
     return (double)(stamp.day - column->first) * DAY + stamp.second;
+}
+
+/* Returns true for times of day. Beside stamps with a date and a time, a date alone is midnight. */
+static bool has_clock(const struct stamp_column *column)
+{
+    return column->clocks > 0 && (column->date || column->clocks == column->count);
 }
 
 /* A clock without a date starts again at midnight. */
@@ -42,7 +48,7 @@ static int dates_beside(const struct recording *recording, const struct stamp_co
 {
     for (int i = 0; i < recording->columns; i++)
         if (i != clock && column[i].count > 0 && column[i].count >= column[clock].count / 2 &&
-            !column[i].clock)
+            !has_clock(&column[i]))
             return i;
     return -1;
 }
@@ -78,7 +84,7 @@ static void count_from_first(struct recording *recording, int i)
 void stamp_columns(struct recording *recording, const struct stamp_column *column)
 {
     for (int i = 0; i < recording->columns; i++) {
-        if (column[i].count == 0 || !column[i].clock)
+        if (column[i].count == 0 || !has_clock(&column[i]))
             continue;
         const int date = column[i].date ? -1 : dates_beside(recording, column, i);
         if (date >= 0)
@@ -89,7 +95,7 @@ void stamp_columns(struct recording *recording, const struct stamp_column *colum
     }
     /* Dates alone are no time of a sample. */
     for (int i = 0; i < recording->columns; i++)
-        for (size_t row = 0; row < recording->rows && column[i].count > 0 && !column[i].clock;
+        for (size_t row = 0; row < recording->rows && column[i].count > 0 && !has_clock(&column[i]);
              row++)
             recording->column[i].value[row] = NAN;
 }

@@ -38,6 +38,34 @@ static void a_late_decimal_comma_is_seen(void **state)
     buffer_free(&text);
 }
 
+/* Programs leave out a time of day that is 0, and say only the date, in the first row, too. */
+static void a_date_alone_beside_times_is_midnight(void **state)
+{
+    (void)state;
+    for (int first = 0; first <= 20; first += 10) {
+        struct buffer text = {0};
+        buffer_put(&text, TEXT("time;y [m]\n"));
+        for (int i = 0; i < 100; i++) {
+            const int s = i - first;
+            buffer_format(&text, "2024-05-0%d", s < 0 ? 1 : 2);
+            if (s != 0)
+                buffer_format(&text, " %s:%02d",
+                              s < 0    ? "23:59"
+                              : s < 60 ? "00:00"
+                                       : "00:01",
+                              (s + 60) % 60);
+            buffer_format(&text, ";%d\n", i * i % 7);
+        }
+        struct recording *r = fixture_good(text.data, "unit=m");
+        assert_int_equal(r->rows, 100);
+        assert_int_equal(r->dropped, 0);
+        for (int i = 0; i < 100; i++)
+            assert_true(r->t[i] == i);
+        recording_destroy(r);
+        buffer_free(&text);
+    }
+}
+
 /* One line for each row; `t` in ms. */
 static struct recording *with_times(const int *t, size_t n)
 {
@@ -302,6 +330,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(times_are_counted_not_differenced),
         cmocka_unit_test(a_late_decimal_comma_is_seen),
+        cmocka_unit_test(a_date_alone_beside_times_is_midnight),
         cmocka_unit_test(a_clock_set_back_loses_the_overlap),
         cmocka_unit_test(a_wild_time_loses_only_itself),
         cmocka_unit_test(repeated_times_keep_the_first),
