@@ -454,6 +454,7 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
     if (!profile)
         return error_memory(error);
+    unwrap_clock(recording, recording_clock(recording));
     for (int i = 0; i < recording->columns; i++) {
         if (cancelled(recording->cancel))
             return error_set(error, ERROR_CANCELLED, "reading was stopped");

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A clock that is set back while a recording goes on evenly, as when a computer asks for the time.
- */
+/* A clock that is set back while a recording goes on evenly, as when a computer asks for the time,
+ * or that starts again from 0 because its counter is full. */
 #include "data/table/table.h"
+
+#include <hooke/base/numeric.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -115,4 +117,53 @@ void mend_clock_jumps(struct recording *recording)
                    "the clock jumps back by %s%.4g s (line %u)%s while the rows go on evenly: the "
                    "times behind are moved on by as much",
                    jumps > 1 ? "up to " : "", longest, recording->line[first], more);
+}
+
+/* Returns where the counter is full by which every step back is an ordinary one, and how many of
+ * these there are; 0 if there is none. */
+static double full_count(const double *value, size_t rows, double usual, size_t *wraps)
+{
+    /* 16 and 32 bits; microseconds of 32 bits, written as ms and as s */
+    static const double full[] = {65536, 4294967296, 4294967.296, 4294.967296};
+    static const double longest = 3, steps_min = 64; /* usual steps */
+    for (size_t k = 0; k < COUNT_OF(full); k++) {
+        bool fits = full[k] >= steps_min * usual;
+        *wraps = 0;
+        for (size_t i = 0; i < rows && fits; i++) {
+            fits = value[i] >= 0 && value[i] < full[k];
+            if (i == 0 || !fits || value[i] >= value[i - 1])
+                continue;
+            fits = value[i] + full[k] - value[i - 1] <= longest * usual;
+            ++*wraps;
+        }
+        if (fits && *wraps > 0)
+            return full[k];
+    }
+    return 0;
+}
+
+void unwrap_clock(struct recording *recording, int column)
+{
+    if (column < 0 || recording->collected)
+        return;
+    double *value = recording->column[column].value, moved = 0, before = value[0];
+    double *rise = arena_array(&recording->arena, recording->rows, sizeof *rise);
+    size_t rising = 0, falling = 0, wraps;
+    for (size_t i = 1; rise && i < recording->rows; i++) {
+        if (value[i] > value[i - 1])
+            rise[rising++] = value[i] - value[i - 1];
+        falling += value[i] < value[i - 1];
+    }
+    if (falling == 0 || rising == 0)
+        return;
+    const double full = full_count(value, recording->rows, quantile(rise, rising, 0.5), &wraps);
+    if (full == 0)
+        return;
+    for (size_t i = 1; i < recording->rows; i++) {
+        moved += value[i] < before ? full : 0;
+        before = value[i];
+        value[i] += moved;
+    }
+    recording_warn(recording, "the clock in %s was full %zu %s, at %.10g: its times go on",
+                   recording->column[column].name, wraps, wraps == 1 ? "time" : "times", full);
 }

@@ -144,6 +144,21 @@ void column_unit(struct column *column, struct text unit)
     column->factor = known ? factor : 1;
 }
 
+bool number_with_unit(struct text field, char decimal, double *value, struct text *unit)
+{
+    enum { SPELLED_MAX = 16 };
+    double number, factor;
+    size_t used = 0;
+    const enum real_status status = real_scan(field, decimal, &number, &used);
+    if ((status != REAL_OK && status != REAL_UNDERFLOW) || used == 0 || used == field.len)
+        return false;
+    *unit = text_trim((struct text){field.at + used, field.len - used});
+    if (unit->len == 0 || unit->len > SPELLED_MAX || !find_unit(*unit, &factor))
+        return false;
+    *value = number;
+    return true;
+}
+
 /* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s²,
  * °C). */
 static bool clean(struct text text, struct buffer *out)

@@ -268,6 +268,9 @@ enum cell_kind table_cell(struct text field, char decimal, double *value)
         *value = (double)stamp.day * 86400 + stamp.second;
         return CELL_STAMP;
     }
+    struct text unit;
+    if (number_with_unit(field, decimal, value, &unit))
+        return CELL_NUMBER;
     const bool negative = field.at[0] == '-';
     struct text word = negative ? (struct text){field.at + 1, field.len - 1} : field;
     if (!is_word(word, "inf") && !is_word(word, "infinity") && !is_word(word, "\xE2\x88\x9E"))

@@ -214,6 +214,19 @@ static bool is_other_width(struct row_reader *reader, struct text line, struct t
     return true;
 }
 
+/* Takes the unit behind a number for that of its column. Returns false if the column has another.
+ */
+static bool take_unit(struct column *column, const struct table_layout *layout, struct text field)
+{
+    double value;
+    struct text unit;
+    if (!number_with_unit(field, layout->decimal, &value, &unit))
+        return true;
+    if (column->unit[0] == '\0')
+        column_unit(column, unit);
+    return text_is(unit, column->unit);
+}
+
 /* Reads one line, which `ahead` follows, into row recording->rows; false: it is no row of this
  * table. */
 static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
@@ -230,6 +243,12 @@ static bool read_row(struct row_reader *reader, struct text line, struct text ah
                 value = stamp_seconds(&reader->stamps[fields], field);
             else if (cell == CELL_NUMBER && fields + 1 == reader->layout->unpadded)
                 value = unpadded_value(field, reader->layout);
+            if (cell == CELL_NUMBER &&
+                !take_unit(&recording->column[fields], reader->layout, field)) {
+                value = NAN;
+                cell = CELL_WORD;
+                note(&reader->words[fields], number, field);
+            }
             recording->column[fields].value[recording->rows] = value;
             numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
             words |= cell == CELL_WORD;

@@ -139,6 +139,9 @@ bool header_field(struct text *rest, char separator, struct text *field);
 bool table_columns(const struct table_layout *layout, struct recording *recording,
                    struct error *error);
 void column_unit(struct column *column, struct text unit); /* as a file spells it */
+/* Reads a number that a known unit follows, as in "29.00 cm". Returns false if the cell is anything
+ * else, a plain number too. */
+bool number_with_unit(struct text field, char decimal, double *value, struct text *unit);
 /* one of the blank-separated words, any case */
 bool name_has_word(const char *name, const char *words);
 /* Names of columns of uncertainties; those of another axis than the value's. */
@@ -203,6 +206,9 @@ bool count_wraps(const double *value, size_t n);
 /* clock_jump.c: Moves the times behind a clock that was set back on, where the rows before and
  * after are evenly apart, and says so. */
 void mend_clock_jumps(struct recording *recording);
+/* Lets the counts of a clock continue where it started again because it was full, and says so. A
+ * column below 0 is none. */
+void unwrap_clock(struct recording *recording, int column);
 double recording_median_step(const struct recording *recording); /* [s]; the times are numbers */
 /* Sets dt from all stamps. */
 void recording_set_step(struct recording *recording);

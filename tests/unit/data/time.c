@@ -2,6 +2,7 @@
 /* Times that are odd, rows that are cut, the part of a recording in use, and what is said about it.
  */
 #include "unit/data/fixture.h"
+#include "unit/random_testing.h"
 
 static void times_are_counted_not_differenced(void **state)
 {
@@ -325,6 +326,71 @@ static void warnings_are_few(void **state)
     buffer_free(&text);
 }
 
+/* Counters of 16 and 32 bits that become full, at any step, with a row missing here and there. */
+static void full_counters_continue(void **state)
+{
+    static const struct {
+        double full;
+        const char *unit;
+    } counters[] = {{65536, "ms"}, {4294967296, "us"}, {65536, "us"}};
+    (void)state;
+    random_state = 31;
+    for (int run = 0; run < 60; run++) {
+        const double full = counters[run % 3].full,
+                     step = floor(full / (100 + 900 * random_uniform())),
+                     start = floor(full * random_uniform()), factor = run % 3 == 0 ? 1e-3 : 1e-6;
+        struct buffer text = {0};
+        size_t rows = 0;
+        double last = 0;
+        buffer_format(&text, run % 2 ? "%s,y\n" : "t [%s];y [cm]\n", counters[run % 3].unit);
+        for (int i = 0; i < 2000; i++) {
+            if (i > 0 && random_uniform() < 0.01)
+                continue;
+            last = i * step;
+            rows++;
+            buffer_format(&text, run % 2 ? "%.0f,%.2f\n" : "%.0f;%.2f\n", fmod(start + last, full),
+                          20 + sin(0.1 * i));
+        }
+        struct recording *r = fixture_good(text.data, "");
+        assert_int_equal(r->rows, rows);
+        assert_true(near(r->t[rows - 1] - r->t[0], last * factor, 1e-9 * last * factor));
+        assert_true(fixture_warns(r, "was full"));
+        recording_destroy(r);
+        buffer_free(&text);
+    }
+}
+
+/* Every cell has its unit with it, close or behind a blank; another one than before is no number.
+ */
+static void units_within_cells(void **state)
+{
+    static const struct {
+        const char *unit;
+        double factor;
+    } times[] = {{"ms", 1e-3}, {"s", 1}, {"us", 1e-6}},
+      lengths[] = {{"cm", 1e-2}, {"mm", 1e-3}, {"m", 1}};
+    static const char *const separators[] = {",", ", ", ";", "\t"};
+    (void)state;
+    random_state = 32;
+    for (int run = 0; run < 60; run++) {
+        const int t = run % 3, y = run / 3 % 3, odd = run % 4 == 0 ? 50 : -1;
+        const char *blank = run % 2 ? " " : "", *separator = separators[run % 4];
+        struct buffer text = {0};
+        if (run % 5 == 0)
+            buffer_format(&text, "time%sdistance\n", separator);
+        for (int i = 0; i < 100; i++)
+            buffer_format(&text, "%d%s%s%s%.2f%s%s\n", 20 * i, blank, times[t].unit, separator,
+                          20.25 + i % 7, blank, i == odd ? "km" : lengths[y].unit);
+        struct recording *r = fixture_good(text.data, "");
+        assert_int_equal(r->rows, 100);
+        assert_true(near(r->t[99], 1980 * times[t].factor, 1e-9));
+        assert_true(near(r->y[7], 20.25 * lengths[y].factor, 1e-12));
+        assert_true(odd < 0 || (isnan(r->y[odd]) && fixture_warns(r, "km")));
+        recording_destroy(r);
+        buffer_free(&text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -343,6 +409,8 @@ int main(void)
         cmocka_unit_test(windows_and_series),
         cmocka_unit_test(description_says_what_was_found),
         cmocka_unit_test(warnings_are_few),
+        cmocka_unit_test(full_counters_continue),
+        cmocka_unit_test(units_within_cells),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }
