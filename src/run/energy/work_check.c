@@ -73,8 +73,7 @@ static void solve_step(const struct run *run, struct balance *balance, const str
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
     system_turn_at_kinks(&turning);
-    if (allowed && (run_solve(system, t, from, end, RUN_SOLVE_SMOOTH, tol, to, NULL) ||
-                    run_solve(system, t, from, end, RUN_SOLVE_STIFF, tol, to, NULL)))
+    if (allowed && run_solve_cheaply(system, t, from, end, tol, to, NULL))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
     else if ((done->any_jumps && done->jumps[k]) ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))

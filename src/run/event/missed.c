@@ -69,9 +69,7 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
     for (int i = 1; i <= PIECES; i++) {
         const double next = i < PIECES ? t + (end - t) * i / PIECES : end,
                      from = t + (end - t) * (i - 1) / PIECES;
-        if (from != next &&
-            !run_solve(system, from, y, next, RUN_SOLVE_SMOOTH, SOLVE_TOL, y, run->cancel) &&
-            !run_solve(system, from, y, next, RUN_SOLVE_STIFF, SOLVE_TOL, y, run->cancel) &&
+        if (from != next && !run_solve_cheaply(system, from, y, next, SOLVE_TOL, y, run->cancel) &&
             !solve_evenly(system, from, y, next))
             return false;
     }

@@ -40,6 +40,16 @@ static bool looks_across(double h, double y, double slope, double middle_slope, 
             (fabs(end) > 2 * fabs(y) && fabs(end_slope) > STEEPER * fabs(slope)));
 }
 
+/* Returns true if a variable, and what its slopes make of it in a step of h, is next to nothing
+ * beside its natural size: what begins at 0 grows by any factor. */
+static bool is_negligible(double size, double h, double y, double slope, double middle_slope,
+                          double end, double end_slope)
+{
+    static const double negligible = 1e-6;
+    const double slopes = fmax(fmax(fabs(slope), fabs(middle_slope)), fabs(end_slope));
+    return fmax(fmax(fabs(y), fabs(end)), fabs(h) * slopes) < negligible * size;
+}
+
 /* Rows i and i + 1. */
 static bool row_across(const struct run *run, size_t i)
 {
@@ -56,7 +66,9 @@ static bool row_across(const struct run *run, size_t i)
         middle[k] = hermite(0.5, t_end - t, y[k], slope[k], end[k], end_slope[k]);
     system_derivative(&run->system, t + (t_end - t) / 2, middle, middle_slope);
     for (int k = 0; k < run->system.n; k++)
-        if (looks_across(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k]))
+        if (!is_negligible(run->system.scale[k], t_end - t, y[k], slope[k], middle_slope[k], end[k],
+                           end_slope[k]) &&
+            looks_across(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k]))
             return true;
     return false;
 }

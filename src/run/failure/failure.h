@@ -45,6 +45,10 @@ bool run_looks_at_changes(const struct system *system, const struct method *meth
 #define RUN_SOLVE_SMOOTH "dop853" /* in a few steps, or not at all */
 bool run_solve(const struct system *system, double t, const double *y, double end, const char *by,
                double tol, double *to, const struct cancel *cancel);
+/* The same by RUN_SOLVE_SMOOTH, or where that does not get there by RUN_SOLVE_STIFF, whose linear
+ * equations are far dearer in many variables. */
+bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
+                       double tol, double *to, const struct cancel *cancel);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
 /* Compares the first steps of a method that is stable at any step with a solution that grows: what

@@ -38,6 +38,13 @@ bool run_solve(const struct system *system, double t, const double *y, double en
     return step.t == end;
 }
 
+bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
+                       double tol, double *to, const struct cancel *cancel)
+{
+    return run_solve(system, t, y, end, RUN_SOLVE_SMOOTH, tol, to, cancel) ||
+           run_solve(system, t, y, end, RUN_SOLVE_STIFF, tol, to, cancel);
+}
+
 /* What the values are like before and after a step of h, by the solution: the largest, so that what
  * has just begun at 0 is not taken for 0. False: that is not known. */
 static bool sizes(const struct run *run, double t, double h, const double *y, double *solution,
@@ -45,13 +52,13 @@ static bool sizes(const struct run *run, double t, double h, const double *y, do
 {
     const struct system *system = &run->system;
     double next[LIMIT_VARIABLES] = {0};
-    if (!run_solve(system, t, y, t + h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution, run->cancel))
+    if (!run_solve_cheaply(system, t, y, t + h, RUN_SOLVE_TOL, solution, run->cancel))
         return false;
     for (int k = 0; k < system->n; k++)
         size[k] = fmax(fabs(y[k]), fabs(solution[k]));
     double ahead = 2;
-    while (ahead <= STEPS_AHEAD && run_solve(system, t, y, t + ahead * h, RUN_SOLVE_STIFF,
-                                             RUN_SOLVE_TOL, next, run->cancel)) {
+    while (ahead <= STEPS_AHEAD &&
+           run_solve_cheaply(system, t, y, t + ahead * h, RUN_SOLVE_TOL, next, run->cancel)) {
         for (int k = 0; k < system->n; k++)
             size[k] = fmax(size[k], fabs(next[k]));
         ahead *= 4;
@@ -90,8 +97,7 @@ static bool skips_growth(const struct run *run, double t, double h, const double
     if (!system->autonomous || !(scaled_size(system, y, &ignored) > start_min))
         return false; /* a drive, which makes anything out of nothing */
     for (int i = 0; i < (is_first ? SHORTER_MAX : 1) && !cancelled(run->cancel); i++, part /= 16) {
-        if (!run_solve(system, t, y, t + part * h, RUN_SOLVE_STIFF, RUN_SOLVE_TOL, solution,
-                       run->cancel))
+        if (!run_solve_cheaply(system, t, y, t + part * h, RUN_SOLVE_TOL, solution, run->cancel))
             continue;
         const double size = scaled_size(system, solution, &variable);
         if (!(size > grown * scaled_size(system, y, &ignored)) ||
