@@ -13,6 +13,7 @@ enum {
     LINES_ROWS_MAX = 32768, /* in which two lines are looked for to name both */
     NOISE_SAMPLES = 4096,
     CYCLES_SURE = 6,
+    GAP_STEPS = 8,       /* mean steps: a longer one is a gap */
     LINES_CYCLES = 15,   /* fewer have no lines between their harmonics */
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
 };
@@ -194,13 +195,6 @@ static bool long_period(const struct series *series, struct arena *arena, struct
         warn_beats(&x, &track, arena, period);
     }
     return true;
-}
-
-struct measured measured_at_pace(struct measured time, double pace)
-{
-    if (pace > 0)
-        time.uncertainty = hypot(time.uncertainty, pace * time.value);
-    return time;
 }
 
 /* Reads the period of the part of a series that swings. */
@@ -410,6 +404,78 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     return true;
 }
 
+/* Reads the period of every stretch between gaps that is long enough, and their weighted mean.
+ * *before [s] becomes the time before the longest gap. Returns false if there is no gap, or if no
+ * stretch can be read. */
+static bool stretches_period(const struct series *series, double whole, struct arena *arena,
+                             struct period *mean, double *before)
+{
+    static const double gap_periods = 0.04, stretch_periods = 4;
+    enum { STRETCHES_MAX = 16, ROWS_MIN = 32 };
+    const double step = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1),
+                 gap = fmax(GAP_STEPS * step, gap_periods * whole);
+    double weight = 0, sum = 0, longest = 0, pace;
+    size_t begin = 0, stretches = 0;
+    struct error ignored;
+    *mean = (struct period){.first = HUGE_VAL, .how = "phases"};
+    for (size_t i = 1; i <= series->n; i++) {
+        const bool ends = i == series->n;
+        const double here = ends ? 0 : series->t[i] - series->t[i - 1];
+        if (!ends && here <= gap)
+            continue;
+        struct series part = *series;
+        struct period p;
+        part.t += begin;
+        part.y += begin;
+        part.n = i - begin;
+        if (here > longest) {
+            longest = here;
+            *before = series->t[i - 1];
+        }
+        begin = i;
+        if (part.n == series->n || ++stretches > STRETCHES_MAX)
+            return false;
+        if (part.n < ROWS_MIN || part.t[part.n - 1] - part.t[0] < stretch_periods * whole ||
+            !find_period(&part, arena, &p, &pace, &ignored) || !is_same(&p, whole))
+            continue;
+        const double w = 1 / (p.period.uncertainty * p.period.uncertainty);
+        weight += w;
+        sum += w * p.period.value;
+        mean->first = fmin(mean->first, p.first);
+        mean->last = p.last;
+        mean->periods += p.periods;
+        mean->level = p.level;
+        mean->how = p.how;
+    }
+    mean->period = (struct measured){sum / weight, 1 / sqrt(weight)};
+    return isfinite(weight) && weight > 0;
+}
+
+/* Where the clock jumps, rather than the recording pauses, the stretches before and after it show
+ * another period than all of it: theirs is right. */
+static void heed_clock_jumps(const struct series *series, struct arena *arena,
+                             struct period *period)
+{
+    static const double contradicts = 2.5; /* standard deviations */
+    const double step = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
+    struct period mean;
+    double before = NAN, longest = 0;
+    for (size_t i = 1; i < series->n; i++) {
+        const double here = series->t[i] - series->t[i - 1];
+        longest = here > longest ? here : longest;
+    }
+    if (longest <= GAP_STEPS * step || series_is_uneven(series) ||
+        !stretches_period(series, period->period.value, arena, &mean, &before) ||
+        fabs(mean.period.value - period->period.value) <=
+            contradicts * hypot(mean.period.uncertainty, period->period.uncertainty / 3))
+        return;
+    *period = mean;
+    snprintf(period->warning, sizeof period->warning,
+             "the phase jumps in the gap after t = %.6g s (a clock that was set?): T is that of "
+             "the stretches between gaps",
+             before);
+}
+
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error)
 {
@@ -419,6 +485,7 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     if (!smooth && !find_period(series, arena, period, &pace, error))
         return false;
     if (!smooth) {
+        heed_clock_jumps(series, arena, period);
         period_check_waves(series, arena, period);
         if (series->t[series->n - 1] - series->t[0] < LINES_CYCLES * period->period.value)
             period_find_turns(series, arena, period);

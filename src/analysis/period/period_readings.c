@@ -60,3 +60,10 @@ bool series_period_readings(const struct series *series, int windows, struct are
     }
     return true;
 }
+
+struct measured measured_at_pace(struct measured time, double pace)
+{
+    if (pace > 0)
+        time.uncertainty = hypot(time.uncertainty, pace * time.value);
+    return time;
+}

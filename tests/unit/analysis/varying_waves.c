@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Waves that are not all alike: a frequency that is modulated, pulses that come with jitter, few
- * cycles that differ in turn. The period is right within its uncertainty, or a warning says more.
+ * cycles that differ in turn, a clock that jumps. The period is right within its uncertainty, or a
+ * warning says more.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -169,10 +170,35 @@ static void few_cycles_alike(void **state)
     assert_true(20 * said <= tally.all);
 }
 
+/* A clock that is set on while the motion is recorded evenly, and a recording that pauses. */
+static void jumps_of_the_clock(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 825;
+    for (int i = 0; i < cases(60); i++) {
+        struct drawn d = draw_waves(random_between(12, 60), of_random_size(15, 60));
+        const double jump = of_random_size(0.3, 6) * d.period,
+                     from = random_between(0.2, 0.8) * d.span,
+                     decay = i % 2 ? random_between(0, 1) : 0;
+        for (size_t k = 0; k < d.n; k++) {
+            const bool later = d.t[k] > from;
+            const double x = (d.t[k] + (later && i % 3 == 0 ? jump : 0)) / d.period;
+            d.y[k] = exp(-decay * d.t[k] / d.span) * cos(2 * PI * x + 1);
+            d.t[k] += later ? jump : 0;
+        }
+        add_noise(&d, of_random_size(2e-3, 0.03));
+        count_range(&d, d.period, d.period, i % 3 ? "clock set" : "pause", &tally);
+    }
+    assert_int_equal(tally.refused, 0);
+    assert_hardly_silent("gaps", &tally);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(modulated_frequencies), cmocka_unit_test(pulses_with_jitter),
-        cmocka_unit_test(few_cycles_in_turn), cmocka_unit_test(few_cycles_alike)};
+        cmocka_unit_test(few_cycles_in_turn), cmocka_unit_test(few_cycles_alike),
+        cmocka_unit_test(jumps_of_the_clock)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
