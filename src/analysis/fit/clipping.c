@@ -42,6 +42,19 @@ static bool has_harmonics(const struct motion *m)
     return sum[0] * sum[0] > min * norm[0] || sum[1] * sum[1] > min * norm[1];
 }
 
+/* Returns true if the residuals are too small for a flat top that is_flat() could tell from
+ * rounding: those of its samples are about as large as the model goes beyond it. */
+static bool is_rounding(const struct motion *m)
+{
+    static const double share = 1e-5; /* of the amplitude */
+    const double max =
+        fmax(0.5 * RESOLVED * m->quantum, share * hypot(m->harmonic.a, m->harmonic.b));
+    for (size_t i = 0; i < m->samples.n; i++)
+        if (m->samples.use[i] && fabs(m->residual[i]) > max)
+            return false;
+    return true;
+}
+
 struct censoring {
     struct harmonic harmonic;
     unsigned char *use; /* [n] without the censored ones */
@@ -140,7 +153,7 @@ static bool find_ceiling(const struct motion *m, int side, struct censoring *bes
 bool censor_clipped(struct motion *m, struct arena *arena)
 {
     size_t n = m->samples.n;
-    if (!has_harmonics(m))
+    if (is_rounding(m) || !has_harmonics(m))
         return true;
     struct censoring two[2] = {0};
     for (int k = 0; k < 2; k++) {
