@@ -287,6 +287,42 @@ static void diagnose(const struct problem *p, struct curve_fit *fit)
     fit->runs = spread > 0 ? (runs - expected) / spread : 0;
 }
 
+/*
+ * Adds what the rounding errors of a coarse sensor do to the parameters, as they are no chance
+ * where the curve is flat: the standard deviation over where the steps may lie. Noise spreads them.
+ */
+static void rounding_doubts(const struct problem *p, const struct curve_fit *fit,
+                            double doubt[CURVE_PARAMETERS])
+{
+    enum { SHIFTS = 8 };
+    static const double spread_out = 0.05; /* what noise leaves of them that is not worth it */
+    const double variance = fit->sigma * fit->sigma,
+                 step = samples_quantum(&(struct samples){.y = p->y, .n = p->n}),
+                 noise = fmax(variance - step * step / 12, 0),
+                 left = step > 0 ? exp(-2 * M_PI * M_PI * noise / (step * step)) : 0;
+    const size_t count = (size_t)fit->parameters;
+    double square[CURVE_PARAMETERS] = {0};
+    if (!(left > spread_out) || !(variance > 0))
+        return;
+    for (int k = 0; k < SHIFTS; k++) {
+        const double shift = ((k + 0.5) / SHIFTS - 0.5) * step;
+        double product[CURVE_PARAMETERS] = {0};
+        for (size_t i = 0; i < p->n && !cancelled_at(p->cancel, i); i++) {
+            const double error = remainder(p->y[i] - fit->residual[i] + shift, step);
+            for (size_t j = 0; j < count; j++)
+                product[j] += p->weight[i] * error * p->derivative[i * count + j];
+        }
+        for (size_t j = 0; j < count; j++) {
+            double change = 0;
+            for (size_t i = 0; i < count; i++)
+                change += fit->covariance[j][i] / variance * product[i];
+            square[j] += change * change / SHIFTS;
+        }
+    }
+    for (size_t j = 0; j < count; j++)
+        doubt[j] = left * sqrt(square[j]);
+}
+
 static void say(const struct problem *p, struct curve_fit *fit)
 {
     const char *undetermined = NULL;
@@ -311,7 +347,9 @@ static void say(const struct problem *p, struct curve_fit *fit)
 
 void conclude(const struct problem *p, struct curve_fit *fit)
 {
+    double rounding[CURVE_PARAMETERS] = {0};
     diagnose(p, fit);
+    rounding_doubts(p, fit, rounding);
     fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
     double factor =
         fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
@@ -319,7 +357,9 @@ void conclude(const struct problem *p, struct curve_fit *fit)
            student = gsl_cdf_tdist_Pinv(0.975, freedom);
     for (int j = 0; j < fit->parameters; j++) {
         double x = fit->value[j].value;
-        double u = fit->determined[j] ? sqrt(factor) * fit->formal[j] : fit->bound[j] ? 0 : NAN;
+        double u = fit->bound[j] ? 0 : NAN;
+        if (fit->determined[j])
+            u = hypot(sqrt(factor) * fit->formal[j], rounding[j]);
         fit->value[j].uncertainty = u;
         fit->interval[j][0] = x - student * u;
         fit->interval[j][1] = x + student * u;

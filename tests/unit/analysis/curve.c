@@ -315,6 +315,33 @@ static void known_names_are_constants(void **state)
     arena_reset(&arena);
 }
 
+/* A decay to a plateau that a coarse sensor rounds: on the plateau all rounding errors are alike.
+ */
+static void plateaus_of_a_coarse_sensor(void **state)
+{
+    (void)state;
+    const int runs = 60;
+    int within = 0;
+    random_state = 38;
+    for (int run = 0; run < runs; run++) {
+        struct arena arena = {0};
+        struct formula formula;
+        struct curve_fit result;
+        const double step = random_between(0.15, 0.6), noise = random_between(0, 0.3) * step;
+        sample(decaying, random_between(5, 14), 0);
+        const double shift = random_between(0, step);
+        for (size_t i = 0; i < N; i++)
+            y[i] = step * nearbyint((y[i] + shift + noise * random_normal()) / step);
+        compile("a*exp(-b*t) + c", &arena, &formula);
+        fit(&formula, NULL, &arena, &result);
+        const struct measured b = result.value[place(&formula, "b")];
+        within += fabs(b.value - 0.7) < 2 * b.uncertainty;
+        arena_reset(&arena);
+    }
+    print_message("%d of %d within 2 standard uncertainties\n", within, runs);
+    assert_true(10 * within >= 9 * runs);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -326,6 +353,7 @@ int main(void)
         cmocka_unit_test(stopped_early_is_not_converged),
         cmocka_unit_test(refusals),
         cmocka_unit_test(known_names_are_constants),
+        cmocka_unit_test(plateaus_of_a_coarse_sensor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
