@@ -275,6 +275,7 @@ struct run_private {
     size_t looked, across;
     size_t unchecked, checks;      /* and whose step it would check, after so many */
     size_t searched;               /* the last row that run_missed_burst() has seen */
+    double probed;                 /* [s] as far as run_force_unresolved() has looked for pulses */
     march_function *kernel;        /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */

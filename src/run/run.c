@@ -196,6 +196,7 @@ struct run *run_create(const struct scene *scene, const struct method *method,
     trace_regrid(run->trace, (struct time_grid){.first = 0, .origin = run->t, .h = h});
     trace_present(run->trace, 0, run->t, run->y);
     run->controller = (struct controller){.tol = settings->tol, .h = h};
+    run->private_state->probed = run->t;
     set_bounds(run);
     choose_kernel(run);
     ledger_back(run);

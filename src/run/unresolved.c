@@ -157,20 +157,29 @@ static bool misses_pulse(const struct run *run, const double *size, double t, do
     return misses;
 }
 
+/* Returns the time from which on nothing has looked for pulses: a run that is continued was looked
+ * at before, unless it has been taken back since. */
+static double probed_until(const struct run *run)
+{
+    const double start = run->system.t0, probed = run->private_state->probed;
+    return fabs(probed - start) < fabs(run->t - start) ? probed : run->t;
+}
+
 /* Returns true if a step, of those that are looked at, misses a pulse; sets *dt to a step that
  * does not, NAN if none was found. */
 static bool step_misses_pulse(const struct run *run, double h, double *dt)
 {
     const struct system *system = &run->system;
-    const double steps = floor((run->t - system->t0) / h);
+    const double begin = probed_until(run), steps = floor((run->t - begin) / h + 1e-6);
     int probes;
     const int64_t looks = run_probed_steps(system, (int64_t)steps, run->cost.evals, &probes);
-    double size[LIMIT_VARIABLES], t = system->t0;
+    double size[LIMIT_VARIABLES], t = begin;
     int64_t look = 0;
+    run->private_state->probed = run->t;
     for (int i = 0; i < system->n; i++)
         size[i] = fmax(system->scale[i], fabs(run->y[i]));
     for (; look < looks; look++) {
-        t = system->t0 + floor(((double)look + 0.5) * steps / (double)looks) * h;
+        t = begin + floor(((double)look + 0.5) * steps / (double)looks) * h;
         if (misses_pulse(run, size, t, h, probes))
             break;
     }

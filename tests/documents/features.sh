@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Nothing that users and their scripts can name appears or disappears without a line in features.txt.
 set -u
-agreed=tests/documents/features.txt
+agreed=tests/data/features.txt
 now=$(mktemp) || exit 2
 trap 'rm -f "$now"' EXIT
 scripts/features >"$now" || { echo "not ok 1 - scripts/features"; exit 1; }
