@@ -493,8 +493,9 @@ void balance_begin(const struct run *run, struct balance *balance); /* at the st
 int balance_block(const struct run *run, struct balance *balance, const double *row,
                   const double *time, size_t stride, int64_t count, struct work_done *done,
                   bool marking);
-/* at the present state, even inside of a step */
-void balance_present(const struct run *run, struct balance *balance);
+/* The balance at the present state, even inside of a step. Returns false, and an unknown work, if
+ * Ctrl-C came first. */
+bool balance_present(const struct run *run, struct balance *balance);
 /* Before so many rows are offered to the trace: where it will leave some out, the balance has to be
  * kept from there on. False: no memory. */
 bool ledger_ready(struct run *run, int64_t rows);

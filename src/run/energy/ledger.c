@@ -49,8 +49,9 @@ static bool save(struct run_private *p, size_t index)
     return true;
 }
 
-/* As far as rows are recorded, each once: what is known already stays. */
-static void settle(const struct run *run)
+/* As far as rows are recorded, each once: what is known already stays. Returns false if Ctrl-C came
+ * before the last one. */
+static bool settle(const struct run *run)
 {
     struct run_private *p = run->private_state;
     struct balance *balance = &p->balance;
@@ -60,12 +61,18 @@ static void settle(const struct run *run)
         size_t count;
         const double *row = trace_rows(trace, (size_t)balance->step + 1, trace->count, &count);
         const int64_t to_save = (int64_t)CHUNK_ROWS - (balance->step & (int64_t)(CHUNK_ROWS - 1));
+        const struct balance before = *balance;
         balance_block(run, balance, row, times_of(run, row), trace->width,
                       (int64_t)count < to_save ? (int64_t)count : to_save, &done, false);
+        if (balance->solved > before.solved && cancelled(run->cancel)) {
+            *balance = before; /* a step may not have been solved to its end */
+            return false;
+        }
         if ((balance->step & (int64_t)(CHUNK_ROWS - 1)) == 0 &&
             p->saves == (size_t)(balance->step >> CHUNK_SHIFT) - 1)
             save(p, p->saves);
     }
+    return true;
 }
 
 /* ---- fixed steps once more ---- */
@@ -175,13 +182,16 @@ void ledger_inside(struct run *run, double t, const double *y)
     trace_set_mark(run->trace, run->trace->count - 1, &inside.tally);
 }
 
-void balance_present(const struct run *run, struct balance *balance)
+bool balance_present(const struct run *run, struct balance *balance)
 {
-    if (!trace_marked(run->trace))
-        settle(run);
+    if (!trace_marked(run->trace) && !settle(run)) {
+        *balance = (struct balance){.tally = {.work = {NAN, 0}, .drag = {NAN, 0}}};
+        return false;
+    }
     *balance = run->private_state->balance;
     if (balance->step != run->steps)
         balance_extend(run, balance, run->t, run->y);
+    return true;
 }
 
 void ledger_back(struct run *run)
@@ -273,11 +283,10 @@ void run_ledger(const struct run *run, struct ledger *ledger)
         return;
     const double unit = run->private_state->factor * run->private_state->factor;
     struct balance balance;
-    if (!ledger_demand(run)) {
+    if (!ledger_demand(run) || !balance_present(run, &balance)) {
         energies_alone(run, ledger);
         return;
     }
-    balance_present(run, &balance);
     const struct energy_tally *tally = &balance.tally;
     const double energy = balance_energy(run, &run_epoch(run, run->steps)->system, balance.y),
                  work = tally->work.high + tally->work.low,

@@ -72,8 +72,10 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                allowed = balance->solved++ < SOLVED_STEPS_MAX;
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
+    /* Marks stay: what a row of a thinned run has done is not left unknown by Ctrl-C. */
+    const struct cancel *cancel = trace_marked(run->trace) ? NULL : run->cancel;
     system_turn_at_kinks(&turning);
-    if (allowed && run_solve_cheaply(system, t, from, end, tol, to, NULL))
+    if (allowed && run_solve_cheaply(system, t, from, end, tol, to, cancel))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
     else if ((done->any_jumps && done->jumps[k]) ||
              !quadrature_converges(work, done, k, missing_after(run, work, done, k)))

@@ -78,7 +78,7 @@ double solver_evaluation_price(const struct system *system, const struct method 
     if (method->rosenbrock)
         return 90 + 50 * n + forces;
     if (method->flags & METHOD_IMPLICIT)
-        return 400 + 150 * n + forces;
+        return 310 + 150 * n + forces;
     return adaptive ? 140 + 15 * n + forces : 60 + 8 * n + forces;
 }
 
