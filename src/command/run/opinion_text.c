@@ -111,9 +111,14 @@ static void say_lost(const struct session *session, const struct run *run, struc
     buffer_free(&text);
 }
 
-static void say_large(double times, struct reply *reply)
+/* Not where all that moves is below its tolerance: another line says so, and a smaller tol would not
+ * help. */
+static void say_large(const struct run *run, double times, struct reply *reply)
 {
     struct buffer text = {0};
+    double below[LIMIT_VARIABLES];
+    if (run_below_tolerance(run, below) == run->system.n)
+        return;
     buffer_put(&text, TEXT("the error is about "));
     buffer_short(&text, times, 1);
     buffer_put(
@@ -160,7 +165,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     if (!isnan(opinion->lost))
         say_lost(session, run, reply, error, &ok);
     else if (times > OPINION_WRONG && !run->warned_error)
-        say_large(times, reply);
+        say_large(run, times, reply);
     run->warned_error |= times > OPINION_WRONG;
     buffer_free(&by);
     return ok;
