@@ -439,11 +439,24 @@ void reply_inapplicable(const struct session *session, struct reply *reply)
         reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
 }
 
+/* Returns the period [s] in which a scene of two variables turns about its starting point, NAN for
+ * other scenes and where it does not turn there. */
+static double turning_period(const struct system *system)
+{
+    double j[4];
+    if (system->n != 2)
+        return NAN;
+    system_jacobian(system, system->t0, system->start, j);
+    const double half_trace = (j[0] + j[3]) / 2, determinant = j[0] * j[3] - j[1] * j[2];
+    return 2 * M_PI / sqrt(determinant - half_trace * half_trace);
+}
+
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
 {
-    const double period = derived_value(&session->setup.scene, "T0");
-    const double dt = run->settings.dt;
-    if (run->plan.adaptive || run->method->order == 0 || !(dt > 0.125 * period))
+    const double own = derived_value(&session->setup.scene, "T0"), dt = run->settings.dt,
+                 period = isnan(own) ? turning_period(&run->system) : own;
+    /* A motion that is no oscillation by itself may leave its start at another pace. */
+    if (run->plan.adaptive || run->method->order == 0 || !(dt > (isnan(own) ? 1 : 0.125) * period))
         return;
     struct buffer text = {0};
     buffer_put(&text, TEXT("dt = "));
@@ -455,7 +468,7 @@ void reply_coarse(const struct session *session, const struct run *run, struct r
         buffer_short(&text, dt / period, 3);
         buffer_put(&text, TEXT(" times"));
     }
-    buffer_put(&text, TEXT(" the period T0 = "));
+    buffer_put(&text, isnan(own) ? TEXT(" the period at the start, ") : TEXT(" the period T0 = "));
     buffer_measured(&text, (struct measured){period, 0}, QUANTITY_TIME, 4);
     if (isfinite(run->plan.limit) && run->plan.limit > 0) {
         buffer_format(&text, "; %s needs dt < ", run->method->row.name);
