@@ -26,8 +26,10 @@ struct waves {
     size_t n;
     double gap, spread;       /* [s] mean and standard deviation of the times between them */
     double shortest, longest; /* [s] of these */
-    double noise;             /* [s] what noise does to one of these */
-    double correlation;       /* lag-1, of these: -1/2 where each wave is off its place alone */
+    double
+        typical; /* [s] half of them are within 0.67 of this from the middle one: few are missing */
+    double noise;       /* [s] what noise does to one of these */
+    double correlation; /* lag-1, of these: -1/2 where each wave is off its place alone */
 };
 
 /* Sets the middle level and how far a wave goes beyond it. Returns false if noise may do so. */
@@ -82,6 +84,20 @@ static double find_waves(const struct series *s, double middle, double beyond, d
     return w->n > 0 ? shift / (double)w->n : 0;
 }
 
+/* Returns the standard deviation of the times between waves, leaving aside a few that are far off,
+ * as where a wave is missing. off: for n values. */
+static double typical_spread(const struct waves *w, double *off)
+{
+    static const double normal = 1.4826; /* standard deviations of a median distance */
+    const size_t gaps = w->n - 1;
+    for (size_t i = 0; i < gaps; i++)
+        off[i] = w->t[i + 1] - w->t[i];
+    const double middle = quantile(off, gaps, 0.5);
+    for (size_t i = 0; i < gaps; i++)
+        off[i] = fabs(w->t[i + 1] - w->t[i] - middle);
+    return normal * quantile(off, gaps, 0.5);
+}
+
 /* Sets what the times between the waves are like. */
 static void describe_gaps(struct waves *w)
 {
@@ -115,6 +131,10 @@ static bool waves_init(const struct series *s, struct arena *arena, struct waves
     if (w->n < WAVES_MIN)
         return false;
     describe_gaps(w);
+    double *off = arena_array(arena, w->n, sizeof *off);
+    if (!off)
+        return false;
+    w->typical = typical_spread(w, off);
     return w->shortest > shortest_min * w->gap && w->longest < longest_max * w->gap;
 }
 
@@ -133,7 +153,7 @@ static double spread_after(const struct waves *w, size_t waves, double period)
 static bool gaps_vary(const struct waves *w)
 {
     static const double chance = 3, small = 0.01;
-    return w->spread > chance * w->noise && w->spread > small * w->gap;
+    return w->typical > chance * w->noise && w->typical > small * w->gap;
 }
 
 /* Takes the mean time between waves for the period. */

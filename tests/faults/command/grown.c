@@ -24,7 +24,8 @@ static const char *const typed[] = {
     "change gamma 0.5 1/s; change F0 0.2 N; continue 1 s; rename 1 first; note kept",
     "scene spring; param stiff = 3 N/m^3; force -stiff*y^3; event low when y < -1 cm do record",
     "method dop853; run 3 s; change stiff 5 N/m^3; continue 1 s",
-    "scene duffing-driven; branch F0=0.3:0.305 of response; method dopri5; run 5 s; measure energy",
+    "scene duffing-driven; branch F0=0.3:0.305 of response; set opinion full; method dopri5",
+    "run 5 s; measure energy",
     "range y -1:1; set digits 8; zoom 2; checkpoint here; start y=1,v=0",
 };
 
