@@ -111,8 +111,8 @@ static void say_lost(const struct session *session, const struct run *run, struc
     buffer_free(&text);
 }
 
-/* Not where all that moves is below its tolerance: another line says so, and a smaller tol would not
- * help. */
+/* Not where all that moves is below its tolerance: another line says so, and a smaller tol would
+ * not help. */
 static void say_large(const struct run *run, double times, struct reply *reply)
 {
     struct buffer text = {0};
