@@ -73,7 +73,7 @@ static const struct row pager_rows[] = {
 static const struct catalog pager_catalog = CATALOG("way to page", pager_rows);
 
 static const struct row opinion_rows[] = {
-    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as a third of the run's work goes",
+    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as a quarter of the run's work goes",
                        "", NULL},
     [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
     [OPINIONS_WARN] = {"warn", "",
