@@ -99,17 +99,19 @@ static void put_head(const struct fit_summary *summary, struct buffer *text)
 
 /* ---- an oscillation ---- */
 
-static void cell_rate(struct text_table *table, struct measured value, const char *unit,
-                      bool measured)
+/* A rate with its uncertainty in brackets, in its last two digits: its unit stands in the heading,
+ * so that a row of three fits on 80 columns. */
+static void cell_rate(struct text_table *table, struct measured value)
 {
+    const double u = value.uncertainty;
+    const int decimals = u > 0 && u < 10 ? 1 - (int)floor(log10(u)) : 0;
     struct buffer cell = {0};
-    if (!isfinite(value.value) || (value.value == 0 && !(value.uncertainty > 0)))
+    if (!isfinite(value.value) || (value.value == 0 && !(u > 0)))
         buffer_char(&cell, '-');
+    else if (!(u > 0) || decimals > 9)
+        buffer_format(&cell, "%.4g", value.value);
     else
-        buffer_measured(&cell, value, QUANTITY_OTHER,
-                        measured && value.uncertainty > 0 ? EXACT_DIGITS : 4);
-    if (cell.len > 1)
-        buffer_format(&cell, " %s", unit);
+        buffer_format(&cell, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
     cell_take(table, &cell);
 }
 
@@ -149,32 +151,54 @@ static void put_forces(const struct fit_summary *summary, struct buffer *text)
         buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
 }
 
-static void law_cells(const struct fit_summary *summary, const struct drag_candidate *c,
-                      struct text_table *table)
+static void law_cells(const struct drag_candidate *c, struct text_table *table)
 {
     struct buffer bic = {0};
     cell_text(table, drag_law_name(c->law));
     for (int k = 0; k < DRAG_RATES; k++)
-        cell_rate(table, c->rate[k], fit_rate_unit(summary, k), summary->subject->recording);
-    buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
+        cell_rate(table, c->rate[k]);
+    if (c->converged && isfinite(c->bic))
+        buffer_format(&bic, "%.1f", c->bic);
+    else
+        buffer_put(&bic, c->converged ? TEXT("-") : TEXT("no fit"));
     cell_take(table, &bic);
-    cell_text(table, !c->converged                          ? "did not converge"
-                     : c->law == summary->motion->preferred ? "preferred"
-                     : c->law == summary->motion->drag.best ? "best"
-                                                            : "");
+}
+
+/* Sets rank [candidates] to their places by BIC, the preferred one first. */
+static void rank_laws(const struct fit *fit, int *rank)
+{
+    const struct drag_fit *drag = &fit->drag;
+    for (int i = 0; i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        int at = i;
+        for (; at > 0; at--) {
+            const struct drag_candidate *before = &drag->candidate[rank[at - 1]];
+            const bool first =
+                c->law == fit->preferred || (before->law != fit->preferred && c->bic < before->bic);
+            if (!first)
+                break;
+            rank[at] = rank[at - 1];
+        }
+        rank[at] = i;
+    }
 }
 
 static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
-    static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
+    static const char *const names[DRAG_RATES] = {"gamma", "b", "f"};
     const struct drag_fit *drag = &summary->motion->drag;
-    struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
-    for (size_t i = 0; i < COUNT_OF(heads); i++)
-        cell_text(&table, heads[i]);
-    for (int others = 0; others < 2; others++) /* the answer first */
-        for (int i = 0; i < drag->candidates; i++)
-            if ((drag->candidate[i].law != summary->motion->preferred) == others)
-                law_cells(summary, &drag->candidate[i], &table);
+    struct text_table table = {.arena = arena, .columns = 2 + DRAG_RATES, .gap = 2, .indent = 2};
+    int rank[COUNT_OF(drag->candidate)];
+    cell_text(&table, "law");
+    for (int k = 0; k < DRAG_RATES; k++) {
+        struct buffer head = {0};
+        buffer_format(&head, "%s [%s]", names[k], fit_rate_unit(summary, k));
+        cell_take(&table, &head);
+    }
+    cell_text(&table, "BIC");
+    rank_laws(summary->motion, rank);
+    for (int i = 0; i < drag->candidates; i++)
+        law_cells(&drag->candidate[rank[i]], &table);
     buffer_char(text, '\n');
     text_table_put(&table, text);
     while (text->len && text->data[text->len - 1] == '\n')
