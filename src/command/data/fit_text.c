@@ -217,7 +217,7 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
     if (isfinite(fit->gamma.value)) {
         put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
         buffer_put(text,
-                   TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
+                   TEXT("   (amplitude falls as exp(-gamma t/2))\n  "));
         if (fit->gamma.value + fit->gamma.uncertainty > 0) {
             put_reciprocal(text, "tau", 2, fit->gamma, QUANTITY_TIME, summary->subject->recording);
             put_reciprocal(text, "   Q", fit->omega.value, fit->gamma, QUANTITY_NUMBER,
@@ -229,9 +229,9 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
         }
     }
     put_value(text, "\n  A", fit->amplitude, quantity, summary->subject->recording);
-    put_value(text, "   phase", fit->phase, QUANTITY_ANGLE, summary->subject->recording);
-    buffer_format(text, " at t = %.6g s", fit->t0);
     put_value(text, "   offset", fit->offset, quantity, summary->subject->recording);
+    put_value(text, "\n  phase", fit->phase, QUANTITY_ANGLE, summary->subject->recording);
+    buffer_format(text, " at t = %.6g s", fit->t0);
     if (isfinite(summary->k.value))
         put_value(text, "\n  k", summary->k, QUANTITY_STIFFNESS, summary->subject->recording);
     buffer_put(text, isfinite(summary->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
