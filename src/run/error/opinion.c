@@ -18,6 +18,7 @@
 #include "run/price/evaluation.h"
 
 #include <float.h>
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -392,6 +393,7 @@ static bool second_try(struct run *run, enum opinion_effort effort, double *max,
         *max = first_budget(run, effort);
         if (second_follow(run, *max, false, cancel))
             return true;
+        assert(p->second); /* which following does not take away */
         if (follower_work(&p->second->follower) > *max || cancelled(cancel) ||
             !isnan(p->second->saltation.lost))
             return false;

@@ -237,7 +237,7 @@ static bool make_groups(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     size_t row = typed->terms.count;
-    int there = 0, first[GROUPS];
+    int there = 0, first[GROUPS] = {0};
     for (int g = 0; g < GROUPS; g++)
         row -= typed->group[g] != NULL;
     for (int g = 0; g < GROUPS; g++) {

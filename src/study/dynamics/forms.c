@@ -43,8 +43,8 @@ static double middle(struct interval a)
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian)
 {
     const int n = bounded->n;
-    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES],
-                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES] = {{0}},
+                    by[FIELD_VARIABLES * FIELD_VARIABLES] = {{0}};
     for (int i = 0; i < n; i++)
         at[i].lo = at[i].hi = y[i];
     system_bounds(bounded, at, bound, jacobian ? by : NULL);
@@ -84,7 +84,7 @@ static bool keeps_areas(const struct plane *plane)
     uint64_t seed = 11;
     bool keeps = true;
     for (int k = 0; k < SAMPLES && keeps; k++) {
-        double y[2], rate[2], jacobian[4];
+        double y[2] = {0}, rate[2], jacobian[4] = {0};
         sample(plane, &seed, y);
         mean_field(plane->bounded, y, rate, jacobian);
         keeps = fabs(jacobian[0] + jacobian[3]) <=
@@ -100,7 +100,7 @@ static bool reverses(const struct plane *plane, const double r[4])
     uint64_t seed = 13;
     bool same = true;
     for (int k = 0; k < SAMPLES && same; k++) {
-        double y[2], other[2], f[2], g[2];
+        double y[2] = {0}, other[2], f[2] = {0}, g[2] = {0};
         sample(plane, &seed, y);
         for (int i = 0; i < 2; i++)
             other[i] = about[i] + r[2 * i] * (y[0] - about[0]) + r[2 * i + 1] * (y[1] - about[1]);
