@@ -243,9 +243,10 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (run->steps >= segment->limit || run->t == segment->target->t)
         return STOP_END;
     double t, h, end, was = run->t;
+    /* Fixed steps do not use it. */
+    const int controlled = run->plan.adaptive ? run->system.n : 0;
     struct controller controller;
-    if (run->plan.adaptive)
-        copy_controller(&controller, &run->controller, run->system.n);
+    copy_controller(&controller, &run->controller, controlled);
     p->gap_known = false;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
@@ -257,8 +258,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     }
     if (!run_in_bounds(run, run->y)) {
         restore(run);
-        if (run->plan.adaptive)
-            copy_controller(&run->controller, &controller, run->system.n);
+        copy_controller(&run->controller, &controller, controlled);
         return STOP_DIVERGED;
     }
     bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, noticed = true;
@@ -286,8 +286,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (refused || !noticed || !ledger_ready(run, 1) ||
         !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
-        if (run->plan.adaptive)
-            copy_controller(&run->controller, &controller, run->system.n);
+        copy_controller(&run->controller, &controller, controlled);
         run->steps--;
         run->t = was;
         event_records_truncate(run, 0);

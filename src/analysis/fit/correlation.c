@@ -84,9 +84,9 @@ CLONES static void add_products(const double *x, const double *y, size_t n, doub
         xx[0] += x[i] * x[i];
         yy[0] += y[i] * y[i];
     }
-    const four all[3] = {xy, xx, yy};
-    for (int k = 0; k < 3; k++)
-        sum[k] += weight * ((all[k][0] + all[k][1]) + (all[k][2] + all[k][3]));
+    sum[0] += weight * ((xy[0] + xy[1]) + (xy[2] + xy[3]));
+    sum[1] += weight * ((xx[0] + xx[1]) + (xx[2] + xx[3]));
+    sum[2] += weight * ((yy[0] + yy[1]) + (yy[2] + yy[3]));
 }
 
 /*

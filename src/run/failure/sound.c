@@ -92,7 +92,7 @@ static bool skips_growth(const struct run *run, double t, double h, const double
     enum { SHORTER_MAX = 96 };
     const struct system *system = &run->system;
     const bool is_first = t == system->t0;
-    double solution[LIMIT_VARIABLES], part = 1;
+    double solution[LIMIT_VARIABLES] = {0}, part = 1;
     int variable, ignored;
     if (!system->autonomous || !(scaled_size(system, y, &ignored) > start_min))
         return false; /* a drive, which makes anything out of nothing */
