@@ -216,8 +216,7 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
               summary->subject->recording);
     if (isfinite(fit->gamma.value)) {
         put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
-        buffer_put(text,
-                   TEXT("   (amplitude falls as exp(-gamma t/2))\n  "));
+        buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2))\n  "));
         if (fit->gamma.value + fit->gamma.uncertainty > 0) {
             put_reciprocal(text, "tau", 2, fit->gamma, QUANTITY_TIME, summary->subject->recording);
             put_reciprocal(text, "   Q", fit->omega.value, fit->gamma, QUANTITY_NUMBER,
