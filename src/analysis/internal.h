@@ -29,6 +29,10 @@ bool series_is_uneven(const struct series *series);
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
 /* [from, to), shares memory */
 struct samples samples_part(const struct samples *samples, size_t from, size_t to);
+/* Makes means of `each` neighbours, of those in use (all, if use is NULL), at their mean times;
+ * none where none is in use, nor of fewer at the end. Returns false if out of memory. */
+bool samples_average(const struct samples *samples, size_t each, struct arena *arena,
+                     struct series *means);
 /* The first sample at or after t [s]. */
 static inline size_t samples_index(const struct samples *samples, double t)
 {

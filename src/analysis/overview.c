@@ -292,27 +292,6 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
     return memory;
 }
 
-/* Makes a series of means of `each` neighbours. Returns false if out of memory. */
-static bool average_samples(const struct samples *x, size_t each, struct arena *arena,
-                            struct series *out)
-{
-    const size_t n = x->n / each;
-    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    if (!t || !y)
-        return false;
-    for (size_t i = 0; i < n; i++) {
-        double sum = 0, used = 0;
-        for (size_t k = i * each; k < (i + 1) * each; k++) {
-            sum += x->use[k] ? x->y[k] : 0;
-            used += x->use[k];
-        }
-        y[i] = used > 0 ? sum / used : x->y[i * each];
-        t[i] = 0.5 * (x->t[i * each] + x->t[(i + 1) * each - 1]);
-    }
-    *out = (struct series){.t = t, .y = y, .n = n, .cancel = x->cancel};
-    return true;
-}
-
 /*
  * Returns true for a long recording of which each sample is little but noise, and in which means of
  * neighbours neither oscillate as a whole nor in a part. Nothing is left to look for then but a
@@ -335,7 +314,7 @@ static bool is_buried(const struct motion *m, double noise, struct arena *arena)
     struct series means;
     struct motion few;
     struct swing swing;
-    return average_samples(x, x->n / MEANS, arena, &means) &&
+    return samples_average(x, x->n / MEANS, arena, &means) &&
            motion_init(&few, &means, arena, x->cancel) && !few.overview.oscillates &&
            !find_swing(&means, &swing);
 }

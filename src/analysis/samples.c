@@ -32,6 +32,30 @@ bool series_is_uneven(const struct series *s)
     return (double)short_steps > short_share_max * (double)s->n;
 }
 
+bool samples_average(const struct samples *x, size_t each, struct arena *arena,
+                     struct series *means)
+{
+    const size_t n = x->n / each;
+    double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
+    *means = (struct series){.t = t, .y = y, .cancel = x->cancel};
+    if (!t || !y)
+        return false;
+    for (size_t k = 0; k < n && !cancelled_at(x->cancel, k); k++) {
+        double count = 0, time = 0, value = 0;
+        for (size_t i = k * each; i < (k + 1) * each; i++)
+            if (!x->use || x->use[i]) {
+                count++;
+                time += x->t[i];
+                value += x->y[i];
+            }
+        if (count > 0) {
+            t[means->n] = time / count;
+            y[means->n++] = value / count;
+        }
+    }
+    return true;
+}
+
 /* Replaces very uneven samples by as many on an even grid, by straight lines. Rows that crowd where
  * the motion is fast would weigh that part more than all the others together. Returns false if out
  * of memory. */

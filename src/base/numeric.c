@@ -4,6 +4,8 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_sort_double.h>
 #include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Keeps GSL from ending the program, which its default error handler does even where memory is out:
@@ -132,4 +134,79 @@ void cholesky_backward(int n, int width, const double *l, double *x)
             x[i] -= l[k * width + i] * x[k];
         x[i] /= l[i * width + i];
     }
+}
+
+/* ---- square matrices ---- */
+
+void matrix_multiply(int n, const double *a, const double *b, double *product)
+{
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            product[i * n + j] = 0;
+        for (int k = 0; k < n; k++)
+            for (int j = 0; j < n && a[i * n + k] != 0; j++)
+                product[i * n + j] += a[i * n + k] * b[k * n + j];
+    }
+}
+
+double matrix_norm(int n, const double *a)
+{
+    double max = 0;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += fabs(a[i * n + j]);
+        max = fmax(max, sum);
+    }
+    return max;
+}
+
+/* Divides a by a power of two where its norm is far from 1. Returns that power. */
+static int matrix_normalise(int n, double *a)
+{
+    enum { FAR_FROM_ONE = 200 }; /* squares of what is nearer are numbers */
+    int power = 0;
+    frexp(matrix_norm(n, a), &power);
+    if (abs(power) < FAR_FROM_ONE)
+        return 0;
+    for (int i = 0; i < n * n; i++)
+        a[i] = ldexp(a[i], -power);
+    return power;
+}
+
+/* Fills sum with the series of exp(a) by Horner's rule: 1 + a (1 + a/2 (1 + a/3 (...))). */
+static void exponential_series(int n, const double *a, double *sum, double *product)
+{
+    enum { TERMS = 14 };
+    memset(sum, 0, (size_t)(n * n) * sizeof *sum);
+    for (int i = 0; i < n; i++)
+        sum[i * n + i] = 1;
+    for (int term = TERMS; term > 0; term--) {
+        matrix_multiply(n, a, sum, product);
+        for (int i = 0; i < n * n; i++)
+            sum[i] = product[i] / term + (i % (n + 1) == 0);
+    }
+}
+
+double matrix_exponential(int n, double *a, double *work)
+{
+    enum { HALVINGS_MAX = 200 };
+    static const double norm_max = 0.25;
+    const double norm = matrix_norm(n, a);
+    double *sum = work, *product = work + n * n, power = 0;
+    int halvings = 0;
+    while (ldexp(norm, -halvings) > norm_max && halvings < HALVINGS_MAX)
+        halvings++;
+    for (int i = 0; i < n * n; i++)
+        a[i] = ldexp(a[i], -halvings);
+    exponential_series(n, a, sum, product);
+    for (int k = 0; k < halvings; k++) {
+        matrix_multiply(n, sum, sum, product);
+        double *square = product;
+        product = sum;
+        sum = square;
+        power = 2 * power + matrix_normalise(n, sum);
+    }
+    memcpy(a, sum, (size_t)(n * n) * sizeof *a);
+    return power;
 }

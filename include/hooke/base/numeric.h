@@ -16,6 +16,15 @@
 #define CLONES_FOR(...) __attribute__((target_clones("default", __VA_ARGS__)))
 #else
 #define CLONES_FOR(...)
+/* ---- square matrices [n][n], row by row ---- */
+
+void matrix_multiply(int n, const double *a, const double *b, double *product);
+/* Returns the largest sum of magnitudes in a row. */
+double matrix_norm(int n, const double *a);
+/* Replaces a by exp(a) 2^-k and returns k, which is 0 unless exp(a) is out of the range of numbers
+ * (Moler, Van Loan 2003, SIAM Rev. 45:3, method 3). work has 2 n^2 doubles. */
+double matrix_exponential(int n, double *a, double *work);
+
 #endif
 #define CLONES CLONES_FOR("avx2", "avx512f")
 
@@ -46,5 +55,14 @@ static inline double hermite(double theta, double h, double y0, double f0, doubl
 bool cholesky(int n, int width, const double *a, double independent, double *l);
 void cholesky_forward(int n, int width, const double *l, double *x);  /* x = L^-1 x */
 void cholesky_backward(int n, int width, const double *l, double *x); /* x = L^-T x */
+
+/* ---- square matrices [n][n], row by row ---- */
+
+void matrix_multiply(int n, const double *a, const double *b, double *product);
+/* Returns the largest sum of magnitudes in a row. */
+double matrix_norm(int n, const double *a);
+/* Replaces a by exp(a) 2^-k and returns k, which is 0 unless exp(a) is out of the range of numbers
+ * (Moler, Van Loan 2003, SIAM Rev. 45:3, method 3). work has 2 n^2 doubles. */
+double matrix_exponential(int n, double *a, double *work);
 
 #endif

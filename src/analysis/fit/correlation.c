@@ -307,12 +307,9 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
      * not how it began. */
     static const double lively_share = 0.2;
     const size_t wanted = each * rows, all = wanted < series->n ? wanted : series->n,
-                 n = all / each;
-    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y),
-           spread[PLACES], most = 0;
+                 used = all / each * each;
+    double spread[PLACES], most = 0;
     size_t first = 0;
-    if (!t || !y)
-        return false;
     for (size_t k = 0; k < PLACES && all < series->n; k++) {
         spread[k] = spread_of(series->y + (series->n - all) * k / (PLACES - 1), all);
         most = fmax(most, spread[k]);
@@ -324,19 +321,15 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
             break;
         }
     }
-    for (size_t k = 0; k < n; k++) {
-        double time = 0, value = 0;
-        for (size_t i = first + k * each; i < first + (k + 1) * each; i++) {
-            time += series->t[i];
-            value += series->y[i];
-        }
-        t[k] = time / (double)each;
-        y[k] = value / (double)each;
-    }
+    struct series means;
+    const struct samples stretch = {
+        .t = series->t + first, .y = series->y + first, .n = used, .cancel = series->cancel};
+    if (!samples_average(&stretch, each, arena, &means))
+        return false;
     *part = *series;
-    part->t = t;
-    part->y = y;
-    part->n = n;
+    part->t = means.t;
+    part->y = means.y;
+    part->n = means.n;
     return true;
 }
 

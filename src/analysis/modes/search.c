@@ -98,24 +98,7 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
     size_t each = x->n / wanted;
     const double max = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
     each = each < 1 || !(max >= 2) ? 1 : (double)each < max ? each : (size_t)max;
-    double *t = arena_array(arena, x->n / each + 1, sizeof *t),
-           *y = arena_array(arena, x->n / each + 1, sizeof *y);
-    if (!t || !y)
-        return false;
-    *thin = (struct series){.t = t, .y = y, .cancel = x->cancel};
-    for (size_t i = 0, bin = 0; i < x->n && !cancelled_at(x->cancel, bin++); i += each) {
-        double count = 0, at = 0, mean = 0;
-        for (size_t k = i; k < i + each && k < x->n; k++) {
-            count += x->use[k];
-            at += x->use[k] ? x->t[k] : 0;
-            mean += x->use[k] ? x->y[k] : 0;
-        }
-        if (!(count > 0))
-            continue;
-        t[thin->n] = at / count;
-        y[thin->n++] = mean / count;
-    }
-    return true;
+    return samples_average(x, each, arena, thin);
 }
 
 /* ---- trials ---- */

@@ -30,36 +30,6 @@ struct bent_sine {
     double omega_sigma, phase_step; /* standard uncertainty of omega, and how far it moved last */
 };
 
-struct bent_rows {
-    double *t, *y; /* [n] */
-    size_t n;
-};
-
-/* Takes means of neighbours where there are more rows than needed. Returns false if out of memory.
- */
-static bool take_rows(const struct samples *x, struct arena *arena, struct bent_rows *rows)
-{
-    const size_t each = x->n / ROWS_MAX + 1, n = x->n / each;
-    double *all = arena_array(arena, 2 * n, sizeof *all);
-    *rows = (struct bent_rows){.t = all};
-    if (!all)
-        return false;
-    rows->y = all + n;
-    for (size_t k = 0; k < n; k++) {
-        double t = 0, y = 0, used = 0;
-        for (size_t i = k * each; i < (k + 1) * each; i++) {
-            t += x->use[i] * x->t[i];
-            y += x->use[i] * x->y[i];
-            used += x->use[i];
-        }
-        if (used > 0) {
-            rows->t[rows->n] = t / used;
-            rows->y[rows->n++] = y / used;
-        }
-    }
-    return true;
-}
-
 /* Returns the value at a time and sets the derivatives. */
 static double bent_value(const struct bent_sine *b, double t, double derivative[UNKNOWNS])
 {
@@ -78,7 +48,7 @@ static double bent_value(const struct bent_sine *b, double t, double derivative[
 }
 
 /* Makes one step of Gauss and Newton. Returns false if the rows do not determine the parameters. */
-static bool improve_bent_sine(const struct bent_rows *rows, struct bent_sine *b)
+static bool improve_bent_sine(const struct series *rows, struct bent_sine *b)
 {
     static const double independent = 1e-10;
     double a[WIDTH * WIDTH] = {0}, step[UNKNOWNS], unit[UNKNOWNS] = {0}, d[UNKNOWNS], square = 0,
@@ -115,7 +85,7 @@ static bool improve_bent_sine(const struct bent_rows *rows, struct bent_sine *b)
 }
 
 /* Fits an envelope of a degree, from a damped sine on. Returns false if it does not converge. */
-static bool fit_bent_sine(const struct motion *m, const struct bent_rows *rows, int powers,
+static bool fit_bent_sine(const struct motion *m, const struct series *rows, int powers,
                           struct bent_sine *b)
 {
     static const double converged = 1e-6; /* [rad] */
@@ -140,10 +110,10 @@ static bool fit_bent_sine(const struct motion *m, const struct bent_rows *rows, 
 
 static bool bent_sine_period(const struct motion *m, struct arena *arena, struct measured *period)
 {
-    struct bent_rows rows;
+    struct series rows;
     struct bent_sine simple, bent;
-    if (!take_rows(&m->samples, arena, &rows) || rows.n < 2 * UNKNOWNS ||
-        !fit_bent_sine(m, &rows, POWERS_MAX - 1, &simple) ||
+    if (!samples_average(&m->samples, m->samples.n / ROWS_MAX + 1, arena, &rows) ||
+        rows.n < 2 * UNKNOWNS || !fit_bent_sine(m, &rows, POWERS_MAX - 1, &simple) ||
         !fit_bent_sine(m, &rows, POWERS_MAX, &bent))
         return false;
     period->value = TWO_PI * bent.half / bent.x[OMEGA];

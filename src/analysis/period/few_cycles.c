@@ -111,18 +111,14 @@ static double interpolation_left(const struct overlay *o)
 /* Takes the rows of a series, or means of them. Returns false if too few, or if out of memory. */
 static bool overlay_init(const struct series *s, struct arena *arena, struct overlay *o)
 {
-    const size_t each = s->n / ROWS_MAX + 1, n = s->n / each;
-    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    if (!t || !y || n < 32)
+    struct series means;
+    const struct samples all = {.t = s->t, .y = s->y, .n = s->n, .cancel = s->cancel};
+    if (!samples_average(&all, s->n / ROWS_MAX + 1, arena, &means) || means.n < 32)
         return false;
-    for (size_t i = 0; i < n * each; i++) {
-        t[i / each] += s->t[i] / (double)each;
-        y[i / each] += s->y[i] / (double)each;
-    }
-    for (size_t i = 1; i < n; i++)
-        if (!(t[i] > t[i - 1]))
+    for (size_t i = 1; i < means.n; i++)
+        if (!(means.t[i] > means.t[i - 1]))
             return false;
-    *o = (struct overlay){t, y, n};
+    *o = (struct overlay){means.t, means.y, means.n};
     return true;
 }
 

@@ -17,8 +17,8 @@
 #include "run/error/follower.h"
 #include "run/price/evaluation.h"
 
-#include <float.h>
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 

@@ -12,8 +12,8 @@
  * would end too early where the run has regrown from errors of its own.)
  */
 #include <hooke/base/elementary.h>
+#include <hooke/base/numeric.h>
 
-#include "run/error/exponential.h"
 #include "run/error/follower.h"
 #include "run/price/evaluation.h"
 
@@ -206,6 +206,24 @@ static size_t jacobians_looked(const struct run *run)
                        solver_evaluation_price(&run->system, run->method, true),
                  look = (n + 1) * evaluation_price_called(&run->system) + a_product * n * n * n;
     return (size_t)fmin(ROWS_COMPARED, fmax(count_min, share * own / look));
+}
+
+/* Replaces v [n] by the direction of exp(a) v. Returns log |exp(a) v| / |v| in the maximum norm,
+ * -HUGE_VAL where nothing is left. Destroys a; work has 2 n^2 doubles. */
+static double exponential_apply(int n, double *a, double *v, double *work)
+{
+    double result[LIMIT_VARIABLES], before = 0, size = 0;
+    const double power = matrix_exponential(n, a, work);
+    for (int i = 0; i < n; i++) {
+        result[i] = 0;
+        for (int j = 0; j < n; j++)
+            result[i] += a[i * n + j] * v[j];
+        before = fmax(before, fabs(v[i]));
+        size = fmax(size, fabs(result[i]));
+    }
+    for (int i = 0; i < n && size > 0; i++)
+        v[i] = result[i] / size;
+    return size > 0 ? power * fixed_log(2) + fixed_log(size / before) : -HUGE_VAL;
 }
 
 /* Takes v [n], in sizes along the run, on by dt with the Jacobian of a row. Returns the logarithm

@@ -5,6 +5,7 @@
  * the plane across the orbit before (Seydel 2010, Practical Bifurcation and Stability Analysis,
  * 7.3).
  */
+#include <hooke/base/numeric.h>
 #include "study/dynamics/problem.h"
 
 #include <math.h>
@@ -49,17 +50,6 @@ static void rate_of(struct vector_field *field, double t, const double *y, doubl
     system_derivative(&field->system, t, y, rate);
     for (int i = 0; i < field->n; i++)
         rate[i] /= field->size[i];
-}
-
-static void multiply(int n, const double *a, const double *b, double *product)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            double sum = 0;
-            for (int k = 0; k < n; k++)
-                sum += a[i * n + k] * b[k * n + j];
-            product[i * n + j] = sum;
-        }
 }
 
 /* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
@@ -180,7 +170,7 @@ void orbit_curve_map(const struct orbit_curve *c, double *map)
     double product[FIELD_VARIABLES * FIELD_VARIABLES];
     memcpy(map, c->map, (size_t)(n * n) * sizeof *map);
     for (int i = 1; i < c->segments; i++) {
-        multiply(n, c->map + i * n * n, map, product);
+        matrix_multiply(n, c->map + i * n * n, map, product);
         memcpy(map, product, (size_t)(n * n) * sizeof *map);
     }
 }

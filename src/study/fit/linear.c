@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Exact propagators and their derivatives: exponentials of block matrices (Van Loan 1978, IEEE
  * Trans. AC-23:395). */
+#include <hooke/base/numeric.h>
+
 #include "study/fit/linear.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MOST = 24, TERMS = 14, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
+enum { STEPS_MOST = 24, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
 
 #define SAME 1e-9        /* of a step: nearer ones are the same */
-#define NORM_MAX 0.25    /* where the series is summed: the term left out is below rounding */
 #define ROUNDING 4.4e-16 /* of a time */
 
 struct linear_propagator {
@@ -114,53 +115,6 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
         step_position(m, k, m->step[k].dt);
 }
 
-/* ---- the exponential ---- */
-
-static void multiply(int n, const double *x, const double *y, double *out)
-{
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++)
-            out[i * n + j] = 0;
-        for (int k = 0; k < n; k++)
-            for (int j = 0; j < n && x[i * n + k] != 0; j++)
-                out[i * n + j] += x[i * n + k] * y[k * n + j];
-    }
-}
-
-/* In place: the series of a matrix made small by halving, squared as often (Moler & Van Loan 2003,
- * method 3). */
-static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
-{
-    const size_t size = (size_t)(n * n) * sizeof *x;
-    double norm = 0;
-    int halvings = 0;
-    for (int i = 0; i < n; i++) {
-        double sum = 0;
-        for (int j = 0; j < n; j++)
-            sum += fabs(x[i * n + j]);
-        norm = fmax(norm, sum);
-    }
-    while (ldexp(norm, -halvings) > NORM_MAX && halvings < 200)
-        halvings++;
-    for (int i = 0; i < n * n; i++)
-        x[i] = ldexp(x[i], -halvings);
-    /* 1 + x (1 + x/2 (1 + x/3 (…))) */
-    double *sum = work[0], *next = work[1];
-    memset(sum, 0, size);
-    for (int i = 0; i < n; i++)
-        sum[i * n + i] = 1;
-    for (int term = TERMS; term > 0; term--) {
-        multiply(n, x, sum, next);
-        for (int i = 0; i < n * n; i++)
-            sum[i] = next[i] / term + (i % (n + 1) == 0);
-    }
-    for (int k = 0; k < halvings; k++) {
-        multiply(n, sum, sum, next);
-        memcpy(sum, next, size);
-    }
-    memcpy(x, sum, size);
-}
-
 /* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
 static void prepare(struct linear_motion *m, struct linear_propagator *p)
 {
@@ -181,7 +135,9 @@ static void prepare(struct linear_motion *m, struct linear_propagator *p)
             if (m->directions > 0)
                 x[(n + i) * all + all - 1] = m->c[block * n + i] * p->dt;
         }
-        exponential(all, x, m->scratch + 1);
+        const double power = matrix_exponential(all, x, m->scratch[1]);
+        for (int i = 0; i < all * all && power != 0; i++)
+            x[i] = ldexp(x[i], (int)power);
         for (int i = 0; i < n; i++) {
             double *e = p->base + i * (n + 1), *f = p->direction + (block * n + i) * (n + 1);
             memcpy(e, x + i * all, (size_t)n * sizeof *e);
