@@ -231,7 +231,7 @@ void buffer_word(struct buffer *buffer, struct text word);
 struct text_table {
     struct arena *arena;
     int columns, gap, indent;
-    int max; /* [cell] gaps shrink to 1 and equal columns fold to fit into that; 0: never */
+    int max; /* [cell] the width to fit: gaps shrink, columns of one value fold; 0 means any */
     int cells, capacity;
     const char **cell; /* row by row, the heading first */
     bool failed;       /* no memory: cells are missing */

@@ -295,7 +295,8 @@ static void rounding_doubts(const struct problem *p, const struct curve_fit *fit
                             double doubt[CURVE_PARAMETERS])
 {
     enum { SHIFTS = 8 };
-    static const double spread_out = 0.05; /* what noise leaves of them that is not worth it */
+    static const double spread_out =
+        0.05; /* a smaller part of them that noise leaves is neglected */
     const double variance = fit->sigma * fit->sigma,
                  step = samples_quantum(&(struct samples){.y = p->y, .n = p->n}),
                  noise = fmax(variance - step * step / 12, 0),

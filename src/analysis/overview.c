@@ -300,7 +300,7 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
 static bool is_buried(const struct motion *m, double noise, struct arena *arena)
 {
     enum { ROWS_LONG = 65536, MEANS = 8192 };
-    static const double noise_share = 0.9; /* of the standard deviation */
+    static const double noise_share = 0.9; /* least noise, in standard deviations of the samples */
     const struct samples *x = &m->samples;
     double sum = 0, square = 0, used = 0;
     for (size_t i = 0; i < x->n && x->n > ROWS_LONG && !cancelled_at(x->cancel, i); i++)

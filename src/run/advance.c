@@ -227,7 +227,7 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
-/* What a system of n variables has of it: the arrays are long enough for any. */
+/* Copies the controller of a system of n variables: its arrays are long enough for any system. */
 static void copy_controller(struct controller *to, const struct controller *from, int n)
 {
     const size_t behind = offsetof(struct controller, elapsed);

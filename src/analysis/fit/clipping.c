@@ -46,9 +46,9 @@ static bool has_harmonics(const struct motion *m)
  * rounding: those of its samples are about as large as the model goes beyond it. */
 static bool is_rounding(const struct motion *m)
 {
-    static const double share = 1e-5; /* of the amplitude */
+    static const double amplitude_share = 1e-5;
     const double max =
-        fmax(0.5 * RESOLVED * m->quantum, share * hypot(m->harmonic.a, m->harmonic.b));
+        fmax(0.5 * RESOLVED * m->quantum, amplitude_share * hypot(m->harmonic.a, m->harmonic.b));
     for (size_t i = 0; i < m->samples.n; i++)
         if (m->samples.use[i] && fabs(m->residual[i]) > max)
             return false;

@@ -221,7 +221,7 @@ static double peak_about(struct blocks *b, double shift, struct arena *arena, do
     const double cosine = top_between(c.value, b->period, doubt);
     if (!(b->whole > 0))
         return (double)c.at + cosine;
-    /* What a changing amplitude does at the ends has the other sign a quarter period later. */
+    /* A changing amplitude shifts the top; a quarter period later it does so the other way. */
     double later_doubt;
     b->begin = (size_t)(0.25 * b->period);
     for (size_t k = 0; k < 3; k++)

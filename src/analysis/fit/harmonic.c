@@ -365,7 +365,7 @@ double autocorrelation_factor(double rho)
 
 double line_correlation_factor(double rho, double n)
 {
-    /* of a random walk: its variance about a line is n/15 of that of a step */
+    /* The variance of a random walk about a line is n/15 of that of a step. */
     static const double chance = 2, walk_factor = 1.5;
     const double walk = 1 - 7.5 / n;
     if (!(rho > chance / sqrt(n)))

@@ -17,7 +17,7 @@ enum {
     ENVELOPE, /* the first coefficient of the polynomial */
     POWERS_MAX = 4,
     UNKNOWNS = ENVELOPE + POWERS_MAX + 1,
-    WIDTH = UNKNOWNS + 1, /* of the normal equations; the last row belongs to the residual */
+    WIDTH = UNKNOWNS + 1, /* row of the normal equations; the last one belongs to the residual */
     ROWS_MAX = 2048,      /* more rows are averaged */
     PASSES = 8,
 };
@@ -126,8 +126,8 @@ static bool bent_sine_period(const struct motion *m, struct arena *arena, struct
 
 bool motion_is_decaying(const struct motion *m)
 {
-    static const double left_max = 0.04; /* of the power */
-    static const double decay_min = 0.1; /* of ln A */
+    static const double left_max = 0.04; /* power that the fit may leave, as a share */
+    static const double decay_min = 0.1; /* least change of ln A */
     const struct harmonic *h = &m->harmonic;
     const double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
     double power = 0;
@@ -138,10 +138,10 @@ bool motion_is_decaying(const struct motion *m)
     return h->rss < left_max * power;
 }
 
-/* What an envelope that is not exponential leaves open of a period [s]. */
+/* The uncertainty of a period whose envelope is not exponential [s]. */
 struct envelope_doubt {
     double halves; /* half the difference of the periods of both halves, where it is no chance */
-    double late;   /* by how much friction may delay the end against the start */
+    double late;   /* the delay of the end against the start that friction may cause */
 };
 
 /* Finds what the damped sines of the two halves of a series say of one period for the whole. */

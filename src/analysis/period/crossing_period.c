@@ -225,7 +225,7 @@ static bool repeats_after(const struct crossing *up, size_t count, size_t patter
     return true;
 }
 
-/* What the times between crossings have to show to be a pattern. */
+/* The regularity that times between crossings need to be a pattern. */
 struct regularity {
     double difference; /* relative, at most */
     size_t longest;    /* crossings in a pattern: noise crosses, too, and many repeat by chance */

@@ -12,7 +12,7 @@
 enum {
     ROWS_MAX = 2048, /* more are averaged */
     TURNS_MAX = 3,   /* cycles after which they may repeat */
-    REFINEMENTS = 4, /* of a shift, each to a quarter of its reach */
+    REFINEMENTS = 4, /* passes of a search, each with a quarter of the reach */
 };
 
 struct overlay {
@@ -138,8 +138,8 @@ static bool clearly_more_alike(const struct shifted *here, const struct shifted 
 static int turns_of(const struct overlay *o, const struct period *p, double noise,
                     struct shifted after[TURNS_MAX + 1])
 {
-    static const double noise_part = 0.02; /* of a difference: that much is nearly nothing */
-    static const double reach = 0.02;      /* of the period */
+    static const double noise_part = 0.02; /* a remaining difference of this share counts as none */
+    static const double reach = 0.02;      /* share of the period in which shifts are searched */
     static const double like_noise = 1.2;  /* times the variance of noise */
     const double period = p->period.value, span = o->t[o->n - 1] - o->t[0],
                  least = noise * noise + interpolation_left(o);

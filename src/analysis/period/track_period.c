@@ -13,12 +13,12 @@
 
 enum { PHASES_MIN = 4, POWERS = 3 };
 
-#define FAR_OFF 6.0    /* robust standard deviations */
-#define GAP 2.5        /* of the usual distance between phases */
-#define NORMAL 1.96    /* of a 95 % interval */
-#define RARELY 1e-5    /* the chance of scatter so small that it is none */
-#define BENDS_AT 4.0   /* standard deviations of the curvature */
-#define RISES_AT 3.0   /* standard deviations of the curvature of log A */
+#define FAR_OFF 6.0         /* robust standard deviations */
+#define GAP_DISTANCES 2.5   /* usual distances between phases */
+#define NORMAL_95 1.96      /* standard deviations of a 95 % interval */
+#define SCATTER_CHANCE 1e-5 /* the chance of scatter so small that it is none */
+#define BENDS_AT 4.0        /* standard deviations of the curvature */
+#define RISES_AT 3.0        /* standard deviations of the curvature of log A */
 #define BENDS_MIN 1e-4 /* relative change of the period over the recording that is worth a word */
 
 struct phases {
@@ -199,7 +199,8 @@ static void count_across_gaps(struct phases *p, double *scratch, unsigned char *
                                     .n = to - from};
         double min = HUGE_VAL;
         int best = 0;
-        for (int turns = -TURNS; turns <= TURNS && p->t[i] - p->t[i - 1] > GAP * width; turns++) {
+        for (int turns = -TURNS; turns <= TURNS && p->t[i] - p->t[i - 1] > GAP_DISTANCES * width;
+             turns++) {
             const double variance = variance_with(&near, i - from, turns, scratch, use);
             best = variance < min ? turns : best;
             min = fmin(min, variance);
@@ -224,8 +225,8 @@ static double crossing_near(const struct track_window *w)
 static double slope_sigma(const struct phase_polynomial *line)
 {
     const double freedom = (double)line->used - 2;
-    const double widen = gsl_cdf_tdist_Pinv(0.975, freedom) / NORMAL;
-    const bool chance = line->variance * freedom > gsl_cdf_chisq_Pinv(RARELY, freedom);
+    const double widen = gsl_cdf_tdist_Pinv(0.975, freedom) / NORMAL_95;
+    const bool chance = line->variance * freedom > gsl_cdf_chisq_Pinv(SCATTER_CHANCE, freedom);
     return line->sigma[1] * fmax(widen, chance ? 1 / sqrt(line->variance) : 0);
 }
 
@@ -237,12 +238,12 @@ double friction_delay(double rise, double omega, double span)
 
 void period_widen_by_friction(struct period *period, double late)
 {
-    if (late > NORMAL * period->period.uncertainty && !period->warning[0])
+    if (late > NORMAL_95 * period->period.uncertainty && !period->warning[0])
         snprintf(period->warning, sizeof period->warning,
                  "the decay speeds up, as under dry friction, which delays the phases: T may be up "
                  "to %.2g s too long ('fit drag' knows)",
                  late);
-    period->period.uncertainty = hypot(period->period.uncertainty, late / NORMAL);
+    period->period.uncertainty = hypot(period->period.uncertainty, late / NORMAL_95);
 }
 
 /* Returns how much longer the period may seem than it is, relative to it, by the bend of ln A. */

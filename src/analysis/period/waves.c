@@ -10,15 +10,15 @@
 #include <string.h>
 
 enum {
-    LEVEL_ROWS = 512, /* from which the levels are read */
+    LEVEL_ROWS = 512, /* rows that the levels are read from */
     WAVES_MIN = 6,    /* fewer show no variation */
     NOISE_ROWS = 2048,
 };
 
 /* Shares of the rows below and above which the extremes are left out. */
 static const double low_share = 0.01, high_share = 0.99;
-/* Of the distance between the levels: a wave goes that far beyond the middle on either side, and
- * noise is smaller. */
+/* Shares of the distance between the levels: how far a wave goes beyond the middle on either side,
+ * and the largest noise. */
 static const double beyond_middle = 0.15, noise_max = 0.05;
 
 struct waves {
@@ -119,7 +119,7 @@ static void describe_gaps(struct waves *w)
 /* Returns false if there are too few waves, some may be missing, or noise hides them. */
 static bool waves_init(const struct series *s, struct arena *arena, struct waves *w)
 {
-    static const double shortest_min = 0.3, longest_max = 2.2; /* of the mean gap */
+    static const double shortest_min = 0.3, longest_max = 2.2; /* mean gaps */
     double middle, beyond, noise;
     *w = (struct waves){.n = 0};
     if (s->n < 4 * WAVES_MIN || !find_levels(s, &middle, &beyond, &noise))
@@ -174,7 +174,7 @@ static void take_mean_gap(const struct waves *w, struct period *period)
 
 bool waves_period(const struct series *series, struct arena *arena, struct period *period)
 {
-    static const double spread_max = 0.4; /* of the mean: more is no rhythm */
+    static const double spread_max = 0.4; /* mean gaps: more is no rhythm */
     enum { SURE = 8 };
     struct waves w;
     *period = (struct period){.level = NAN};
@@ -186,8 +186,9 @@ bool waves_period(const struct series *series, struct arena *arena, struct perio
 
 void period_check_waves(const struct series *series, struct arena *arena, struct period *period)
 {
-    static const double repeats = 0.08; /* of the spread: waves in turn are alike */
-    static const double chance = 4;     /* standard deviations */
+    static const double repeats =
+        0.08;                       /* waves in turn are alike within this share of the spread */
+    static const double chance = 4; /* standard deviations */
     static const double whole_number = 0.05;
     static const double alone = -0.5, alone_chance = 0.9;
     enum { SEVERAL = 4 };
@@ -197,7 +198,7 @@ void period_check_waves(const struct series *series, struct arena *arena, struct
     const double many = period->period.value / w.gap,
                  mean_sigma = w.spread * sqrt(1.2 / (double)(w.n - 1));
     const size_t count = (size_t)(many + 0.5);
-    /* where some are missing, or others among them, the period is no whole number of them */
+    /* The period is no whole number of waves where some are missing or others among them. */
     if (count < 1 || count + 2 > w.n || fabs(many / (double)count - 1) > whole_number)
         return;
     if (count >= 2) {

@@ -64,7 +64,7 @@ static bool read_side(struct session *session, const struct arguments *args, str
 
 enum { CANCEL_ROWS = 65536 };
 
-/* Of a search that the user stopped: a table of more rows would keep him waiting. */
+/* Largest table of a search that was stopped: more rows would keep the user waiting. */
 static const int64_t stopped_table_rows_max = 400000;
 
 /* ---- what is said ---- */

@@ -13,9 +13,9 @@
 
 enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-#define COVERED 1.25      /* of the two periods: across a gap a fit is none */
-#define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
-#define SETTLED_SHARE 0.3 /* of the standard error: smaller changes end the rounds */
+#define COVERED_PERIODS 1.25 /* at least so many with samples: a fit across a gap is none */
+#define BEND_SHARE 0.002     /* bend of the amplitude within two periods, over the swing */
+#define SETTLED_SHARE 0.3    /* change, in standard errors, that ends the rounds */
 
 /* Number of samples that a fit is sought with, before all of them improve it. */
 enum { SOUGHT_WITH = 128 };
@@ -198,8 +198,8 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
             terms_at(c, i, local->t, s.term[s.n]);
             s.y[s.n++] = c->y[i];
         }
-    const double min = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
-    const bool enough = s.n >= SAMPLES_MIN && (double)s.n * c->step > COVERED * c->period &&
+    const double min = fmax(c->quantum / sqrt(12.0), BEND_SHARE * c->swing);
+    const bool enough = s.n >= SAMPLES_MIN && (double)s.n * c->step > COVERED_PERIODS * c->period &&
                         local->to > local->from;
     local->fitted = enough && robust_fit_quickly(&s, min, parameter, &local->scale);
     /* So few samples are followed too closely. */

@@ -233,7 +233,7 @@ static void tally_marking(const struct run *run, struct balance *balance, bool s
 {
     struct trace *trace = run->trace;
     int at = 0;
-    /* Where steps come one by one, only the last row can be among them. */
+    /* Only the last row can be among steps that come one by one. */
     const size_t last = trace->count - 1;
     const bool is_search = last > 0 && trace_step(trace, last - 1) > balance->step;
     for (size_t i = is_search ? trace_row_from(trace, balance->step + 1) : last; i <= last; i++) {

@@ -49,7 +49,7 @@ static bool save(struct run_private *p, size_t index)
     return true;
 }
 
-/* As far as rows are recorded, each once: what is known already stays. Returns false if Ctrl-C came
+/* Takes the recorded rows that are new into the balance, each once. Returns false if Ctrl-C came
  * before the last one. */
 static bool settle(const struct run *run)
 {

@@ -35,12 +35,12 @@
 #define EVALS_FREE 1000 /* nobody minds */
 /* no step is longer where forces depend on time: there may be pulses; of a brief opinion no longer
  * than the run's own in the mean */
-#define PARTS 512
+#define RUN_PARTS 512
 /* of the time until a run was lost: after that much more it is certain, and followed no more */
 #define CERTAIN 0.2
-/* of the run's work, for rows of the closed form */
+/* The part of the run's work that rows of the closed form may take. */
 #define CLOSED_FORM_SHARE 0.2
-#define PAST 64 /* errors that are remembered on the way */
+#define ERRORS_KEPT 64 /* errors that are remembered on the way */
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
 /* Part of a run from which the growth of its error is taken: a beginning says nothing. */
@@ -68,11 +68,11 @@ struct second {
     struct saltation saltation;
     double error; /* struct opinion's, so far */
     struct {
-        int64_t step; /* of the run */
+        int64_t step; /* the run's */
         double error;
-    } past[PAST];
+    } past[ERRORS_KEPT];
     int count, each, skipped; /* of the past: every so many comparisons */
-    int parts;                /* its steps are no longer than that part of the run, see PARTS */
+    int parts;                /* its steps are no longer than that part of the run, see RUN_PARTS */
 };
 
 void opinion_forget(struct run *run)
@@ -237,7 +237,7 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     second->saltation.lost = NAN;
     second->epoch = 1;
     second->each = 1;
-    second->parts = effort == OPINION_BRIEF ? (int)fmin(PARTS, (double)run->steps) : PARTS;
+    second->parts = effort == OPINION_BRIEF ? (int)fmin(RUN_PARTS, (double)run->steps) : RUN_PARTS;
     run->private_state->second = second;
     run->opinion =
         (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN, .by = method, .tol = tol};
@@ -305,10 +305,10 @@ static void remember(struct second *second, int64_t step, double error)
     if (++second->skipped < second->each)
         return;
     second->skipped = 0;
-    if (second->count == PAST) {
-        for (int i = 0; i < PAST / 2; i++)
+    if (second->count == ERRORS_KEPT) {
+        for (int i = 0; i < ERRORS_KEPT / 2; i++)
             second->past[i] = second->past[2 * i + 1];
-        second->count = PAST / 2;
+        second->count = ERRORS_KEPT / 2;
         second->each *= 2;
     }
     second->past[second->count].step = step;
@@ -381,8 +381,8 @@ static double first_budget(const struct run *run, enum opinion_effort effort)
            solver_evaluation_price(&run->system, run->opinion.by, true);
 }
 
-/* As far as it may go, anew by the other method where it fails at first. Sets *max to the work that
- * it was allowed. False: not to the end. */
+/* Follows as far as it may, anew by the other method where it fails at first. Sets *max to the work
+ * that it was allowed. False: not to the end. */
 static bool second_try(struct run *run, enum opinion_effort effort, double *max,
                        const struct cancel *cancel)
 {
@@ -429,7 +429,7 @@ void run_second_opinion(struct run *run, enum opinion_effort effort, const struc
         run->plan.exact_known != !p->second->follower.method) /* the scene was changed on the way */
         opinion_forget(run);
     if (p->second && p->second->follower.method && effort > OPINION_BRIEF &&
-        p->second->parts < PARTS)
+        p->second->parts < RUN_PARTS)
         opinion_forget(run);
     if (p->second && !isnan(p->second->saltation.lost))
         return;

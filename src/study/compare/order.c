@@ -23,7 +23,7 @@
 #define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
 #define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
-#define KINK 0.02             /* a change above that of slopes alike before is of rounding */
+#define SLOPE_KINK 0.02       /* a change above that of slopes alike before is of rounding */
 #define COST_MAX 6e6          /* of one solve */
 #define HIGH 5                /* from this order on the steps of the sweep are closer together */
 
@@ -254,7 +254,7 @@ static bool has_kink(const struct order_point *point)
     const double change = fabs(point[0].slope - point[-1].slope),
                  before = fabs(point[-1].slope - point[-2].slope),
                  growth = pow(point[-1].dt / point[0].dt, fabs(point[-1].slope) / 2);
-    return change > KINK && change > fmax(2, growth) * before;
+    return change > SLOPE_KINK && change > fmax(2, growth) * before;
 }
 
 /* Returns the error below which a point may have traces of rounding, which grows with the number of

@@ -16,7 +16,7 @@
 #define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
 #define FLOW_STIFF 2000000
 #define DELTA 1e-6
-#define JUMP 1e-6 /* of the rates, where a kink leaves rounding */
+#define RATES_JUMP 1e-6 /* relative change of the rates across a kink that is no rounding */
 /* Part of the largest size below which a natural size is only a floor. */
 static const double unseen_size_max = 2e-12;
 #define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
@@ -316,7 +316,7 @@ static bool jumps_between(const struct vector_field *field, double t, const doub
         size = fmax(size, fmax(fabs(rate[0][i]), fabs(rate[1][i])) / field->size[i]);
         off = fmax(off, fabs(rate[1][i] - rate[0][i]) / field->size[i]);
     }
-    return off > JUMP * size;
+    return off > RATES_JUMP * size;
 }
 
 bool field_jumps(struct vector_field *field, double t, const double *start, double span)

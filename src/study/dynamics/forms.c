@@ -14,7 +14,7 @@
 #include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
 
-#define ZERO 1e-13 /* of the largest eigenvalue */
+#define REAL_PART_ZERO 1e-13 /* in sizes of the largest eigenvalue */
 /* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
 static const double slope_uncertainty_max = 1e-3;
 /* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
@@ -213,7 +213,7 @@ static void clean(struct solution *s)
     for (int i = 0; i < s->values; i++)
         size = fmax(size, hypot(s->value[i].re, s->value[i].im));
     for (int i = 0; i < s->values; i++) {
-        if (fabs(s->value[i].re) <= ZERO * size)
+        if (fabs(s->value[i].re) <= REAL_PART_ZERO * size)
             s->value[i].re = 0;
         s->unstable += s->value[i].re > 0;
     }

@@ -167,7 +167,7 @@ static void test_unseen(void **state)
     assert_int_equal(chdir(home), 0);
 }
 
-/* What was passed over is not offered any more, and what was not taken not again. */
+/* An offer that was passed over or not taken does not come again. */
 static void test_passed_over(void **state)
 {
     (void)state;

@@ -11,9 +11,9 @@
 #define ALONE_TOL 1e-9
 #define FEWEST 16
 #define MOST 2048
-#define LOOK_STEPS 256 /* of all lanes: after so many it asks whether to stop */
-#define TYPICAL 1e-5   /* of sizes: what twice the steps may change of nine starts of ten, */
-#define WORST 1e-2     /* and of every one */
+#define LOOK_STEPS 256      /* of all lanes: after so many it asks whether to stop */
+#define CHANGE_TYPICAL 1e-5 /* change by twice the steps, in sizes, of nine starts of ten */
+#define CHANGE_WORST 1e-2   /* and of any start */
 
 struct stepper {
     struct vector_field field; /* alone */
@@ -125,7 +125,7 @@ int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], in
         double worst = 0;
         for (int i = 0; i < count; i++)
             worst = fmax(worst, off[i]);
-        if (worst < WORST && quantile(off, (size_t)count, 0.9) < TYPICAL)
+        if (worst < CHANGE_WORST && quantile(off, (size_t)count, 0.9) < CHANGE_TYPICAL)
             return walk->steps;
     }
     return walk->steps = 0;
