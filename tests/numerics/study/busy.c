@@ -16,8 +16,8 @@
 
 #include "long_form.h"
 
-/* How far an unmarked time may be off, and how far apart two methods may be that change places. */
-static const double time_off = 1.3;
+/* How far a time may be off that was measured alone. */
+static const double time_off_alone = 1.3;
 
 /* Up to which ratio of their times two methods may change places, where the first was alone. */
 static const double rank_off_alone = 1.3;
@@ -86,23 +86,26 @@ static double rank_loss(const struct precision *quiet, const struct precision *b
     return isfinite(least) ? least / fastest : 1;
 }
 
-static bool is_unmarked(const struct timing_result *time)
+/* Returns by how much a time may be off: one measured beside others is said to be as far off as
+ * they make it. */
+static double time_off(const struct timing_result *time)
 {
-    return timing_is_sound(time) && time->others <= TIMING_OTHERS;
+    return time->others <= TIMING_OTHERS ? time_off_alone : TIMING_CONTENTION;
 }
 
-/* Returns the number of unmarked times that are off. */
+/* Returns the number of sound times that are further off than they may be. */
 static int compare_times(const struct precision *quiet, const struct precision *busy, int *compared)
 {
     int wrong = 0;
     for (int i = 0; i < quiet->points && i < busy->points; i++) {
         const struct precision_point *a = &quiet->point[i], *b = &busy->point[i];
-        if (a->curve != b->curve || a->steps != b->steps || !is_unmarked(&a->time) ||
-            !is_unmarked(&b->time))
+        if (a->curve != b->curve || a->steps != b->steps || !timing_is_sound(&a->time) ||
+            !timing_is_sound(&b->time))
             continue;
-        const double ratio = b->time.minimum / a->time.minimum;
+        const double ratio = b->time.minimum / a->time.minimum,
+                     off = fmax(time_off(&a->time), time_off(&b->time));
         ++*compared;
-        if (ratio > time_off || ratio < 1 / time_off) {
+        if (ratio > off || ratio < 1 / off) {
             print_message("%s, %lld steps: %.3g of the quiet time, spread %.2g\n",
                           quiet->curve[a->curve].by.method->row.name, (long long)a->steps, ratio,
                           b->time.spread);
