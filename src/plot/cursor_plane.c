@@ -56,7 +56,7 @@ void cursor_plane_lines(const struct session *session, struct buffer *text)
     struct system system;
     struct error ignored;
     double state[LIMIT_VARIABLES];
-    if (!plane || !scene_bind(&session->setup.scene, &system, &ignored))
+    if (!plane || !scene_bind(&session->portrait->scene, &system, &ignored))
         return;
     cursor_plane_state(session, state);
     for (int k = 0; k < 2; k++) {

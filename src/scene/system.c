@@ -175,7 +175,7 @@ bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
 }
 
 /* Coefficients, and the forces at the start and at full swing, must be finite. */
-static bool check_term(const struct system *system, const struct bound_term *term,
+static bool check_term(const struct system *system, const struct bound_term *term, bool started,
                        struct error *error)
 {
     bool fine = true;
@@ -187,7 +187,7 @@ static bool check_term(const struct system *system, const struct bound_term *ter
                          term->row->row.name);
     /* typed terms may have a pole at the latter */
     const double *states[] = {system->start, system->scale};
-    for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
+    for (size_t i = 0; started && i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         const int rows = term_rows(system);
         double a[LIMIT_VARIABLES];
         for (int row = 0; row < rows; row++)
@@ -294,7 +294,7 @@ static void begin(const struct model *model, struct system *system)
     };
 }
 
-/* Natural sizes of what is typed cost a trial run. */
+/* Natural sizes of what is typed cost a trial run; without them the start is not looked at. */
 static bool bind_motion(const struct scene *scene, bool sized, struct system *system,
                         struct error *error)
 {
@@ -322,7 +322,7 @@ static bool bind_motion(const struct scene *scene, bool sized, struct system *sy
     else if (model->typed && (!typed_base(model) || system->oscillator.whole))
         model->begin(param, system);
     for (int i = 0; i < system->terms; i++)
-        if (!check_term(system, &system->term[i], error))
+        if (!check_term(system, &system->term[i], sized, error))
             return false;
     return !model->typed || typed_check(system, error);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What was found of the present equations, and when it goes. */
 #include <hooke/session/dynamics.h>
-#include <hooke/scene/typed.h>
+#include <hooke/scene/poles.h>
 
 #include <ctype.h>
 #include <math.h>
@@ -371,12 +371,27 @@ static double start_slope(const struct scene *scene, const struct system *system
     return (moved.start[i] - system->start[i]) / (other.value[param] - scene->value[param]);
 }
 
+/* Starts a scene at a state, whose own start has no derivatives. */
+static bool start_inside(struct scene *scene, const double *state, struct error *error)
+{
+    struct scene moved = *scene;
+    struct system system;
+    double box[LIMIT_VARIABLES][2];
+    for (int i = 0; i < scene->model->n; i++)
+        box[i][0] = box[i][1] = state[i];
+    if (!scene_bind_inside(&moved, box, &system, error))
+        return false;
+    for (int i = 0; i < (int)scene_params(scene)->count; i++)
+        take_value(scene, i, moved.value[i]);
+    return true;
+}
+
 bool scene_start_at(struct scene *scene, const double *state, struct error *error)
 {
     const struct scene before = *scene;
     struct system system;
     if (!scene_bind_motion(scene, &system, error))
-        return false;
+        return start_inside(scene, state, error);
     for (int i = 0; i < system.n; i++) {
         const char *name = system_variable(&system, i).name;
         int param = -1;

@@ -259,7 +259,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
 /* Without looking for the potential of typed forces, which takes about a thousand evaluations: for
  * those who bind many and ask for no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
-/* For rates and starts only: natural sizes of what is typed, which cost a trial run, are 1. */
+/* For rates only: what is typed has sizes of 1 (others cost a trial run), and any start will do. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
 /* As if methods did not step across kinks. */

@@ -12,11 +12,12 @@
 bool system_excludes_zero(const struct system *system, const struct interval *box);
 
 /*
- * Moves the initial values of a scene that is all typed into a box [n] of states, to where its
- * equations have values, and binds it. For what needs no start, where the scene's own is on a pole
- * or outside of the domain. Returns false if the scene is of another kind or no such state is
- * found.
+ * Binds a scene for what needs no start. Where its own start is on a pole or outside of the domain,
+ * moves the initial values of a scene that is all typed into a box [n] of states, to where its
+ * equations have values; sides that are NAN leave theirs unchanged. Returns false with the scene's
+ * own error if it is of another kind or no such state is found.
  */
-bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system);
+bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system,
+                       struct error *error);
 
 #endif

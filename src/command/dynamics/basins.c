@@ -2,7 +2,7 @@
 /* basins */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
-#include <hooke/scene/typed.h>
+#include <hooke/scene/poles.h>
 #include <hooke/study/chaos.h>
 #include <hooke/study/sweep.h>
 #include "command/internal.h"
@@ -244,15 +244,15 @@ static void reply_map(const struct map *map, struct reply *reply)
 HANDLER(basins)
 {
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO:STEP");
-    struct basins_request request = {.scene = &session->setup.scene,
+    struct scene scene = session->setup.scene;
+    struct basins_request request = {.scene = &scene,
                                      .cancel = session->front.cancel,
                                      .progress = report_fraction,
                                      .context = &session->front};
-    struct system system;
+    struct system system = {.model = scene.model, .n = scene.model->n};
     struct basins basins;
+    double box[LIMIT_VARIABLES][2];
     int axes = 0;
-    if (!scene_bind_motion(request.scene, &system, error))
-        return false;
     struct text rest = sides->item->text;
     for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
         const struct text side = next_key_argument(&rest);
@@ -263,7 +263,13 @@ HANDLER(basins)
     if (axes < 2)
         return error_set(error, ERROR_COMMAND, "basins are over two variables, as in %s=-2:2:0.1",
                          system.model->variable[0].name);
-    if (!basins_find(&request, &basins, error))
+    for (int i = 0; i < system.n; i++)
+        box[i][0] = box[i][1] = NAN;
+    for (int a = 0; a < axes; a++) {
+        box[request.axis[a].variable][0] = request.axis[a].from;
+        box[request.axis[a].variable][1] = request.axis[a].to;
+    }
+    if (!scene_bind_inside(&scene, box, &system, error) || !basins_find(&request, &basins, error))
         return false;
     if (basins.finished > 0) {
         int width, height;

@@ -2,6 +2,7 @@
 /* branch */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
+#include <hooke/scene/poles.h>
 #include <hooke/session/names.h>
 #include "command/dynamics/dynamics.h"
 
@@ -228,6 +229,16 @@ static bool find_start(struct session *session, const struct branch_words *words
                   : find_rest(session, found, error);
 }
 
+/* What is followed needs no start: where the scene's own has no derivatives, it is moved there. */
+static bool bind_start(struct kept_reference *start, struct error *error)
+{
+    struct system system;
+    double box[LIMIT_VARIABLES][2];
+    for (int i = 0; i < start->scene.model->n; i++)
+        box[i][0] = box[i][1] = start->solution.state[i];
+    return scene_bind_inside(&start->scene, box, &system, error);
+}
+
 /* ---- what is said ---- */
 
 /* The longest step in the direction of the parameter: what lies closer may be missed. */
@@ -320,9 +331,8 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
     const struct scene *scene = &session->setup.scene;
     const struct branch *branch = &b->branch;
     struct row_columns c = {.rows = (size_t)branch->count};
-    struct system system;
-    struct error ignored;
-    if (!reply->store || !scene_bind_motion(scene, &system, &ignored) ||
+    const struct system system = {.model = scene->model, .n = scene->model->n};
+    if (!reply->store ||
         !(c.column = arena_array(&c.arena, 2 * DYNAMICS_VARIABLES + 6, sizeof *c.column)))
         return;
     for (int j = 0; j < b->params; j++) {
@@ -378,7 +388,7 @@ HANDLER(branch)
     struct kept_branch like = {.params = 1};
     struct buffer text = {0};
     if (!read_words(session, args, &words, error) ||
-        !find_start(session, &words, &start, like.of, error))
+        !find_start(session, &words, &start, like.of, error) || !bind_start(&start, error))
         return false;
     const bool two = words.params == 2;
     if (two && !start.point)

@@ -21,7 +21,7 @@ void reply_stable(struct reply *reply, const struct solution *s, bool family);
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
 /* list equilibria, orbits, branches, points; false: the scene is none. */
 bool list_dynamics(struct session *session, enum listed kind, struct arena *arena,
-                   struct reply *reply, struct error *error);
+                   struct reply *reply);
 /* The points that a branch keeps as a table for people, and their records. */
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
                 struct arena *arena, struct buffer *out);

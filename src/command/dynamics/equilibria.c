@@ -255,20 +255,23 @@ static bool read_sides(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* Binds a scene whose own start has no derivatives, from a start in the box that is asked for. */
-static bool bind_without_start(struct session *session, const struct arguments *args,
-                               struct scene *scene, struct system *system)
+/* Binds the scene, if need be from a start in the box that is asked for. */
+static bool bind_in_box(struct session *session, const struct arguments *args, struct scene *scene,
+                        struct system *system, struct error *error)
 {
     double box[LIMIT_VARIABLES][2];
-    struct error ignored;
-    bool full = false, whole = scene->model->n > 0;
-    *system = (struct system){.model = scene->model, .n = scene->model->n};
-    for (int i = 0; i < system->n; i++)
+    bool full = false;
+    const struct system named = {.model = scene->model, .n = scene->model->n};
+    for (int i = 0; i < named.n; i++)
         box[i][0] = box[i][1] = NAN;
-    whole = whole && read_sides(session, args, system, box, &full, &ignored);
-    for (int i = 0; i < system->n; i++)
-        whole = whole && isfinite(box[i][0]) && isfinite(box[i][1]);
-    return whole && scene_bind_inside(scene, box, system);
+    if (!read_sides(session, args, &named, box, &full, error))
+        return false;
+    if (scene_bind_inside(scene, box, system, error))
+        return true;
+    return named.n > 0 && isnan(box[0][0])
+               ? error_hint(error, "with sides it needs no start: equilibria %s=FROM:TO",
+                            scene->model->variable[0].name)
+               : false;
 }
 
 HANDLER(equilibria)
@@ -282,8 +285,7 @@ HANDLER(equilibria)
     struct equilibria found;
     double box[LIMIT_VARIABLES][2];
     bool full = false;
-    if ((!scene_bind(&scene, &system, error) &&
-         !bind_without_start(session, args, &scene, &system)) ||
+    if (!bind_in_box(session, args, &scene, &system, error) ||
         !session_box(session, &system, args->arena, box, error) ||
         !read_sides(session, args, &system, box, &full, error))
         return false;
@@ -320,7 +322,7 @@ COMMAND(
         "none is missed and none\n"
         "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
         "a variable; without it\n"
-        "what runs have shown, widened. With a whole box the scene's start may lie on a pole. "
+        "what runs have shown, widened. With sides the scene's start may lie on a pole. "
         "Kinds follow from the\n"
         "eigenvalues of the Jacobian ('not known': a slope is infinite). "
         "Of a scene with a drive\n"

@@ -147,8 +147,7 @@ void put_points(const struct session *session, const struct kept_branch *const *
                 struct arena *arena, struct buffer *out)
 {
     const struct scene *scene = &session->setup.scene;
-    struct system system;
-    struct error ignored;
+    const struct system system = {.model = scene->model, .n = scene->model->n};
     int specials = 0;
     bool periods = false;
     for (int b = 0; b < count; b++) {
@@ -157,7 +156,7 @@ void put_points(const struct session *session, const struct kept_branch *const *
             periods =
                 periods || kept_point_at(branch[b], &branch[b]->special[k])->solution.period > 0;
     }
-    if (specials == 0 || !scene_bind_motion(scene, &system, &ignored))
+    if (specials == 0)
         return;
     struct text_table table = {
         .arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4 + periods};
@@ -215,9 +214,8 @@ void reply_points(const struct session *session, const struct kept_branch *branc
                   struct reply *reply)
 {
     const struct scene *scene = &session->setup.scene;
-    struct system system;
-    struct error ignored;
-    for (int k = 0; scene_bind_motion(scene, &system, &ignored) && k < branch->specials; k++)
+    const struct system system = {.model = scene->model, .n = scene->model->n};
+    for (int k = 0; k < branch->specials; k++)
         reply_point(scene, &system, branch, &branch->special[k], reply);
 }
 
@@ -380,12 +378,11 @@ static bool list_points(const struct session *session, const struct dynamics *d,
 }
 
 bool list_dynamics(struct session *session, enum listed kind, struct arena *arena,
-                   struct reply *reply, struct error *error)
+                   struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
-    struct system system;
-    if (!scene_bind_motion(&session->setup.scene, &system, error))
-        return false;
+    const struct model *model = session->setup.scene.model;
+    const struct system system = {.model = model, .n = model->n};
     return kind == LIST_EQUILIBRIA ? list_equilibria(d, &system, arena, reply)
            : kind == LIST_ORBITS   ? list_orbits(d, &system, arena, reply)
            : kind == LIST_BRANCHES ? list_branches(session, d, arena, reply)

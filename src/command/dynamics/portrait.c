@@ -35,10 +35,10 @@ void reply_portrait(const struct session *session, struct reply *reply)
 {
     const struct stored_portrait *stored = session->portrait;
     const struct portrait *portrait = &stored->portrait;
-    struct system system;
-    struct error ignored;
-    if (!stored->request.scene || !scene_bind_motion(stored->request.scene, &system, &ignored))
+    if (!stored->request.scene)
         return;
+    const struct model *model = stored->request.scene->model;
+    const struct system system = {.model = model, .n = model->n};
     const struct variable variable[2] = {system_variable(&system, stored->request.variable[0]),
                                          system_variable(&system, stored->request.variable[1])};
     for (int i = 0; i < portrait->separatrices; i++) {

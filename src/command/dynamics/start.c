@@ -6,14 +6,22 @@
 #include <hooke/session/portrait.h>
 #include "command/internal.h"
 
+#include <math.h>
 #include <string.h>
 
-/* What is not named is as the scene, or its run, has it at present. */
-static void present_state(const struct session *session, const struct system *system, double *state)
+/* What is not named is as the scene, or its run, has it at present. It is NAN where the scene has
+ * no start, which is then the error. */
+static void present_state(const struct session *session, const struct system *system, double *state,
+                          struct error *error)
 {
     const struct run *run = session_run(session);
-    const bool present = run && run->scene.model == system->model;
-    memcpy(state, present ? run->y : system->start, (size_t)system->n * sizeof *state);
+    struct system start;
+    for (int i = 0; i < system->n; i++)
+        state[i] = NAN;
+    if (run && run->scene.model == system->model)
+        memcpy(state, run->y, (size_t)system->n * sizeof *state);
+    else if (scene_bind_motion(&session->setup.scene, &start, error))
+        memcpy(state, start.start, (size_t)system->n * sizeof *state);
 }
 
 /* Of the point on the portrait, else of the run where cursor A stands. */
@@ -24,7 +32,8 @@ static bool state_at_cursor(const struct session *session, const struct system *
     const struct cursors *cursors = &session->view.cursors;
     if (cursors->shown && cursors->plane && cursor_plane(session)) {
         const struct portrait_request *plane = cursor_plane(session);
-        present_state(session, system, state);
+        struct error unknown; /* of what the plane does not show */
+        present_state(session, system, state, &unknown);
         for (int k = 0; k < 2; k++)
             state[plane->variable[k]] = cursors->point[k];
         return true;
@@ -97,10 +106,10 @@ HANDLER(start)
 {
     const struct argument_value *what = argument_value(args, "NAME=VALUE");
     struct view *view = &session->view;
-    struct system system;
+    const struct model *model = session->setup.scene.model;
+    const struct system system = {.model = model, .n = model->n};
     double state[LIMIT_VARIABLES];
-    if (!scene_bind(&session->setup.scene, &system, error))
-        return false;
+    struct error unknown = {0}; /* why there is no present state */
     if (system.n < 2 || system.n > STARTS_VARIABLES)
         return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",
                          STARTS_VARIABLES);
@@ -120,11 +129,16 @@ HANDLER(start)
             return false;
         rest = TEXT("");
     } else {
-        present_state(session, &system, state);
+        present_state(session, &system, state, &unknown);
     }
     while (rest.len > 0 && text_split(&rest, ',', &item))
         if (!read_part(session, args, text_trim(item), &system, state, error))
             return false;
+    for (int i = 0; i < system.n; i++)
+        if (isnan(state[i])) {
+            *error = unknown;
+            return false;
+        }
     if (view->start_n != system.n)
         view->starts = 0;
     if (view->starts == LIMIT_STARTS) {

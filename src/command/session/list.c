@@ -121,7 +121,7 @@ HANDLER(list)
     } else if (kind == LIST_EVENTS) {
         reply_event_records(session, reply);
     } else if (kind >= LIST_EQUILIBRIA && kind <= LIST_POINTS) {
-        return list_dynamics(session, kind, args->arena, reply, error);
+        return list_dynamics(session, kind, args->arena, reply);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
         const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)

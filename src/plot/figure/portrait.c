@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The phase portrait as a figure: what is shown of it, and words about it. */
+#include <hooke/scene/poles.h>
 #include <hooke/session/dynamics.h>
 #include <hooke/session/portrait.h>
 
@@ -83,11 +84,22 @@ static bool choose_box(struct drawing *d, const struct system *system,
 
 static bool choose(struct drawing *d, struct system *system, struct portrait_request *wanted)
 {
-    const struct scene *scene = &d->session->setup.scene;
+    struct scene *scene = arena_array(d->arena, 1, sizeof *scene);
     const struct run *run = session_run(d->session);
+    double box[LIMIT_VARIABLES][2];
+    if (!scene)
+        return error_memory(d->error);
+    *scene = d->session->setup.scene;
     *wanted = (struct portrait_request){.scene = scene, .cancel = d->session->front.cancel};
-    if (!scene_bind(scene, system, d->error))
-        return false;
+    for (int i = 0; i < scene->model->n; i++)
+        box[i][0] = box[i][1] = NAN;
+    for (int k = 0; k < d->request->sides; k++)
+        memcpy(box[d->request->side[k].variable], d->request->side[k].range, sizeof box[0]);
+    if (!scene_bind_inside(scene, box, system, d->error))
+        return d->request->sides > 0 || scene->model->n < 2
+                   ? false
+                   : error_hint(d->error, "with sides it needs no start: plot portrait %s=FROM:TO",
+                                scene->model->variable[0].name);
     if (system->n < 2 || system->n > DYNAMICS_VARIABLES)
         return error_set(d->error, ERROR_COMMAND,
                          "a portrait is of scenes with 2 to %d variables, %s has %d",

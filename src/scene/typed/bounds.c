@@ -106,20 +106,25 @@ bool system_excludes_zero(const struct system *system, const struct interval *bo
     return excludes;
 }
 
-bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system)
+bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system,
+                       struct error *error)
 {
     enum { STARTS_TRIED = 64 };
     const struct typed *typed = scene->model->typed;
     struct error ignored;
     uint64_t seed = 3;
-    if (!typed || typed->base)
-        return false;
-    for (int k = 0; k < STARTS_TRIED; k++) {
+    if (scene_bind(scene, system, error))
+        return true;
+    struct scene moved = *scene;
+    for (int k = 0; k < STARTS_TRIED && typed && !typed->base; k++) {
         for (int i = 0; i < scene->model->n; i++)
-            scene->value[typed->initial[i]] =
-                box[i][0] + (box[i][1] - box[i][0]) * random_fraction(&seed);
-        if (scene_bind(scene, system, &ignored))
+            if (!isnan(box[i][0]) && !isnan(box[i][1]))
+                moved.value[typed->initial[i]] =
+                    box[i][0] + (box[i][1] - box[i][0]) * random_fraction(&seed);
+        if (scene_bind(&moved, system, &ignored)) {
+            *scene = moved;
             return true;
+        }
     }
     return false;
 }

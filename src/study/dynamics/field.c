@@ -95,28 +95,36 @@ void field_free(struct vector_field *field)
     field->variation = NULL;
 }
 
+/* Binds the scene with other values. Sizes stay, and so does what needs no start: that of the scene
+ * may lie outside of the domain with these values. */
+static bool rebind(struct vector_field *field)
+{
+    double scale[LIMIT_VARIABLES];
+    const size_t bytes = (size_t)field->n * sizeof *scale;
+    memcpy(scale, field->system.scale, bytes);
+    forget(field);
+    if (!scene_bind_rates(&field->scene, &field->system))
+        return false;
+    memcpy(field->system.scale, scale, bytes);
+    return true;
+}
+
 bool field_set(struct vector_field *field, const double *value)
 {
-    struct error ignored;
     bool same = true;
     for (int j = 0; j < field->params; j++) {
         same = same && field->scene.value[field->param[j]] == value[j];
         field->scene.value[field->param[j]] = value[j];
     }
-    if (same)
-        return true;
-    forget(field);
-    return scene_bind_motion(&field->scene, &field->system, &ignored);
+    return same || rebind(field);
 }
 
 bool field_hold(struct vector_field *field, int place, double value)
 {
-    struct error ignored;
     if (field->scene.value[place] == value)
         return true;
     field->scene.value[place] = value;
-    forget(field);
-    return scene_bind_motion(&field->scene, &field->system, &ignored);
+    return rebind(field);
 }
 
 void field_rate(struct vector_field *field, const double *y, double *rate)

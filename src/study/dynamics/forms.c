@@ -17,6 +17,8 @@
 #define REAL_PART_ZERO 1e-13 /* in sizes of the largest eigenvalue */
 /* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
 static const double slope_uncertainty_max = 1e-3;
+/* Relative to values and sizes: where a zero without a proof may be, as at the edge of a domain. */
+static const double unproven_position_error = 1e-14;
 /* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
 static const double slope_rounding_max = 1e-9;
 #define SAMPLES 16     /* where symmetries are looked at */
@@ -270,8 +272,12 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], copy[FIELD_VARIABLES * FIELD_VARIABLES];
     struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                     by[FIELD_VARIABLES * FIELD_VARIABLES];
-    for (int i = 0; i < n; i++)
-        at[i].lo = at[i].hi = solution->state[i];
+    for (int i = 0; i < n; i++) {
+        const double off = solution->multiple
+                               ? unproven_position_error * (fabs(solution->state[i]) + field->size[i])
+                               : 0;
+        at[i] = (struct interval){solution->state[i] - off, solution->state[i] + off};
+    }
     system_bounds(bounded, at, rate, by);
     for (int i = 0; i < n * n; i++)
         copy[i] = jacobian[i] = middle(by[i]);

@@ -93,6 +93,46 @@ static bool round_to_exact(const struct zero_search *s, double *y)
     return true;
 }
 
+/* Returns true if every derivative at y [n] is small beside what it is a hundredth of the range
+ * away. */
+static bool rests_beside(const struct zero_search *s, const double *y)
+{
+    static const double away = 1e-2, small = 1e-3;
+    double rate[FIELD_VARIABLES], size[FIELD_VARIABLES] = {0};
+    for (int i = 0; i < 2 * s->n; i++) {
+        double other[FIELD_VARIABLES];
+        memcpy(other, y, (size_t)s->n * sizeof *y);
+        other[i / 2] += (i % 2 ? away : -away) * s->width[i / 2];
+        system_derivative(&s->bounded, s->bounded.t0, other, rate);
+        for (int k = 0; k < s->n; k++)
+            size[k] = isfinite(rate[k]) ? fmax(size[k], fabs(rate[k])) : size[k];
+    }
+    system_derivative(&s->bounded, s->bounded.t0, y, rate);
+    bool rests = true;
+    for (int k = 0; k < s->n; k++)
+        rests = rests && fabs(rate[k]) <= small * size[k];
+    return rests;
+}
+
+/* Moves y [n], the middle of a smallest box in which bounds leave room for a zero, to a state of the
+ * box where derivatives go to 0: at the edge of a domain, or where a slope is infinite, only one
+ * side of the box may have values. */
+static bool move_to_edge(const struct zero_search *s, const struct interval *box, double *y)
+{
+    struct interval bound[FIELD_VARIABLES];
+    system_bounds(&s->bounded, box, bound, NULL);
+    bool rests = false, room = s->bounded.autonomous && zeros_are_bounded(s->n, bound);
+    for (int i = 0; i < s->n; i++)
+        room = room && bound[i].lo <= 0 && bound[i].hi >= 0;
+    for (int i = 0; i < 2 * s->n && room && !rests; i++) {
+        const double middle = y[i / 2];
+        y[i / 2] = i % 2 ? box[i / 2].hi : box[i / 2].lo;
+        rests = rests_beside(s, y);
+        y[i / 2] = rests ? y[i / 2] : middle;
+    }
+    return rests;
+}
+
 /* Where a variable may be 0 as well as nearly so, it is. */
 static void round_to_zero(const struct zero_search *s, double *y)
 {
@@ -142,7 +182,8 @@ static bool list_doubtful(struct zero_search *s)
         if (!s->undecided.box[s->undecided.first + b].is_smallest)
             continue;
         middle_of(s, b, y);
-        if (!round_to_exact(s, y)) {
+        const struct state_box *box = &s->undecided.box[s->undecided.first + b];
+        if (!round_to_exact(s, y) && !(box->is_singular && move_to_edge(s, box->side, y))) {
             zeros_correct(s, y);
             round_to_zero(s, y);
             if (!rests_at(s, y))
