@@ -463,8 +463,8 @@ struct ledger {
     double factor;    /* E/E0 at the end, where both may be below the smallest number */
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
-/* As run_ledger() where that takes little time next to the run; otherwise the energies at both ends
- * and NAN for the rest. */
+/* As run_ledger() of short runs. Of longer ones work and error are NAN; error_max is the largest in
+ * a sample of rows where no work is done, else NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /*
  * Largest energy of a recorded state over that at the start, where the motion went through far

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /*
- * Are all numbers within bounds, bound [FOUR] repeated? Magnitudes of doubles are ordered like
+ * Are all numbers within the bound, which is repeated FOUR times? Magnitudes of doubles are ordered like
  * their bits, NaN above all: where one is too large, the difference to the bound is negative, and
  * that survives in a sum of bits.
  */
@@ -23,18 +23,17 @@ CLONES static bool all_within(const double *number, int64_t fours, const double 
     return (int64_t)any >= 0;
 }
 
-/* How many of the rows are within bounds, counted from the first. */
+/* How many of the rows are within bounds, counted from the first: nearly always all of them are
+ * within the smallest bound. */
 static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
-    int64_t within = 0;
-    if (FOUR % n == 0) {
-        double repeated[FOUR];
-        for (int i = 0; i < FOUR; i++)
-            repeated[i] = bound[i % n];
-        const int64_t fours = count * n / FOUR;
-        if (all_within(row, fours, repeated))
-            within = fours * FOUR / n;
-    }
+    double least = bound[0], smallest[FOUR];
+    for (int i = 1; i < n; i++)
+        least = bound[i] < least ? bound[i] : least;
+    for (int i = 0; i < FOUR; i++)
+        smallest[i] = least;
+    const int64_t fours = count * n / FOUR;
+    int64_t within = all_within(row, fours, smallest) ? fours * FOUR / n : 0;
     for (; within < count; within++)
         for (int k = 0; k < n; k++)
             if (!(fabs(row[within * n + k]) <= bound[k]))

@@ -122,7 +122,7 @@ static void put_peak(const struct run *run, const struct ledger *ledger, struct 
 }
 
 /* Says how far the energy, or its balance where drag or a drive changes it, has been off; of a long
- * run whose balance would take as long as the run, what the energy is now. */
+ * run how far in some of its rows, or, where that would take long, what the energy is now. */
 static void put_energy(const struct run *run, struct buffer *text)
 {
     const bool balanced = run->plan.ledger;
@@ -140,7 +140,10 @@ static void put_energy(const struct run *run, struct buffer *text)
     }
     buffer_format(text, balanced ? ", energy balance within " : ", dE/E0 max ");
     buffer_short(text, ledger->error_max, 2);
-    buffer_put(text, balanced ? TEXT(" of E0") : TEXT(""));
+    if (balanced)
+        buffer_put(text, TEXT(" of E0"));
+    else if (isnan(ledger->work))
+        buffer_put(text, TEXT(" in a sample of rows"));
     put_peak(run, ledger, text);
 }
 

@@ -309,26 +309,47 @@ void run_ledger(const struct run *run, struct ledger *ledger)
 #define BRIEF_STEPS 4096
 #define BRIEF_ADAPTIVE 256
 
-bool ledger_is_brief(const struct system *system, const struct plan *plan, int64_t steps,
-                     bool known)
+bool ledger_is_brief(const struct plan *plan, int64_t steps)
 {
-    return steps <= (plan->adaptive && plan->ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS) ||
-           (known && !plan->ledger && !typed_potential_is_integrated(system));
+    return steps <= (plan->adaptive && plan->ledger ? BRIEF_ADAPTIVE : BRIEF_STEPS);
 }
 
-static bool is_brief(const struct run *run)
+bool ledger_is_sampled(const struct system *system, const struct plan *plan)
 {
-    return trace_marked(run->trace) ||
-           ledger_is_brief(&run->system, &run->plan, run->steps - run->private_state->balance.step,
-                           ledger_known(run));
+    return !plan->ledger && !typed_potential_is_integrated(system);
+}
+
+/* Returns the largest error of the energy in one row of each of equal parts of a run without work.
+ * Where in its part a row is follows no rule, so that no period of the motion hides the error. */
+static double sampled_error(const struct run *run, const struct ledger *ledger)
+{
+    const double unit = run->private_state->factor * run->private_state->factor;
+    const uint64_t rows = trace_count(run->trace),
+                   parts = rows < LEDGER_SAMPLE ? rows : LEDGER_SAMPLE;
+    double max = fabs(ledger->final - ledger->initial), scale = fabs(ledger->final);
+    uint64_t random = 1;
+    for (uint64_t k = 0; k < parts; k++) {
+        const uint64_t begin = rows * k / parts, count = rows * (k + 1) / parts - begin;
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        const size_t row = (size_t)(begin + (random >> 32) % count);
+        const double energy =
+            balance_energy(run, &run->system, trace_state(run->trace, row)) / unit;
+        max = fmax(max, fabs(energy - ledger->initial));
+        scale = fmax(scale, fabs(energy));
+    }
+    return max / (ledger->initial != 0 ? fabs(ledger->initial) : scale);
 }
 
 void run_ledger_brief(const struct run *run, struct ledger *ledger)
 {
-    if (run->system.energy && !is_brief(run))
-        energies_alone(run, ledger);
-    else
+    const int64_t steps = run->steps - run->private_state->balance.step;
+    if (!run->system.energy || trace_marked(run->trace) || ledger_is_brief(&run->plan, steps)) {
         run_ledger(run, ledger);
+        return;
+    }
+    energies_alone(run, ledger);
+    if (ledger_is_sampled(&run->system, &run->plan))
+        ledger->error_max = sampled_error(run, ledger);
 }
 
 #define PEAK 100       /* times the energy at both ends */

@@ -72,9 +72,14 @@ double balance_energy(const struct run *run, const struct system *system, const 
 /* A part of a step, from the balance to (t, y). */
 void balance_extend(const struct run *run, struct balance *balance, double t, const double *y);
 
-/* ledger.c: returns true if the summary of a run shows the balance of that many steps, because it
- * takes little of the run's time. `known`: all of its rows are recorded. */
-bool ledger_is_brief(const struct system *system, const struct plan *plan, int64_t steps,
-                     bool known);
+/* ---- ledger.c ---- */
+
+/* Returns true if the summary of a run shows the balance of that many steps, because it takes
+ * little time. */
+bool ledger_is_brief(const struct plan *plan, int64_t steps);
+
+/* Returns true if the summary of a longer run shows the energy of LEDGER_SAMPLE of its rows. */
+bool ledger_is_sampled(const struct system *system, const struct plan *plan);
+enum { LEDGER_SAMPLE = 256 };
 
 #endif

@@ -113,8 +113,7 @@ static bool keeps_balance(const struct run_scenario *s, const struct run_work *w
 static bool balances(const struct run_scenario *s, const struct run_work *work)
 {
     return s->system->energy &&
-           (keeps_balance(s, work) ||
-            ledger_is_brief(s->system, s->plan, (int64_t)work->steps, !has_apart_rows(s, work)));
+           (keeps_balance(s, work) || ledger_is_brief(s->plan, (int64_t)work->steps));
 }
 
 /* Instructions for the balance of all steps, which takes them again where rows are apart. */
@@ -254,6 +253,8 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
                  keeps_balance(s, work) ? "energy balance, kept between rows"
                  : s->plan->ledger      ? "energy balance of the summary"
                                         : "dE/E0 of the summary");
+    else if (s->system->energy && ledger_is_sampled(s->system, s->plan))
+        list_add(list, balance_row_price(s) * LEDGER_SAMPLE, "dE/E0 of a sample of rows");
     if (adaptive && s->opinion > 0)
         list_add(list, opinion_price(s, work),
                  s->plan->exact_known ? "error by the closed form" : "second solution");
