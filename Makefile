@@ -195,7 +195,7 @@ static: ## one static program that needs nothing of the system it runs on: build
 
 # What goes once through a command, a table, a picture or a screen, and not once through each step: a quarter shorter.
 # What studies evaluate at each step is not among it.
-EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o study/dynamics/matrix.o)
+EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o study/dynamics/matrix.o) $(call objects,study/sweep)
 ONCE := $(filter-out $(EACH),$(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l)))) $(B)/main.o
 # Loops over many steps: unrolled and vectorised.
 LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o)

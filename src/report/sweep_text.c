@@ -2,6 +2,7 @@
 #include <hooke/report.h>
 #include <hooke/study/sweep.h>
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -28,13 +29,34 @@ static enum quantity quantity_of(const struct swept *swept, int measure)
     return sweep_measure_quantity(&swept->measure[measure], swept->model);
 }
 
+static double size_max(double max, double value)
+{
+    const double size = fabs(value);
+    return size > max && size <= DBL_MAX ? size : max;
+}
+
 /* The unit in which most values say something: that of the largest. */
-static const struct unit *unit_of(const double *value, size_t count, enum quantity quantity)
+static const struct unit *unit_of(double max, enum quantity quantity)
+{
+    return unit_display(quantity, quantity == QUANTITY_TIME && max >= 0.1 ? 1 : max);
+}
+
+/* Of these values, each so many behind the one before. */
+static const struct unit *unit_of_values(const double *value, size_t count, int stride,
+                                         enum quantity quantity)
 {
     double max = 0;
     for (size_t i = 0; i < count; i++)
-        max = isfinite(value[i]) ? fmax(max, fabs(value[i])) : max;
-    return unit_display(quantity, quantity == QUANTITY_TIME && max >= 0.1 ? 1 : max);
+        max = size_max(max, value[i * (size_t)stride]);
+    return unit_of(max, quantity);
+}
+
+/* Of a parameter over the points of this sweep: the largest is at an end. */
+static const struct unit *unit_of_axis(const struct sweep *sweep, int axis)
+{
+    const double max = size_max(fabs(position_at(sweep, axis, 0)),
+                                position_at(sweep, axis, sweep->count - 1));
+    return unit_of(max, sweep->axis[axis].quantity);
 }
 
 static const char *unit_name(const struct unit *unit, enum quantity quantity)
@@ -45,37 +67,32 @@ static const char *unit_name(const struct unit *unit, enum quantity quantity)
 /* A column: its heading with the unit, then numbers. */
 struct sweep_column {
     const char *name;
-    const double *value;
     enum quantity quantity;
     const struct unit *unit;
 };
 
-static void put_number(struct text_table *table, const struct sweep_column *column, int64_t i,
+static void put_number(struct text_table *table, const struct sweep_column *column, double value,
                        int digits)
 {
     struct buffer text = {0};
-    if (isfinite(column->value[i]))
-        buffer_short(&text, column->value[i] / (column->unit ? column->unit->factor : 1) + 0.0,
-                     digits);
+    if (isfinite(value))
+        buffer_short(&text, value / (column->unit ? column->unit->factor : 1) + 0.0, digits);
     else
         buffer_char(&text, '-');
     cell_take(table, &text);
 }
 
-static bool fill_column(const struct swept *swept, int index, struct arena *arena,
-                        struct sweep_column *column)
+static struct sweep_column column_of(const struct swept *swept, int index)
 {
     const struct sweep *sweep = swept->sweep;
     const int measure = index - sweep->axes;
-    double *value = arena_array(arena, (size_t)sweep->count + 1, sizeof *value);
-    for (int64_t i = 0; value && i < sweep->count; i++)
-        value[i] = measure < 0 ? position_at(sweep, index, i) : value_at(sweep, i, measure);
-    column->value = value;
-    column->name =
-        measure < 0 ? sweep->axis[index].name : sweep_measure_name(&swept->measure[measure]);
-    column->quantity = measure < 0 ? sweep->axis[index].quantity : quantity_of(swept, measure);
-    column->unit = value ? unit_of(value, (size_t)sweep->count, column->quantity) : NULL;
-    return value != NULL;
+    if (measure < 0)
+        return (struct sweep_column){sweep->axis[index].name, sweep->axis[index].quantity,
+                                     unit_of_axis(sweep, index)};
+    const enum quantity quantity = quantity_of(swept, measure);
+    return (struct sweep_column){sweep_measure_name(&swept->measure[measure]), quantity,
+                                 unit_of_values(sweep->value + measure, (size_t)sweep->count,
+                                                sweep->measures, quantity)};
 }
 
 /* Every so many points, so that the table can be read. */
@@ -92,8 +109,7 @@ static void put_table(const struct session *session, const struct swept *swept, 
     struct text_table table = {
         .arena = arena, .columns = columns + failures, .gap = 3, .max = width};
     for (int c = 0; c < columns; c++) {
-        if (!fill_column(swept, c, arena, &column[c]))
-            return;
+        column[c] = column_of(swept, c);
         struct buffer heading = {0};
         const char *unit = unit_name(column[c].unit, column[c].quantity);
         buffer_put(&heading, text_of(column[c].name));
@@ -105,7 +121,10 @@ static void put_table(const struct session *session, const struct swept *swept, 
         cell_text(&table, "status");
     for (int64_t i = 0; i < sweep->count; i += every) {
         for (int c = 0; c < columns; c++)
-            put_number(&table, &column[c], i, session->setup.settings.digits);
+            put_number(&table, &column[c],
+                       c < sweep->axes ? position_at(sweep, c, i)
+                                       : value_at(sweep, i, c - sweep->axes),
+                       session->setup.settings.digits);
         if (failures)
             cell_text(&table, sweep_status_name(sweep->status[i]));
     }
@@ -127,39 +146,40 @@ static double *axis_values(const struct sweep_axis *axis, struct arena *arena)
 }
 
 /* Positive, and over decades. */
-static bool spans_decades(const double *value, size_t count)
+static bool spans_decades(const struct sweep *sweep, int measure)
 {
     double low = HUGE_VAL, high = 0;
-    for (size_t i = 0; i < count; i++)
-        if (isfinite(value[i])) {
-            low = fmin(low, value[i]);
-            high = fmax(high, value[i]);
-        }
+    for (int64_t i = 0; i < sweep->count; i++) {
+        const double value = value_at(sweep, i, measure);
+        if (!isfinite(value))
+            continue;
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+    }
     return low > 0 && high > 300 * low;
 }
 
-/* Keeps the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
- * how many points are left. */
-static size_t thin(double *x, double *y, size_t n, size_t each)
+/* Takes the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
+ * how many points these are. */
+static size_t thin(const struct sweep *sweep, int measure, int64_t each, double *x, double *y)
 {
     size_t kept = 0;
-    for (size_t begin = 0; begin < n; begin += each) {
-        const size_t end = begin + each < n ? begin + each : n;
-        size_t low = begin, high = begin;
-        for (size_t i = begin; i < end; i++) {
-            low = y[i] < y[low] || isnan(y[low]) ? i : low;
-            high = y[i] > y[high] || isnan(y[high]) ? i : high;
+    for (int64_t begin = 0; begin < sweep->count; begin += each) {
+        const int64_t end = begin + each < sweep->count ? begin + each : sweep->count;
+        int64_t low = begin, high = begin;
+        double lowest = value_at(sweep, begin, measure), highest = lowest;
+        for (int64_t i = begin + 1; i < end; i++) {
+            const double value = value_at(sweep, i, measure);
+            if (value < lowest || isnan(lowest))
+                lowest = value, low = i;
+            if (value > highest || isnan(highest))
+                highest = value, high = i;
         }
-        const size_t place[] = {begin, low < high ? low : high, low < high ? high : low, end - 1};
-        double column[COUNT_OF(place)][2];
-        for (size_t k = 0; k < COUNT_OF(place); k++) {
-            column[k][0] = x[place[k]];
-            column[k][1] = y[place[k]];
-        }
+        const int64_t place[] = {begin, low < high ? low : high, low < high ? high : low, end - 1};
         for (size_t k = 0; k < COUNT_OF(place); k++)
             if (k == 0 || place[k] > place[k - 1]) {
-                x[kept] = column[k][0];
-                y[kept++] = column[k][1];
+                x[kept] = position_at(sweep, 0, place[k]);
+                y[kept++] = value_at(sweep, place[k], measure);
             }
     }
     return kept;
@@ -170,28 +190,25 @@ static void put_curve(const struct session *session, const struct swept *swept, 
 {
     const struct sweep *sweep = swept->sweep;
     const size_t n = (size_t)sweep->count;
-    double *x = arena_array(arena, n, sizeof *x), *y = arena_array(arena, n, sizeof *y);
+    const int64_t each = sweep->count / THIN_BLOCKS;
+    const bool many = each > 4;
+    const size_t room = many ? 4 * (n / (size_t)each + 1) : n;
+    double *x = arena_array(arena, room, sizeof *x), *y = arena_array(arena, room, sizeof *y);
     int width, whole;
     if (n < 3 || !x || !y)
         return;
-    for (size_t i = 0; i < n; i++) {
-        x[i] = position_at(sweep, 0, (int64_t)i);
-        y[i] = value_at(sweep, (int64_t)i, measure);
-    }
-    const enum quantity across = sweep->axis[0].quantity, up = quantity_of(swept, measure);
-    const struct unit *x_unit = unit_of(x, n, across), *y_unit = unit_of(y, n, up);
-    const bool decades = spans_decades(y, n), many = n / THIN_BLOCKS > 4;
+    const struct sweep_column across = column_of(swept, 0), up = column_of(swept, 1 + measure);
     const struct curve curve = {
-        .x = x, .y = y, .n = many ? thin(x, y, n, n / THIN_BLOCKS) : n, .thinned = many};
+        .x = x, .y = y, .n = thin(sweep, measure, many ? each : 1, x, y), .thinned = many};
     const struct figure figure = {.title = "sweep",
-                                  .x = {.label = sweep->axis[0].name,
-                                        .unit = unit_name(x_unit, across),
-                                        .factor = x_unit ? x_unit->factor : 1,
+                                  .x = {.label = across.name,
+                                        .unit = unit_name(across.unit, across.quantity),
+                                        .factor = across.unit ? across.unit->factor : 1,
                                         .log = sweep->axis[0].log && x[0] > 0},
-                                  .y = {.label = sweep_measure_name(&swept->measure[measure]),
-                                        .unit = unit_name(y_unit, up),
-                                        .factor = y_unit ? y_unit->factor : 1,
-                                        .log = decades},
+                                  .y = {.label = up.name,
+                                        .unit = unit_name(up.unit, up.quantity),
+                                        .factor = up.unit ? up.unit->factor : 1,
+                                        .log = spans_decades(sweep, measure)},
                                   .curve = &curve,
                                   .curves = 1};
     session_size(session, &width, &whole);
@@ -217,9 +234,9 @@ static void put_map(const struct session *session, const struct swept *swept, in
     for (int64_t i = 0; i < sweep->count; i++)
         value[sweep->first + i] = value_at(sweep, i, measure);
     const enum quantity quantity = quantity_of(swept, measure);
-    const struct unit *unit = unit_of(value, n, quantity),
-                      *x_unit = unit_of(x, (size_t)across->count, across->quantity),
-                      *y_unit = unit_of(y, (size_t)up->count, up->quantity);
+    const struct unit *unit = unit_of_values(value, n, 1, quantity),
+                      *x_unit = unit_of_values(x, (size_t)across->count, 1, across->quantity),
+                      *y_unit = unit_of_values(y, (size_t)up->count, 1, up->quantity);
     const struct heat heat = {
         .title = sweep_measure_name(&swept->measure[measure]),
         .unit = unit_name(unit, quantity),
@@ -236,8 +253,8 @@ static void put_map(const struct session *session, const struct swept *swept, in
 static bool has_values(const struct sweep *sweep, int measure)
 {
     bool some = false;
-    for (int64_t i = 0; i < sweep->count; i++)
-        some |= isfinite(value_at(sweep, i, measure));
+    for (int64_t i = 0; i < sweep->count && !some; i++)
+        some = isfinite(value_at(sweep, i, measure));
     return some;
 }
 
@@ -435,6 +452,21 @@ void sweep_text(const struct session *session, const struct swept *swept, int ro
     put_remarks(swept, text);
 }
 
+/* The number of each point, parameters, measures. */
+static void fill_column(const struct sweep *sweep, int column, double *value)
+{
+    const int axis = column - 1, measure = axis - sweep->axes;
+    if (column == 0)
+        for (int64_t i = 0; i < sweep->count; i++)
+            value[i] = (double)(sweep->first + i);
+    else if (measure >= 0)
+        for (int64_t i = 0; i < sweep->count; i++)
+            value[i] = value_at(sweep, i, measure);
+    else
+        for (int64_t i = 0; i < sweep->count; i++)
+            value[i] = position_at(sweep, axis, i);
+}
+
 bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table)
 {
     const struct sweep *sweep = swept->sweep;
@@ -449,10 +481,7 @@ bool sweep_table(const struct swept *swept, struct arena *arena, struct table *t
         const int axis = c - 1, measure = axis - sweep->axes;
         if (!value)
             return false;
-        for (size_t i = 0; i < n; i++)
-            value[i] = c == 0        ? (double)(sweep->first + (int64_t)i)
-                       : measure < 0 ? position_at(sweep, axis, (int64_t)i)
-                                     : value_at(sweep, (int64_t)i, measure);
+        fill_column(sweep, c, value);
         out[c] = (struct table_column){.name = "point", .unit = "", .value = value};
         if (c > 0 && measure < 0) {
             out[c].name = arena_text(arena, text_of(sweep->axis[axis].name));
@@ -464,8 +493,10 @@ bool sweep_table(const struct swept *swept, struct arena *arena, struct table *t
         if (!out[c].name)
             return false;
     }
-    for (size_t i = 0; i < n; i++)
-        status[i] = sweep_status_name(sweep->status[i]);
+    for (size_t i = 0; i < n; i++) /* most are alike */
+        status[i] = i > 0 && sweep->status[i] == sweep->status[i - 1]
+                        ? status[i - 1]
+                        : sweep_status_name(sweep->status[i]);
     out[columns] = (struct table_column){.name = "status", .unit = "", .text = status};
     *table = (struct table){.column = out, .columns = columns + 1, .rows = n};
     return true;

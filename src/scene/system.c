@@ -178,11 +178,11 @@ bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
 static bool check_term(const struct system *system, const struct bound_term *term, bool started,
                        struct error *error)
 {
-    bool fine = true;
+    double rest = 0; /* NAN unless all are finite */
+    for (int i = 0; i < TERM_COEFFICIENTS; i++)
+        rest += term->c[i] - term->c[i];
     /* typed ones: parameters, and what is made of them */
-    for (int i = 0; term->row->bind && i < TERM_COEFFICIENTS; i++)
-        fine = fine && isfinite(term->c[i]);
-    if (!fine)
+    if (term->row->bind && rest != 0)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows",
                          term->row->row.name);
     /* typed terms may have a pole at the latter */
@@ -190,7 +190,8 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     for (size_t i = 0; started && i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         const int rows = term_rows(system);
         double a[LIMIT_VARIABLES];
-        for (int row = 0; row < rows; row++)
+        a[0] = 0;
+        for (int row = 1; row < rows; row++)
             a[row] = 0;
         term->row->add(term->c, system->t0, states[i], a);
         for (int row = 0; row < rows; row++)
@@ -205,6 +206,10 @@ static void bind_rows(const double *param, struct system *system)
 {
     const struct catalog *terms = system->model->terms;
     const struct term_row *const rows = terms->rows;
+    if (terms == &term_catalog) {
+        terms_bind(param, system);
+        return;
+    }
     for (const struct term_row *row = rows; row < rows + terms->count; row++) {
         struct bound_term *term = &system->term[system->terms];
         if (!row->bind) /* a typed one */

@@ -15,5 +15,7 @@ _Static_assert(P_COUNT <= PARAM_MAX, "scene.value holds every parameter");
 
 /* k/m and the mass itself must be usable numbers: refused otherwise, with the values. */
 bool params_coherent(const double *param, struct error *error);
+/* Binds the terms of term_catalog whose coefficients are not 0. */
+void terms_bind(const double *param, struct system *system);
 
 #endif

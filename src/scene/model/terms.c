@@ -3,6 +3,8 @@
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
 
+#include <string.h>
+
 #define TERM_BODIES
 #include "scene/model/terms.def"
 #undef TERM_BODIES
@@ -23,3 +25,17 @@ static const struct term_row rows[] = {
 _Static_assert(COUNT_OF(rows) <= TERM_MAX, "a system holds every term");
 
 const struct catalog term_catalog = CATALOG("force term", rows);
+
+void terms_bind(const double *param, struct system *system)
+{
+    const struct term_row *row = rows;
+    struct bound_term *term = system->term;
+#define BIND_TERM(name)                                                                            \
+    term->row = row++;                                                                             \
+    memset(term->c, 0, TERM_COEFFICIENTS * sizeof *term->c);                                       \
+    term += name##_bind(param, term->c, &system->oscillator);
+#define CONSERVATIVE_TERM(name, ...) BIND_TERM(name)
+#define POWERED_TERM(name, ...) BIND_TERM(name)
+#include "scene/model/terms.def"
+    system->terms = (int)(term - system->term);
+}

@@ -76,12 +76,12 @@ static double load_measure(const void *context, int slot)
 void sweep_combine(struct sweep_worker *worker, int64_t i)
 {
     const struct sweep_request *request = worker->job->request;
+    if (request->columns == 0)
+        return;
     const struct numbers numbers = {worker->part, &worker->scene};
     const struct expr_scope scope = {.context = &numbers, .load = load_measure};
     struct error ignored;
     double *out = worker->job->sweep->value + i * worker->job->sweep->measures;
-    if (request->columns == 0)
-        return;
     sweep_point(request, worker->job->sweep, i, &worker->scene, &worker->settings, &ignored);
     for (int c = 0; c < request->columns; c++)
         out[c] = request->shown[c].formula ? expr_value(request->shown[c].formula->expr, &scope)

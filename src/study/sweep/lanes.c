@@ -69,21 +69,26 @@ static bool all_suspicious(const struct sweep_worker *worker)
     return true;
 }
 
-CLONES static bool any_turns(const double *before, const double *row)
+CLONES static unsigned turning_groups(const double *before, const double *row)
 {
-    uint64_t turned = 0;
-    for (int lane = 0; lane < LANES; lane++) {
-        uint64_t a, b;
-        memcpy(&a, before + LANES + lane, sizeof a);
-        memcpy(&b, row + LANES + lane, sizeof b);
-        turned |= a ^ b;
+    unsigned groups = 0;
+    for (int group = 0; group < LANES / TURN_GROUP; group++) {
+        uint64_t turned = 0;
+        for (int i = 0; i < TURN_GROUP; i++) {
+            const int lane = group * TURN_GROUP + i;
+            uint64_t a, b;
+            memcpy(&a, before + LANES + lane, sizeof a);
+            memcpy(&b, row + LANES + lane, sizeof b);
+            turned |= a ^ b;
+        }
+        groups |= (unsigned)(turned >> 63) << group;
     }
-    return turned >> 63;
+    return groups;
 }
 
-bool lanes_any_turns(const double *before, const double *row)
+unsigned lanes_turning_groups(const double *before, const double *row)
 {
-    return any_turns(before, row);
+    return turning_groups(before, row);
 }
 
 /* ---- stretches of steps in which no lane comes to its end and no window begins ---- */
@@ -139,9 +144,11 @@ static void watch_lanes(struct sweep_worker *worker, const double *before,
         }
     const double *row = worker->row;
     for (int64_t i = 0; i < of->count; i++, before = row, row += 2 * LANES) {
-        const bool turns = any_turns(before, row), last = i == of->count - 1;
+        const unsigned groups = turning_groups(before, row);
+        const bool last = i == of->count - 1;
         const double number = (double)(of->first + i);
-        for (int lane = 0; lane < worker->used && turns; lane++)
+        for (int lane = next_turning(groups, 0); lane < worker->used;
+             lane = next_turning(groups, lane + 1))
             if (watch_turns(before[LANES + lane], row[LANES + lane]) &&
                 of->first < worker->clock[lane].whole)
                 watch_turn(&worker->watch[lane], of->t0[lane] + number * of->h[lane], before[lane],
@@ -301,15 +308,16 @@ static void finish_watch(struct sweep_worker *worker, int lane, const double *wa
                  end = system->t0 + worker->job->request->duration;
     if (!watch->open && (clock->rest == 0 ? end : from) >= system->t0 + worker->job->opens)
         watch_open(watch, was[0]);
-    const double speed0 = watch_speed(system, 0, from, was),
-                 speed1 = watch_speed(system, 0, end, y);
-    if (clock->rest != 0 && watch_turns(speed0, speed1))
+    const bool stepped = clock->rest != 0;
+    const double speed0 = stepped ? watch_speed(system, 0, from, was) : 0,
+                 speed1 = stepped ? watch_speed(system, 0, end, y) : 0;
+    if (watch_turns(speed0, speed1))
         watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
     watch->area = worker->area[lane];
     watch->span = worker->span[lane];
     if (!watch->open) {
         watch_open(watch, y[0]);
-    } else if (clock->rest != 0) {
+    } else if (stepped) {
         watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
         watch->span += end - from;
     }
@@ -395,14 +403,17 @@ static bool set_clock(const struct sweep_worker *worker, const struct system *sy
                       struct lane_clock *clock)
 {
     const struct sweep_job *job = worker->job;
+    *clock = (struct lane_clock){.h = h, .rest = job->rest, .whole = job->whole};
+    if (!job->clocks || job->adapts)
+        return true;
     struct plan plan = {.whole = job->whole, .partial = job->rest};
     struct error ignored;
-    bool fits = true;
-    if (job->clocks && !job->adapts)
-        fits = plan_grid(system, h, job->request->duration, &plan, &ignored) &&
-               (!job->watches || plan.steps <= LIMIT_SAMPLES) &&
-               (!job->replays || (plan.whole > 0 && (job->in_pieces || plan.whole <= job->room)));
-    *clock = (struct lane_clock){.h = h, .rest = plan.partial, .whole = plan.whole};
+    const bool fits =
+        plan_grid(system, h, job->request->duration, &plan, &ignored) &&
+        (!job->watches || plan.steps <= LIMIT_SAMPLES) &&
+        (!job->replays || (plan.whole > 0 && (job->in_pieces || plan.whole <= job->room)));
+    clock->rest = plan.partial;
+    clock->whole = plan.whole;
     return fits;
 }
 

@@ -31,8 +31,9 @@ static void watch_attempts(struct sweep_worker *worker, const double *before, in
     const double opens = worker->system[0].t0 + worker->job->opens;
     const double *row = worker->row;
     for (int64_t i = 0; i < count; i++, before = row, row += 3 * LANES) {
-        const bool turns = lanes_any_turns(before + LANES, row + LANES);
-        for (int lane = 0; lane < worker->used && turns; lane++)
+        const unsigned groups = lanes_turning_groups(before + LANES, row + LANES);
+        for (int lane = next_turning(groups, 0); lane < worker->used;
+             lane = next_turning(groups, lane + 1))
             if (watch_turns(before[2 * LANES + lane], row[2 * LANES + lane]))
                 watch_turn(&worker->watch[lane], before[lane], before[LANES + lane],
                            before[2 * LANES + lane], row[lane], row[LANES + lane],

@@ -17,8 +17,10 @@
 
 int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
 {
-    const int64_t number = sweep->first + i, last = sweep->axes > 1 ? sweep->axis[1].count : 1;
-    return axis == 0 ? number / last : number % last;
+    const int64_t number = sweep->first + i;
+    if (sweep->axes < 2) /* without dividing, which takes long */
+        return axis == 0 ? number : 0;
+    return axis == 0 ? number / sweep->axis[1].count : number % sweep->axis[1].count;
 }
 
 const char *sweep_status_name(int status)

@@ -160,8 +160,17 @@ void replay_lane(struct sweep_worker *worker, int lane, int64_t evals); /* at it
 void replay_end(struct sweep_worker *worker);
 /* lanes_adaptive.c: the same after lanes_set(), where steps follow the error */
 void sweep_adapt(struct sweep_worker *worker);
-/* Does a velocity change its sign from one row to the next? rows of y, v [LANES] */
-bool lanes_any_turns(const double *before, const double *row);
+/* Lanes are looked at in groups of so many for velocities that change their sign. */
+enum { TURN_GROUP = LANES / 4 };
+/* Returns a bit for each group in which one does from one row of y, v [LANES] to the next. */
+unsigned lanes_turning_groups(const double *before, const double *row);
+/* Returns the first lane from that one on whose group has its bit, or one past the last. */
+static inline int next_turning(unsigned groups, int lane)
+{
+    while (lane < LANES && !(groups >> lane / TURN_GROUP & 1))
+        lane = (lane / TURN_GROUP + 1) * TURN_GROUP;
+    return lane;
+}
 /* So far out that it goes alone. */
 bool lane_suspicious(const double *y, int n);
 /* What is measured of a lane that has come to its end. */

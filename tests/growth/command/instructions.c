@@ -87,6 +87,8 @@ static const struct growth rows[] = {
     {"sweep_points", 50, 2,
      .first = "scene driven; method rk4 dt=10ms; duration = 1 s; sweep omega=1:#:1 measure=max "
               "--threads 1"},
+    {"sweep_short", 640, 2, .each_max = 4500,
+     .first = "scene spring; method rk4 dt=10ms; duration = 0.1 s; sweep k=1:#:1 --threads 1"},
 };
 
 /* ---- the process that is counted ---- */
