@@ -52,6 +52,18 @@ ok "JSON: objects only, no CSV in a string" $?
 [ "$(grep -c '^{"kind":"row","t":' all.json)" -eq "$(grep -c '^[0-9.]*,' out/004-export.csv)" ]
 ok "JSON: export - gives each row as an object" $?
 
+# a program reads the exit status: -q estimates no errors, and says so
+lorenz="var x=1; var y=1; var z=20; x'=10*(y-x); y'=x*(28-z)-y; z'=x*y-8/3*z; method dopri5 tol=1e-6"
+status_of() { "$hooke" -n "$@" >out.txt 2>err; echo $?; }
+[ "$(status_of -c "$lorenz; run 60 s")" -eq 3 ] && grep -q 'no digit is certain' err
+ok "exit status 3: no digit is left of a chaotic run" $?
+[ "$(status_of -q -c "$lorenz; run 60 s")" -eq 0 ] && [ ! -s err ]
+ok "exit status 0 under -q, which looks for failures alone" $?
+[ "$(status_of -q -c "$lorenz; set opinion full; run 60 s")" -eq 3 ] && [ "$(status_of -q --format json -c "$lorenz; run 60 s")" -eq 3 ]
+ok "exit status 3 under -q with set opinion full, and of records" $?
+"$hooke" --help | grep -q -- "-q, --quiet .*error is not estimated" && "$hooke" -n -c 'help run' | tr -s '\n ' ' ' | grep -q "Under hooke -q an adaptive run's error is not estimated"
+ok "--help and help run say that -q estimates no error" $?
+
 for statement in "runs" "compare euler rk4" "order rk4" "stability rk4" "precision rk4" "sweep k=10:20:5 measure=amplitude" "measure period" "list methods" "stress euler"; do
     name=$(tr -cd 'a-z' <<<"$statement").csv
     "$hooke" -n -c "run 5 s; $statement > $name" >/dev/null 2>err && [ -s "$name" ]

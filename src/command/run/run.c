@@ -281,7 +281,10 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                 "sessions: the number of the new run. States have the same bits on every machine; "
                 "the last digits of\n"
                 "'exact', of cvode and of linear scenes may depend on it, as those of fits and "
-                "spectra do.",
+                "spectra do.\n"
+                "Under hooke -q an adaptive run's error is not estimated where no record shows it: "
+                "exit status 3 then tells runs\n"
+                "that failed, not those whose digits are lost ('set opinion full' finds both).",
         .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
         .flags = COMMAND_STARTS | COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
