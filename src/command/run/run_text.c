@@ -138,10 +138,14 @@ static void put_energy(const struct run *run, struct buffer *text)
         buffer_put(text, balanced ? TEXT(" E0") : TEXT(" at the end"));
         return;
     }
-    buffer_format(text, balanced ? ", energy balance within " : ", dE/E0 max ");
+    const bool large = ledger->error_max >= 1;
+    if (balanced)
+        buffer_format(text, ", energy balance %s ", large ? "off by" : "within");
+    else
+        buffer_put(text, TEXT(", dE/E0 max "));
     buffer_short(text, ledger->error_max, 2);
     if (balanced)
-        buffer_put(text, TEXT(" of E0"));
+        buffer_put(text, large ? TEXT(" times E0") : TEXT(" of E0"));
     else if (isnan(ledger->work))
         buffer_put(text, TEXT(" in a sample of rows"));
     put_peak(run, ledger, text);

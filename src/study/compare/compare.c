@@ -124,12 +124,23 @@ static double energy_trend(const struct run *run)
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
 #define STEADY 1.5 /* a drift makes it four times as large, what is bounded stays */
 
+/* Puts "within 0.01 of E0" or "off by 1700 times E0" into `text`, which it returns. */
+static const char *energy_off(double error, char text[40])
+{
+    if (error < 1)
+        snprintf(text, 40, "within %.2g of E0", error);
+    else
+        snprintf(text, 40, "off by %.2g times E0", error);
+    return text;
+}
+
 static void balance_text(const struct run *run, const struct ledger *ledger, const char *span,
                          char *out, size_t size)
 {
     const double peak = run_energy_peak(run, ledger);
+    char off[40];
     if (isnan(peak))
-        snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
+        snprintf(out, size, "energy balance %s in %s", energy_off(ledger->error_max, off), span);
     else
         snprintf(out, size,
                  "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
@@ -140,7 +151,7 @@ static void balance_text(const struct run *run, const struct ledger *ledger, con
 static void observe(struct comparison *row, const char *span)
 {
     const struct ledger *ledger = &row->ledger;
-    char *out = row->verdict;
+    char *out = row->verdict, off[40];
     const size_t size = sizeof row->verdict;
     if (isnan(ledger->error_max))
         snprintf(out, size, "reached %s", span);
@@ -153,10 +164,10 @@ static void observe(struct comparison *row, const char *span)
         balance_text(row->run, ledger, span, out, size);
     else if (energy_trend(row->run) <=
              STEADY) /* after an orbit or two, of others too: they still drift */
-        snprintf(out, size, "energy %swithin %.2g of E0 in %s",
+        snprintf(out, size, "energy %s%s in %s",
                  row->run->method->flags & KEEPS_ENERGY && !row->run->plan.adaptive ? "bounded: "
                                                                                     : "",
-                 ledger->error_max, span);
+                 energy_off(ledger->error_max, off), span);
     else if (row->energy_factor < 0.5 && row->energy_factor >= 0)
         snprintf(out, size, "damped away by the method: energy x %.2g in %s", row->energy_factor,
                  span);
@@ -164,7 +175,7 @@ static void observe(struct comparison *row, const char *span)
         snprintf(out, size, "driven up by the method: energy x %.4g in %s", row->energy_factor,
                  span);
     else
-        snprintf(out, size, "energy drifts: by %.2g of E0 in %s", ledger->error, span);
+        snprintf(out, size, "energy drifts: by %.2g E0 in %s", ledger->error, span);
     const size_t used = strlen(out);
     if (!isnan(row->errors.max))
         snprintf(out + used, size - used, ", error %.2g of the amplitude", row->errors.max);
@@ -200,9 +211,10 @@ static void judge(struct comparison *row)
         double swing = isnan(prediction.swing) ? 0 : prediction.swing;
         if (run->system.conservative && fabs(predicted) <= BOUNDED) {
             bool agrees = row->ledger.error_max <= 1.001 * swing + BOUNDED;
-            snprintf(row->verdict, sizeof row->verdict,
-                     "energy bounded, %s: within %.2g of E0 in %s",
-                     agrees ? "as predicted" : "but NOT as predicted", row->ledger.error_max, span);
+            char off[40];
+            snprintf(row->verdict, sizeof row->verdict, "energy bounded, %s: %s in %s",
+                     agrees ? "as predicted" : "but NOT as predicted",
+                     energy_off(row->ledger.error_max, off), span);
         } else if (row->energy_factor == 0) {
             const bool agrees =
                 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) + swing + BOUNDED;

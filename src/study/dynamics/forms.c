@@ -273,9 +273,9 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
     struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                     by[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < n; i++) {
-        const double off = solution->multiple
-                               ? unproven_position_error * (fabs(solution->state[i]) + field->size[i])
-                               : 0;
+        const double off = solution->multiple ? unproven_position_error *
+                                                    (fabs(solution->state[i]) + field->size[i])
+                                              : 0;
         at[i] = (struct interval){solution->state[i] - off, solution->state[i] + off};
     }
     system_bounds(bounded, at, rate, by);

@@ -114,9 +114,9 @@ static bool rests_beside(const struct zero_search *s, const double *y)
     return rests;
 }
 
-/* Moves y [n], the middle of a smallest box in which bounds leave room for a zero, to a state of the
- * box where derivatives go to 0: at the edge of a domain, or where a slope is infinite, only one
- * side of the box may have values. */
+/* Moves y [n], the middle of a smallest box in which bounds leave room for a zero, to a state of
+ * the box where derivatives go to 0: at the edge of a domain, or where a slope is infinite, only
+ * one side of the box may have values. */
 static bool move_to_edge(const struct zero_search *s, const struct interval *box, double *y)
 {
     struct interval bound[FIELD_VARIABLES];
