@@ -61,13 +61,17 @@ HANDLER(order)
     const struct argument_value *method = argument_value(args, "METHOD"),
                                 *dt = argument_value(args, "dt"),
                                 *drag = argument_value(args, "drag");
-    struct order_request request = {
-        .scene = &session->setup.scene,
-        .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
-        .dt = {NAN, NAN},
-        .duration = session->setup.settings.duration,
-        .references = &session->references,
-        .cancel = session->front.cancel};
+    struct order_request request = {.scene = &session->setup.scene,
+                                    .by = {session->setup.method, session->setup.drag},
+                                    .dt = {NAN, NAN},
+                                    .duration = session->setup.settings.duration,
+                                    .references = &session->references,
+                                    .cancel = session->front.cancel};
+    if (method->count)
+        request.by = (struct method_choice){(const struct method *)(const void *)method->item->row,
+                                            DRAG_DEFAULT};
+    else
+        reply_unchosen(session, reply);
     if (drag->count)
         request.by.drag = (enum drag)(drag->item->index + 1);
     for (int i = 0; i < 2 && dt->count; i++) {
@@ -193,12 +197,13 @@ COMMAND(order,
                 "the end of 'duration') over the step, fitted where it means something: below the "
                 "steps that are too "
                 "coarse, above\n"
-                "rounding. Where the scene spoils the order (drag that is not smooth, stiffness, "
+                "rounding. Without METHOD the present one. Where the scene spoils the order (drag "
+                "that is not smooth, stiffness, "
                 "drag=explicit), it "
                 "says so.",
-        .examples = "order verlet\nduration = 2 s; order rk4 dt=1ms:100ms",
+        .examples = "order\norder verlet\nduration = 2 s; order rk4 dt=1ms:100ms",
         .see = "precision compare stability", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &method_catalog),
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .choices = &method_catalog),
                   KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("full", TYPE_NONE)))
 
