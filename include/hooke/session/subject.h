@@ -43,6 +43,11 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
  * has none. */
 bool run_period(const struct run *run, struct arena *arena, struct measured *period);
 
+/* As series_period(); of a run that it finds no period of, or not to four digits, from returns of
+ * the whole state (closed_period.c). */
+bool subject_period(const struct subject *subject, struct arena *arena, struct period *period,
+                    struct error *error);
+
 /* ---- what a run has to show over its rows (columns.c) ---- */
 
 struct chosen_column {

@@ -114,7 +114,7 @@ static bool measure_period(struct measuring *m)
         buffer_free(&text);
         return false;
     }
-    if (!series_period(&m->subject.series, m->args->arena, &p, m->error) ||
+    if (!subject_period(&m->subject, m->args->arena, &p, m->error) ||
         !measure_keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
     put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
@@ -139,7 +139,7 @@ static bool measure_period(struct measuring *m)
 static bool measure_frequency(struct measuring *m)
 {
     struct period p;
-    if (!series_period(&m->subject.series, m->args->arena, &p, m->error))
+    if (!subject_period(&m->subject, m->args->arena, &p, m->error))
         return false;
     const struct measured f = inverse(p.period);
     if (!measure_keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
@@ -305,7 +305,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
         return error_set(m->error, ERROR_COMMAND,
                          "the Reynolds number needs positions, %s holds another quantity",
                          m->subject.name);
-    if (!series_period(s, m->args->arena, &p, m->error) ||
+    if (!subject_period(&m->subject, m->args->arena, &p, m->error) ||
         !series_amplitudes(s, m->args->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
     speed->value = a.amplitude.value * 2 * PI / p.period.value;
@@ -354,7 +354,7 @@ static bool measure_k(struct measuring *m)
     const bool own = recording && recording->mass.value > 0;
     const double mass = own ? recording->mass.value : scene->value[index],
                  u = own ? recording->mass.uncertainty : scene->uncertainty[index];
-    if (!series_period(&m->subject.series, m->args->arena, &p, m->error))
+    if (!subject_period(&m->subject, m->args->arena, &p, m->error))
         return false;
     const bool decays = series_decay(&m->subject.series, m->args->arena, NULL, 0, &d, &ignored);
     const struct fit motion = {.omega = {2 * PI / p.period.value, 0},
