@@ -19,7 +19,7 @@
 #define FOLDER "build/bench/"
 
 struct command {
-    char text[WORDS][1024];
+    char text[WORDS][4096];
     char *word[WORDS + 1];
     int count;
 };
@@ -151,6 +151,45 @@ static void runs(void)
             run_row(scene, methods[m], 1e-3, 5000000, "auto", 0.9);
             run_row(scene, methods[m], 1e-3, 5000000, "every 100", 0.9);
         }
+}
+
+/* A chain of typed oscillators, each bound to the next and to the walls by hardening springs. */
+static void chain_row(const char *method, int n)
+{
+    char line[4096], what[64];
+    size_t used = (size_t)snprintf(line, sizeof line, "scene new;");
+    for (int i = 1; i <= n; i++)
+        used += (size_t)snprintf(line + used, sizeof line - used, "var x%d = %g;", i,
+                                 i == 1 ? 0.1 : 0.0);
+    for (int i = 1; i <= n; i++) {
+        char left[16] = "0", right[16] = "0";
+        if (i > 1)
+            snprintf(left, sizeof left, "x%d", i - 1);
+        if (i < n)
+            snprintf(right, sizeof right, "x%d", i + 1);
+        used += (size_t)snprintf(line + used, sizeof line - used,
+                                 "x%d''=100*(%s-2*x%d+%s)-30*x%d^3;", i, left, i, right, i);
+    }
+    snprintf(line + used, sizeof line - used, "method %s dt=1ms; set record all; run 200 s",
+             method);
+    struct command hooke = typed(line), hand = by_hand("chain");
+    put(&hand, "%s", method);
+    put(&hand, "%d", n);
+    put(&hand, "200000");
+    put(&hand, "0.001");
+    snprintf(what, sizeof what, "run, %s, %d typed oscillators", method, n);
+    row(what, &hooke, &hand, 2);
+}
+
+static void chains(void)
+{
+    static const int counts[] = {1, 4, 8, 20, 31};
+    table_begin("Whole commands: run, 2e5 steps of a typed chain, all recorded",
+                "ms of processor time");
+    for (size_t i = 0; i < COUNT_OF(counts); i++) {
+        chain_row("rk4", counts[i]);
+        chain_row("verlet", counts[i]);
+    }
 }
 
 /* So many lines of a script, each of so many steps. */
@@ -319,6 +358,7 @@ static void diagram_rows(void)
 void bench_commands(void)
 {
     runs();
+    chains();
     others();
     sweep_rows();
     diagram_rows();

@@ -63,6 +63,76 @@ static void run(char **word)
            all.state[0]);
 }
 
+/* ---- chain METHOD COUNT STEPS H: masses and hardening springs between walls, y and v of every
+ * step
+ * ---- */
+
+enum { CHAIN_MAX = 31 };
+
+static void pull_chain(int n, const double *x, double *a)
+{
+    for (int i = 0; i < n; i++) {
+        const double left = i > 0 ? x[i - 1] : 0, right = i < n - 1 ? x[i + 1] : 0;
+        a[i] = 100 * (left - 2 * x[i] + right) - 30 * x[i] * x[i] * x[i];
+    }
+}
+
+/* state: positions, then velocities */
+static void chain_slope(int n, const double *state, double *slope)
+{
+    memcpy(slope, state + n, (size_t)n * sizeof *slope);
+    pull_chain(n, state, slope + n);
+}
+
+static void chain_rk4(int n, double h, double *y)
+{
+    double k1[2 * CHAIN_MAX], k2[2 * CHAIN_MAX], k3[2 * CHAIN_MAX], k4[2 * CHAIN_MAX],
+        z[2 * CHAIN_MAX];
+    chain_slope(n, y, k1);
+    for (int i = 0; i < 2 * n; i++)
+        z[i] = y[i] + h / 2 * k1[i];
+    chain_slope(n, z, k2);
+    for (int i = 0; i < 2 * n; i++)
+        z[i] = y[i] + h / 2 * k2[i];
+    chain_slope(n, z, k3);
+    for (int i = 0; i < 2 * n; i++)
+        z[i] = y[i] + h * k3[i];
+    chain_slope(n, z, k4);
+    for (int i = 0; i < 2 * n; i++)
+        y[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+}
+
+static void chain_verlet(int n, double h, double *y, double *a)
+{
+    for (int i = 0; i < n; i++) {
+        y[n + i] += h / 2 * a[i];
+        y[i] += h * y[n + i];
+    }
+    pull_chain(n, y, a);
+    for (int i = 0; i < n; i++)
+        y[n + i] += h / 2 * a[i];
+}
+
+static void chain(char **word)
+{
+    const bool is_verlet = strcmp(word[0], "verlet") == 0;
+    const int n = atoi(word[1]);
+    const long steps = atol(word[2]);
+    const double h = strtod(word[3], NULL);
+    double y[2 * CHAIN_MAX] = {0.1}, a[CHAIN_MAX], *t = memory((size_t)steps),
+                 *row = memory((size_t)(steps * 2 * n));
+    pull_chain(n, y, a);
+    for (long step = 0; step < steps; step++) {
+        if (is_verlet)
+            chain_verlet(n, h, y, a);
+        else
+            chain_rk4(n, h, y);
+        t[step] = (double)(step + 1) * h;
+        memcpy(row + step * 2 * n, y, (size_t)(2 * n) * sizeof *y);
+    }
+    printf("t = %g s, %ld steps, x1 = %g\n", t[steps - 1], steps, y[0]);
+}
+
 /* ---- lines FILE SCENE METHOD STEPS H START..: so many steps for each line of the file ---- */
 
 static void lines(char **word)
@@ -276,10 +346,15 @@ int main(int argc, char **argv)
         const char *name;
         void (*job)(char **word);
         int words;
-    } jobs[] = {{"run", run, 6},         {"lines", lines, 7},
-                {"compare", compare, 5}, {"precision", precision, 4},
-                {"sweep", sweep, 7},     {"measure", measure, 1},
-                {"fit", fit, 2},         {"export", export, 7},
+    } jobs[] = {{"run", run, 6},
+                {"chain", chain, 4},
+                {"lines", lines, 7},
+                {"compare", compare, 5},
+                {"precision", precision, 4},
+                {"sweep", sweep, 7},
+                {"measure", measure, 1},
+                {"fit", fit, 2},
+                {"export", export, 7},
                 {"quit", quit, 0}};
     for (size_t i = 0; i < COUNT_OF(jobs) && argc > 1; i++)
         if (strcmp(argv[1], jobs[i].name) == 0 && argc - 2 >= jobs[i].words) {

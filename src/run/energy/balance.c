@@ -49,9 +49,6 @@ static void same_work(const struct energy_tally *tally, struct work_done *done, 
     }
 }
 
-#define LARGER(x, y)                                                                               \
-    ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
-
 /* The largest of them in pairs; `min` at least. */
 static inline double largest(const double *x, double min)
 {

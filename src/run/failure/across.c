@@ -117,54 +117,91 @@ static size_t min_size(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* The changes of a variable from row to row. */
+/* The changes of each variable from row to row; of fewer than four variables in several lanes. */
 struct changes {
-    double max, sum;
-    size_t at; /* row before the largest */
+    double max[LIMIT_VARIABLES], sum[LIMIT_VARIABLES];
 };
 
-/* Adds the changes from a row to those behind it, `width` numbers apart. */
-static void changes_add(struct changes *changes, double y, const double *next, size_t width,
-                        size_t first, size_t count)
+#define FOUR_AT(x) (*(const four *)(const void *)(x))
+
+/* Adds the changes from each of `count` rows, whose n numbers are `width` apart, to that behind it;
+ * behind the first is `next`. */
+CLONES static void changes_add(struct changes *changes, const double *row, const double *next,
+                               size_t n, size_t width, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
-        const double change = fabs(next[i * width] - y);
-        changes->sum += change;
-        if (change > changes->max) {
-            changes->max = change;
-            changes->at = first + i;
+    size_t k = 0;
+    for (; k + FOUR <= n; k += FOUR) {
+        four sum = FOUR_AT(changes->sum + k), max = FOUR_AT(changes->max + k);
+        for (size_t i = k; i < count * width; i += width) {
+            const four moved = FOUR_AT(next + i) - FOUR_AT(row + i),
+                       change = (four)((four_bits)moved & INT64_MAX);
+            sum += change;
+            max = LARGER(change, max);
         }
-        y = next[i * width];
+        memcpy(changes->sum + k, &sum, sizeof sum);
+        memcpy(changes->max + k, &max, sizeof max);
     }
+    for (; k < n; k++)
+        for (size_t i = k; i < count * width; i += width) {
+            const double change = fabs(next[i] - row[i]);
+            changes->sum[k] += change;
+            changes->max[k] = change > changes->max[k] ? change : changes->max[k];
+        }
+}
+
+/* Adds the changes within some rows. */
+static void changes_add_rows(struct changes *changes, const double *row, size_t n, size_t width,
+                             size_t rows)
+{
+    size_t done = 0;
+    if (FOUR % n == 0 && width == n) {
+        const size_t fours = (rows - 1) * width / FOUR;
+        changes_add(changes, row, row + width, FOUR, FOUR, fours);
+        done = fours * FOUR / width;
+    }
+    row += done * width;
+    changes_add(changes, row, row + width, n, width, rows - 1 - done);
 }
 
 /* Returns the row before the change of a variable that stands out most among the changes in a block
  * of rows, which takes a small part of what dear steps do. */
 static size_t largest_change(const struct trace *trace, size_t block, size_t count)
 {
-    size_t row = block;
+    const size_t n = (size_t)trace->n;
     double most = 0;
+    size_t variable = 0;
     const size_t end = block + count < trace_count(trace) ? block + count : trace_count(trace) - 1;
-    struct changes changes[LIMIT_VARIABLES];
-    const double *y = trace_state(trace, block);
-    for (int k = 0; k < trace->n; k++)
-        changes[k] = (struct changes){.at = block};
+    struct changes changes;
+    const double *row = trace_state(trace, block);
+    for (size_t k = 0; k < n || k < FOUR; k++)
+        changes.max[k] = changes.sum[k] = 0;
     for (size_t i = block; i < end;) {
         size_t rows = 1;
         const double *next = i + 1 < trace->count
                                  ? trace_rows(trace, i + 1, min_size(end + 1, trace->count), &rows)
                                  : trace_state(trace, i + 1);
-        for (int k = 0; k < trace->n; k++)
-            changes_add(&changes[k], y[k], next + k, trace->width, i, rows);
-        y = next + (rows - 1) * trace->width;
+        changes_add(&changes, row, next, n, trace->width, 1);
+        changes_add_rows(&changes, next, n, trace->width, rows);
+        row = next + (rows - 1) * trace->width;
         i += rows;
     }
-    for (int k = 0; k < trace->n; k++)
-        if (changes[k].max > most * changes[k].sum) {
-            most = changes[k].max / changes[k].sum;
-            row = changes[k].at;
+    for (size_t k = n; k < FOUR; k++) {
+        changes.max[k % n] = fmax(changes.max[k % n], changes.max[k]);
+        changes.sum[k % n] += changes.sum[k];
+    }
+    for (size_t k = 0; k < n; k++)
+        if (changes.max[k] > most * changes.sum[k]) {
+            most = changes.max[k] / changes.sum[k];
+            variable = k;
         }
-    return row;
+    double y = trace_state(trace, block)[variable];
+    for (size_t i = block; i < end && most > 0; i++) {
+        const double next = trace_state(trace, i + 1)[variable];
+        if (fabs(next - y) == changes.max[variable])
+            return i;
+        y = next;
+    }
+    return block;
 }
 
 size_t run_rows_looked_max(double evals)

@@ -68,7 +68,7 @@ static double rows_looked_at(const struct run_scenario *s, const struct run_work
 static double singular_price(const struct run_scenario *s, const struct run_work *work)
 {
     const double looked = rows_looked_at(s, work), each = 100 + 200 * (double)s->system->n,
-                 a_change = 12 * (double)s->system->n;
+                 a_change = 15 + 3.5 * (double)s->system->n;
     const bool every_row = run_looks_at_changes(s->system, s->method) && looked < work->steps;
     return looked * (each + 3 * evaluation_price_called(s->system)) +
            (looked > 0 && every_row ? a_change * work->steps : 0);
