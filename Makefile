@@ -12,8 +12,17 @@ VERSION := 0.1.0
 
 # Layers, left to right: an include may only go left, and each layer's tests link without the layers to its right.
 LIBRARY_LAYERS := base result scene method run data analysis figure study
-PROGRAM_LAYERS := session language plot report command view api terminal
+PROGRAM_LAYERS := session language plot report command modules view api terminal
 LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
+
+# A folder of src/modules is a capability that a build can leave out: make WITHOUT="NAME ...", or WITHOUT=all.
+WITHOUT     ?=
+ALL_MODULES := $(sort $(notdir $(patsubst %/,%,$(wildcard src/modules/*/))))
+LEFT_OUT    := $(if $(filter all,$(WITHOUT)),$(ALL_MODULES),$(sort $(WITHOUT)))
+MODULES     := $(filter-out $(LEFT_OUT),$(ALL_MODULES))
+ifneq ($(filter-out $(ALL_MODULES),$(LEFT_OUT)),)
+$(error no module is called $(filter-out $(ALL_MODULES),$(LEFT_OUT)); there are: $(ALL_MODULES))
+endif
 
 Q := $(if $(filter 1,$(V)),,@)
 say = $(if $(filter 1,$(V)),,$(info $() $() $(1) $(2)))
@@ -87,9 +96,12 @@ LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
 
-# D: programs, and the objects that optional libraries change. All other objects are shared, in B.
+# D: programs, and the objects that optional libraries or lists of modules change. All other objects are shared, in B.
+empty :=
+space := $(empty) $(empty)
 B   := build/$(CONFIG)
 D   := $(if $(filter no,$(OPTIONAL)),build/plain$(if $(filter release,$(CONFIG)),,-$(CONFIG)),$(B))
+D   := $(if $(LEFT_OUT),$(D)-without/$(if $(MODULES),$(subst $(space),+,$(LEFT_OUT)),all),$(D))
 TOP := $(if $(filter build/release,$(D)),build,$(D))
 
 # What they were built with: see "objects" below.
@@ -102,9 +114,17 @@ OPTIONAL_STAMP := $(D)/optional
 ALONE  := $(wildcard src/terminal/alone/*.c)
 STATIC := build/static$(if $(filter release,$(CONFIG)),,-$(CONFIG))/hooke
 
+# What is compiled with the lists of modules that are in: $(D)/lists/*.def, written by scripts/modules.
+LIST_SOURCES := src/session/modules.c src/command/commands.c
+ABSENT := $(wildcard $(foreach m,$(LEFT_OUT),src/modules/$(m)/*.c src/modules/$(m)/*/*.c))
+$(shell scripts/modules $(D)/lists $(MODULES))
+ifneq ($(.SHELLSTATUS),0)
+$(error the list of modules was not written)
+endif
+
 # Objects of sources: src/PATH.c is $(B)/PATH.o, tests/PATH.c is $(B)/tests/PATH.o.
-object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
-objects  = $(call object,$(filter-out $(ALONE),$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c))))
+object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES) $(LIST_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
+objects  = $(call object,$(filter-out $(ALONE) $(ABSENT),$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c))))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
 
 # A format is one file: src/data/formats/NAME.def with its functions and its row. The list of them follows from the folder.
@@ -125,9 +145,10 @@ LIBRARY_OBJECTS := $(foreach l,$(filter-out terminal,$(LAYERS)),$(call objects,$
 PROGRAM_OBJECTS := $(call objects,terminal) $(B)/main.o \
   $(if $(filter watch,$(CONFIG)),$(B)/tests/cancel/watch.o)
 
-TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
+TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) \
+  $(filter-out $(LEFT_OUT:xppaut=tests/fuzz/ode.c),$(wildcard tests/fuzz/*.c)) $(foreach m,$(MODULES),tests/modules/$(m)/*.c)))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
-TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh))
+TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh $(foreach m,$(MODULES),tests/modules/$(m)/*.sh)))
 FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
 .DEFAULT_GOAL := all
@@ -269,15 +290,17 @@ $(B)/terminal/screen.o: build/terminals.def
 # The lessons are in the program, too.
 $(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
 # So are the sources of functions that programs get.
-$(B)/report/program/helpers.o: $(wildcard src/base/elementary/*) include/hooke/base/circle.h src/scene/formula/functions.c \
+$(B)/modules/programs/helpers.o: $(wildcard src/base/elementary/*) include/hooke/base/circle.h src/scene/formula/functions.c \
   src/scene/formula/expr.h src/method/step/lu_body.h src/method/control/factor.h \
-  $(wildcard src/report/program/own*)
+  $(wildcard src/modules/programs/own*)
 
 OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
 $(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)
 $(OPTIONAL_OBJECTS): $(OPTIONAL_STAMP)
+LIST_OBJECTS := $(call object,$(LIST_SOURCES))
+$(LIST_OBJECTS): CPPFLAGS += -I$(D)
 ifneq ($(D),$(B))
-$(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/%.o: src/%.c $(FLAGS_STAMP)
+$(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS) $(LIST_OBJECTS)): $(D)/%.o: src/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
 	$(Q)$(compile_source)
 endif
@@ -286,7 +309,8 @@ optional: ## the optional libraries that this build uses
 	@echo $(strip $(if $(CAIRO_CFLAGS),cairo) $(shell echo $(patsubst -DHAVE_%,%,$(filter -DHAVE_%,$(CONTAINER_CFLAGS))) | tr A-Z a-z) $(if $(SUNDIALS_LIBS),sundials))
 
 # ---- tests ------------------------------------------------------------------------------------------------------------
-# tests/<kind>/<layer>/<subject>.c is linked with the layers up to <layer> only.
+# tests/<kind>/<layer>/<subject>.c is linked with the layers up to <layer> only, where that is one that modules build on;
+# with all of the library else.
 
 compile_test = $(CC) $(CPPFLAGS) $(TEST_CPPFLAGS) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
@@ -300,11 +324,13 @@ $(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c $(FLAGS_ST
 	$(Q)$(compile_test)
 endif
 
-layer_of = $(if $(findstring fuzz/,$(1)),$(if $(findstring fuzz/keys,$(1)),terminal,view),$(word 2,$(subst /, ,$(1))))
+layer_of = $(if $(findstring fuzz/,$(1)),$(if $(findstring fuzz/keys,$(1)),terminal,view),$(if \
+  $(findstring modules/,$(1)),modules,$(word 2,$(subst /, ,$(1)))))
+linked = $(foreach l,$(call upto,$(if $(filter $(LIBRARY_LAYERS) terminal,$(1)),$(1),api),$(LAYERS)),$(call objects,$(l)))
 
 .SECONDEXPANSION:
 $(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \
-  $$(foreach l,$$(call upto,$$(call layer_of,$$*),$(LAYERS)),$$(call objects,$$l)) $(LINK_STAMP)
+  $$(call linked,$$(call layer_of,$$*)) $(LINK_STAMP)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o,$^) $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
 
@@ -324,7 +350,7 @@ check: $(call filtered,$(TEST_PROGRAMS)) $(TOP)/hooke $(TOP)/libhooke.a $$(TRIED
 	$(Q)$(RUN_TESTS) $(call filtered,$(TEST_PROGRAMS) $(TEST_SCRIPTS))
 
 # The tests of one layer: check-run, check-data, check-terminal ...
-$(addprefix check-,$(LAYERS)): check-%:
+$(addprefix check-,$(LAYERS) $(MODULES)): check-%:
 	$(Q)$(MAKE) --no-print-directory check FILTER='/$*/'
 
 check-optional: tests-build ## the tests that depend on optional libraries (OPTIONAL=no: a build without them)
@@ -334,7 +360,8 @@ check-all: ## the long forms: every allocation, every system call, many syntheti
 	$(Q)$(MAKE) --no-print-directory check LONG=1
 
 # Scripts of which nothing depends on how the program was compiled: texts, packages, what is installed.
-SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages program_names editors features)
+SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages editors features) \
+  tests/modules/programs/program_names.sh
 
 check-asan: ## the quick tests under AddressSanitizer and UBSan
 	$(Q)$(MAKE) --no-print-directory check CONFIG=asan TEST_SCRIPTS='$(filter-out $(SAME_SCRIPTS),$(TEST_SCRIPTS))'

@@ -154,12 +154,6 @@ void precision_legend(const struct precision *precision, int width, struct buffe
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply);
 
-/* ---- the present scene as a program (program/) ---- */
-
-/* With its method, step and duration, as a text in that language. False: it cannot be written. */
-bool session_program(const struct session *session, enum dialect dialect, struct arena *arena,
-                     struct buffer *out, struct error *error);
-
 /* ---- a sweep as text ---- */
 
 /* What was swept, with the names of its measures. */

@@ -311,8 +311,20 @@ struct collecting {
     struct feed *feed;
 };
 
+/* What modules keep in a session: hooke/module.h. */
+struct module;
+struct session_part {
+    const struct module *module;
+    void *state;
+};
+struct session_parts {
+    struct session_part item[LIMIT_MODULES];
+    int count;
+};
+
 struct session {
     struct front front;
+    struct session_parts *parts;
     struct setup setup;
     struct typed_models
         *models;           /* all that the user has typed: set-up, runs and undo point there */
@@ -407,6 +419,8 @@ void session_forget_sweep(struct session *session);
 /* A new session with the lab's defaults. NULL: no memory. */
 struct session *session_create(const struct front *front);
 void session_destroy(struct session *session);
+/* Frees what modules keep in it. */
+void session_free_parts(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
 /* Of those only what trajectories depend on: neither recordings nor how things look. */

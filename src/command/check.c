@@ -3,7 +3,7 @@
 #define _GNU_SOURCE /* memmem */
 #include "command/check.h"
 #include "command/handed_in.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <hooke/base/fields.h>
 

@@ -4,15 +4,17 @@
 #define COMMAND(id, ...) bool command_##id(HANDLER_PARAMETERS);
 #include <hooke/plot.h>
 #include <hooke/report.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/output/figure_arguments.h"
 
 #include "command/commands.def"
+#include "lists/commands.def"
 #undef COMMAND
 
 #define COMMAND(id, ...) {.handler = command_##id, __VA_ARGS__},
 static const struct command commands[] = {
 #include "command/commands.def"
+#include "lists/commands.def"
 };
 
 const struct catalog command_catalog = CATALOG("command", commands);

@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_IN_FULL_H
 #define HOOKE_COMMAND_IN_FULL_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 /* All it does is to write a file that it may replace. */
 bool writes_file(const struct arguments *arguments);

@@ -4,7 +4,7 @@
 #include <hooke/scene/formula.h>
 #include <hooke/report.h>
 #include "command/finding.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/redirect.h"
 #include "command/run/event_pass.h"
 #include "command/in_full.h"
@@ -40,6 +40,10 @@ static bool is_equation(struct text statement)
 static bool unknown_command(const struct session *session, struct text word, struct error *error)
 {
     struct named_value value;
+    char name[LIMIT_NAME + 1];
+    snprintf(name, sizeof name, "%.*s", (int)word.len, word.at);
+    if (!module_is_in(name, word, error))
+        return false;
     catalog_unknown(&command_catalog, word, error);
     if (memmem(word.at, word.len, "\xe2\x80\x99", 3))
         return error_hint(error, "a derivative is marked with the ASCII sign: x' or x''");

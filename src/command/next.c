@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a student of the lab does next with the recording that was loaded last: offered at the
  * prompt, where an empty Enter takes it. */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/session/lesson.h"
 
 #include <hooke/session/log.h>

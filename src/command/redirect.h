@@ -4,7 +4,7 @@
 #ifndef HOOKE_COMMAND_REDIRECT_H
 #define HOOKE_COMMAND_REDIRECT_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 struct redirect {
     struct text file;         /* as typed, without quotes; empty: there is none */

@@ -2,7 +2,7 @@
 /* What other programs' notation is here: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
 #include <hooke/scene/typed.h>
 #include "command/finding.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <stdio.h>
 #include <string.h>

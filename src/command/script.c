@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scripts: lines joined, counted and stopped at the first error; files that source files. */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <string.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_SHORT_FORM_H
 #define HOOKE_COMMAND_SHORT_FORM_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 /* Messages that wait for the text around them; later ones come before it. */
 #define SHORT_FORM_MESSAGES 16

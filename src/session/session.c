@@ -20,8 +20,10 @@ struct session *session_create(const struct front *front)
     if (!session)
         return NULL;
     session->front = *front;
+    session->parts = calloc(1, sizeof *session->parts);
     session->portrait = calloc(1, sizeof *session->portrait);
-    if (!session->portrait || !(session->models = typed_create(&ignored))) {
+    if (!session->parts || !session->portrait || !(session->models = typed_create(&ignored))) {
+        free(session->parts);
         free(session->portrait);
         free(session);
         return NULL;
@@ -57,6 +59,7 @@ void session_destroy(struct session *session)
     if (!session)
         return;
     session_forget_sweep(session);
+    session_free_parts(session);
     free(session->meant);
     stored_portrait_clear(session->portrait);
     free(session->portrait);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Any bytes as an .ode file: a scene that can be bound, or an error with a text; never a crash. */
-#include <hooke/scene/ode.h>
+#include "modules/xppaut/ode_file.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -11,6 +11,7 @@
 #define LIMIT_NAME 63                  /* bytes in a name */
 #define LIMIT_RUNS 256                 /* runs kept */
 #define LIMIT_RECORDINGS 64            /* recordings kept */
+#define LIMIT_MODULES 24               /* modules of a build */
 #define LIMIT_UNDO 200                 /* undo levels */
 #define LIMIT_HISTORY 100000           /* lines and statements kept of those typed */
 #define LIMIT_REQUESTS 65536           /* things asked of a run: go on, back, change */

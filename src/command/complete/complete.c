@@ -2,7 +2,7 @@
 /* Completion: what can stand at the cursor, by the description of the arguments. Nothing is
  * executed and no expression is evaluated. */
 #include "command/complete/complete.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/session/list_methods.h"
 
 #include <string.h>

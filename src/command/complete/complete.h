@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_COMPLETE_COMPLETE_H
 #define HOOKE_COMMAND_COMPLETE_COMPLETE_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include <hooke/language/complete.h>
 
 /* ---- what there is of each kind ---- */

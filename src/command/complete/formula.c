@@ -2,7 +2,7 @@
 /* Completion inside of expressions, and of the lines that define scenes and events. */
 #include <hooke/scene/typed.h>
 #include "command/complete/complete.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 /* Completion of a sweep: NAME=FROM:TO with the unit behind a number, and what is measured. */
 #include <hooke/study/sweep.h>
 #include "command/complete/complete.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
  */
 #include <hooke/plot.h>
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_DATA_COLLECT_H
 #define HOOKE_COMMAND_DATA_COLLECT_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <sys/types.h>
 

@@ -2,7 +2,7 @@
 /* data */
 #ifndef COMMAND_ROWS
 #include "command/data/recording_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

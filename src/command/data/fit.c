@@ -2,7 +2,7 @@
 /* fit, adopt */
 #ifndef COMMAND_ROWS
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

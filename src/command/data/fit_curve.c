@@ -2,7 +2,7 @@
 /* fit scene, fit EXPR: what was asked for, and what stays in the session. */
 #include <hooke/scene/formula.h>
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fit modes: several damped sines, as lines and as keys of the record. */
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

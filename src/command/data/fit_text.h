@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_DATA_FIT_TEXT_H
 #define HOOKE_COMMAND_DATA_FIT_TEXT_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #define FIT_WARNINGS 8
 

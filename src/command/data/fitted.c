@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A fit for programs and files. */
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <assert.h>
 #include <math.h>

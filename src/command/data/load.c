@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "command/data/recording_text.h"
 #include "command/handed_in.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -290,13 +290,39 @@ static bool needs_file(const struct arguments *args, struct error *error)
     return error_hint(error, "'load disk.txt' reads a recording, 'load scene lorenz.ode' a scene");
 }
 
+/* The scene of another program's file, into the set-up. */
+static bool load_scene(struct session *session, const struct arguments *args, struct reply *reply,
+                       struct error *error)
+{
+    const struct text file = argument_value(args, "scene")->item->text;
+    const struct module *reads = NULL;
+    char what[32];
+    for (size_t i = 0; module_list[i]; i++) {
+        const char *ending = module_list[i]->reader.ending;
+        const size_t len = ending ? strlen(ending) : 0;
+        if (len && file.len >= len && memcmp(file.at + file.len - len, ending, len) == 0)
+            return module_list[i]->reader.load(session, args, file, text_of_argument(args, "set"),
+                                               reply, error);
+        reads = len ? module_list[i] : reads;
+    }
+    size_t dot = file.len;
+    while (dot > 0 && file.at[dot - 1] != '.')
+        dot--;
+    snprintf(what, sizeof what, "load .%.*s", (int)(file.len - dot), file.at + dot);
+    if (!module_is_in(what, file, error))
+        return false;
+    if (!reads)
+        return error_at(error, file, "this program was built without what reads scenes from files");
+    return error_at(error, file, "scenes are read from %s, which end in %s", reads->reader.kind,
+                    reads->reader.ending);
+}
+
 HANDLER(load)
 {
     const struct argument_value *file = argument_value(args, "FILE"),
                                 *scene = argument_value(args, "scene");
     if (scene->count)
-        return load_scene(session, args, scene->item->text, text_of_argument(args, "set"), reply,
-                          error);
+        return load_scene(session, args, reply, error);
     if (file->count == 0)
         return needs_file(args, error);
     const struct load_options options = {

@@ -2,7 +2,7 @@
 /* measure */
 #ifndef COMMAND_ROWS
 #include "command/data/fit_text.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/data/measuring.h"
 
 #include <hooke/base/numeric.h>

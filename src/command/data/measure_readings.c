@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Several readings together: how the amplitude falls, and whether the period depends on it. */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/data/fit_text.h"
 #include "command/data/measuring.h"
 

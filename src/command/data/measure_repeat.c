@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The same quantity of several recordings, or of several windows: what their scatter says of the
  * uncertainties. */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/data/measuring.h"
 
 #include <math.h>

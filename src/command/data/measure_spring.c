@@ -4,7 +4,7 @@
  * m_spring) is a straight line against m (T0: without damping). m_spring is about a third of the
  * spring's own mass (Rayleigh 1894).
  */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/data/measuring.h"
 
 #include <math.h>

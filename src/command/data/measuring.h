@@ -4,7 +4,7 @@
 #define HOOKE_COMMAND_DATA_MEASURING_H
 
 #include <hooke/plot.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 struct measuring {
     struct session *session;

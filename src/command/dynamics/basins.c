@@ -5,7 +5,7 @@
 #include <hooke/scene/poles.h>
 #include <hooke/study/chaos.h>
 #include <hooke/study/sweep.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #define HOOKE_COMMAND_DYNAMICS_DYNAMICS_H
 
 #include <hooke/session/dynamics.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 /* equilibria.c: their table for people. */
 void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,

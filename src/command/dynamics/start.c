@@ -4,7 +4,7 @@
 #include <hooke/plot.h>
 #include <hooke/report.h>
 #include <hooke/session/portrait.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

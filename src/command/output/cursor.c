@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/plot/cursor.h>
 #include <hooke/session/portrait.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_OUTPUT_FIGURE_ARGUMENTS_H
 #define HOOKE_COMMAND_OUTPUT_FIGURE_ARGUMENTS_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <hooke/plot.h>
 

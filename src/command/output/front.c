@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* panes, plain, redraw: requests that the front end carries out */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 static bool change_front(const struct session *session, enum front_change change,
                          struct error *error)

@@ -4,10 +4,11 @@
 #include <hooke/report.h>
 #include <hooke/scene/dimension.h>
 #include <hooke/scene/formula.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/redirect.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define ROWS 4096    /* shown between two looks */
@@ -130,17 +131,30 @@ static bool export_scene(struct session *session, const struct arguments *args, 
                          struct error *error)
 {
     const struct text file = argument_value(args, "FILE")->item->text;
-    const struct row *kind = catalog_find(&dialect_catalog, ending_of(file));
+    const struct scene_writer *writer = NULL;
+    const struct row *kind = NULL;
+    char endings[128] = "";
+    for (size_t i = 0; module_list[i] && !kind; i++) {
+        writer = &module_list[i]->writer;
+        if (!writer->kinds)
+            continue;
+        kind = catalog_find(writer->kinds, ending_of(file));
+        snprintf(endings + strlen(endings), sizeof endings - strlen(endings), "%s, and ",
+                 writer->endings);
+    }
     const char *path = arena_text(args->arena, file);
     struct buffer text = {0}, shown = {0};
     if (!kind) {
-        error_at(error, file, "a scene is not written as '.%.*s'", (int)ending_of(file).len,
-                 ending_of(file).at);
-        return error_hint(error, "what it can be: .c .py .m .tex .ode, and by 'save' .hk");
+        char what[32];
+        snprintf(what, sizeof what, "export .%.*s", (int)ending_of(file).len, ending_of(file).at);
+        if (!module_is_in(what, file, error))
+            return false;
+        error_at(error, file, "a scene is not written as '%s'", what + strlen("export "));
+        return error_hint(error, "what it can be: %s.hk by 'save'", endings);
     }
-    const enum dialect dialect = (enum dialect)catalog_index(&dialect_catalog, kind);
     bool fine = (path || error_memory(error)) &&
-                session_program(session, dialect, args->arena, &text, error) &&
+                writer->write(session, (size_t)catalog_index(writer->kinds, kind), args->arena,
+                              &text, error) &&
                 file_write(path, buffer_text(&text),
                            session_policy(session, has_argument(args, "force")), error);
     safe_text(&shown, file, false);

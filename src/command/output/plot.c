@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include <hooke/plot.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/data/measuring.h"
 #include "command/output/figure_arguments.h"
 

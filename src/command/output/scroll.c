@@ -2,7 +2,7 @@
 /* scroll: the log, and what is read of it on the whole screen */
 #ifndef COMMAND_ROWS
 #include "command/finding.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* layout, focus, range, zoom, pan, window, trail, screenshot */
 #ifndef COMMAND_ROWS
 #include <hooke/plot.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_RUN_EVENT_PASS_H
 #define HOOKE_COMMAND_RUN_EVENT_PASS_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <hooke/session/events.h>
 

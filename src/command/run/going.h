@@ -3,7 +3,7 @@
 #ifndef HOOKE_COMMAND_RUN_GOING_H
 #define HOOKE_COMMAND_RUN_GOING_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 /*
  * On along the last request. `steps` ends it early on purpose: the run is then as good as paused,

@@ -2,7 +2,7 @@
 /* What is said about the digits of an adaptive run: how far it may be from the solution. */
 #include <hooke/run/opinion.h>
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 

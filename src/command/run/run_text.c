@@ -3,7 +3,7 @@
 #include <hooke/report.h>
 #include <hooke/run/unresolved.h>
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <float.h>
 #include <math.h>

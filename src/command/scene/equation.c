@@ -2,7 +2,7 @@
 /* var, param, equation, force, potential, observe: scenes that a user types */
 #ifndef COMMAND_ROWS
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <stdio.h>
 #include <string.h>

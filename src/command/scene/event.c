@@ -2,7 +2,7 @@
 /* event */
 #ifndef COMMAND_ROWS
 #include <hooke/scene/formula.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/run/event_pass.h"
 
 #include <string.h>

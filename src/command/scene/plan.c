@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/plot.h>
 #include <hooke/run/price.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 static void plan_prices(const struct session *session, const struct system *system,
                         const struct run_settings *settings, const struct plan *plan,

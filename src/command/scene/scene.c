@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/plot.h>
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 /* show */
 #ifndef COMMAND_ROWS
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How values that events set depend on the state of the run: see run_set_jump_slopes(). */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <float.h>
 #include <math.h>

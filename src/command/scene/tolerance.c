@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <stdlib.h>
 #include <string.h>

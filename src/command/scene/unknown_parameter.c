@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said of a name that is no parameter. */
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 static void put_params(const struct scene *scene, struct buffer *text)
 {

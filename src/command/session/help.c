@@ -4,7 +4,7 @@
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
 #include <hooke/study/sweep.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/finding.h"
 #include "command/session/topics.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* lab, check, hint, skip, again: a lesson, step by step */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/session/lesson.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lessons as text: their steps, what they wait for, the recordings that they generate. */
 #include "command/session/lesson.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* list methods: a table of 80 columns, all of them or those that are wanted. */
 #include "command/session/list_methods.h"
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 

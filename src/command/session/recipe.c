@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* recipe: the lines of a topic of help, one after another */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/session/topics.h"
 
 HANDLER(recipe)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* source, record, history, timing, clear, quit */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include <hooke/session/log.h>
 
 #include <string.h>

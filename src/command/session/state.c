@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* undo, redo, checkpoint, restore, save */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

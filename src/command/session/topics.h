@@ -2,7 +2,7 @@
 #ifndef HOOKE_COMMAND_SESSION_TOPICS_H
 #define HOOKE_COMMAND_SESSION_TOPICS_H
 
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 /* What a newcomer asks for, and lines that show it; each works after those above it. */
 struct guide_topic {

@@ -2,7 +2,7 @@
 /* measure= of a sweep: names, and expressions of them and of the way: max(y) - min(y), rms(v),
  * mean(y^2)/k. */
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/study/section.h"
 
 #include <ctype.h>

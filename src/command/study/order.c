@@ -2,7 +2,7 @@
 /* order, selftest */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 /* precision */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include <hooke/scene/formula.h>
 #include <hooke/session/events.h>
 #include <hooke/study/sweep.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 #include "command/study/section.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include <hooke/study/stability.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* stress */
 #ifndef COMMAND_ROWS
 #include <hooke/study/stability.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <limits.h>
 #include <math.h>

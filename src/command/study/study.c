@@ -2,7 +2,7 @@
 /* compare */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 #include <limits.h>
 #include <math.h>

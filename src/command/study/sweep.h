@@ -4,7 +4,7 @@
 #define HOOKE_COMMAND_STUDY_SWEEP_H
 
 #include <hooke/study/sweep.h>
-#include "command/internal.h"
+#include <hooke/command/handler.h>
 
 struct sweep_options {
     bool force, dry;

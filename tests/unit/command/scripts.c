@@ -10,9 +10,11 @@
  *
  * A line without `# error:` has to succeed, on a small stack.
  * Every line starts where the one before left the session. Files are written in a folder of their
- * own. A file with the line `# needs: METHOD` is skipped where the build is without that method.
+ * own. A file with the line `# needs: NAME` is skipped where the build is without that method or
+ * module. The scenarios of modules stand in tests/modules/MODULE.
  */
 #include <hooke/command.h>
+#include <hooke/module.h>
 
 #include "painted_stack.h"
 
@@ -194,9 +196,17 @@ static void run_lines(struct scenario *s, struct text content)
     }
 }
 
-/* Stands for an optional library that this build is without; text_of(NULL) where nothing is
- * missing. */
-static struct text missing_method(struct text content)
+/* Whether the build has a method or a module of that name. */
+static bool is_here(struct text name)
+{
+    bool here = catalog_find(&method_catalog, name);
+    for (size_t i = 0; module_list[i]; i++)
+        here = here || text_is(name, module_list[i]->row.name);
+    return here;
+}
+
+/* The first line `# needs: NAME` whose name this build is without; text_of(NULL): none. */
+static struct text missing_name(struct text content)
 {
     static const char needs[] = "# needs: ";
     for (struct text line; content.len > 0 && text_split(&content, '\n', &line);) {
@@ -204,7 +214,7 @@ static struct text missing_method(struct text content)
             continue;
         const size_t len = strlen(needs);
         const struct text name = text_trim((struct text){line.at + len, line.len - len});
-        if (!catalog_find(&method_catalog, name))
+        if (!is_here(name))
             return name;
     }
     return (struct text){NULL, 0};
@@ -222,7 +232,7 @@ static bool run_file(const char *folder, const char *name, int number)
     struct text missing = {NULL, 0};
     if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
         s.failed = true;
-    else if (!(missing = missing_method(buffer_text(&content))).at)
+    else if (!(missing = missing_name(buffer_text(&content))).at)
         run_lines(&s, buffer_text(&content));
     if (missing.at)
         printf("ok %d - cli/%s # SKIP built without %.*s\n", number, name, (int)missing.len,
@@ -257,29 +267,48 @@ static void remove_folder(const char *path)
         rmdir(path);
 }
 
+/* Folders of scenarios: cli, then that of each module that is in. */
+static int folders_of(const char *tests, char *path[LIMIT_MODULES + 1])
+{
+    int folders = 0;
+    for (size_t i = 0; i == 0 || module_list[i - 1]; i++) {
+        struct buffer name = {0};
+        if (i == 0)
+            buffer_format(&name, "%s/cli", tests);
+        else
+            buffer_format(&name, "%s/modules/%s", tests, module_list[i - 1]->row.name);
+        if ((path[folders] = realpath(buffer_view(&name), NULL)))
+            folders++;
+        else if (i == 0)
+            printf("1..1\nnot ok 1 - the folder %s\n", buffer_view(&name));
+        buffer_free(&name);
+        if (folders == 0)
+            return 0;
+    }
+    return folders;
+}
+
 int main(void)
 {
-    char folder[4096], work[] = "/tmp/hooke-cli-XXXXXX";
+    char *path[LIMIT_MODULES + 1], work[] = "/tmp/hooke-cli-XXXXXX";
     const char *tests = getenv("TESTS");
-    struct buffer cli = {0};
-    struct dirent **entries;
-    int failures = 0;
-    buffer_format(&cli, "%s/cli", tests ? tests : "tests");
-    if (!realpath(cli.data, folder) || !mkdtemp(work) || chdir(work) != 0) {
-        printf("1..1\nnot ok 1 - the folder %s\n", cli.data);
-        buffer_free(&cli);
+    struct dirent **entries[LIMIT_MODULES + 1];
+    int failures = 0, files = 0, count[LIMIT_MODULES + 1] = {0};
+    const int folders = folders_of(tests ? tests : "tests", path);
+    if (folders == 0 || !mkdtemp(work) || chdir(work) != 0)
         return 1;
+    for (int f = 0; f < folders; f++)
+        files += count[f] = scandir(path[f], &entries[f], is_script, alphasort);
+    printf("1..%d\n", files);
+    for (int f = 0, number = 0; f < folders; f++) {
+        for (int i = 0; i < count[f]; i++) {
+            failures += !run_file(path[f], entries[f][i]->d_name, ++number);
+            free(entries[f][i]);
+        }
+        free(entries[f]);
+        free(path[f]);
     }
-    const int count = scandir(folder, &entries, is_script, alphasort);
-    printf("1..%d\n", count < 0 ? 0 : count);
-    for (int i = 0; i < count; i++) {
-        failures += !run_file(folder, entries[i]->d_name, i + 1);
-        free(entries[i]);
-    }
-    if (count >= 0)
-        free(entries);
     printf("# at most %zu bytes of stack, in %s:%d\n", deepest.used, deepest.file, deepest.number);
     remove_folder(work);
-    buffer_free(&cli);
-    return failures > 0 || count <= 0;
+    return failures > 0 || files <= 0;
 }

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * module: a capability in a folder of its own, src/modules/NAME, that a build may leave out
+ * (make WITHOUT=NAME). The core finds modules in the list of those that are in and never names one.
+ * How a module is written: src/modules/README.md.
+ */
+#ifndef HOOKE_MODULE_H
+#define HOOKE_MODULE_H
+
+#include <hooke/session.h>
+
+struct arguments;
+struct reply;
+
+/* Reads scenes of another program, for `load scene FILE`. */
+struct scene_reader {
+    const char *ending; /* of the files' names, with its dot; NULL: this module reads none */
+    const char *kind;   /* for messages: "files of XPPAUT" */
+    /*
+     * Makes the file's scene that of the session; `set`: the set of values that was asked for, "":
+     * none. Returns false with the session unchanged and `error` filled.
+     */
+    bool (*load)(struct session *session, const struct arguments *arguments, struct text file,
+                 struct text set, struct reply *reply, struct error *error);
+};
+
+/* Writes the session's scene for another program, for `export scene FILE`. */
+struct scene_writer {
+    const char *endings; /* of the files' names, with blanks between; NULL: it writes none */
+    const struct catalog *kinds; /* by these endings, without their dots */
+    /* Appends the file's content; kind: place in `kinds`. Returns false with `error` filled. */
+    bool (*write)(const struct session *session, size_t kind, struct arena *arena,
+                  struct buffer *out, struct error *error);
+};
+
+struct module {
+    struct row row;    /* its name, that of its folder, and what it is for */
+    const char *needs; /* the modules without which it is not built: names with blanks between */
+    struct scene_reader reader;
+    struct scene_writer writer;
+    /* What it keeps in a session: so many bytes, which are 0 at first. */
+    size_t part_size;
+    void (*part_free)(void *part); /* frees what the part points to; NULL: nothing */
+};
+
+/* The modules of this build, in the order of their names, then NULL. */
+extern const struct module *const module_list[];
+
+/*
+ * Returns false, with status 2 and the module's name in `error`, where this program was built
+ * without the module that `what` belongs to: a command, "load .ode" or "export .py". `word`: where
+ * the error is.
+ */
+bool module_is_in(const char *what, struct text word, struct error *error);
+
+/* Returns a module's part of the session, which is made when it is first asked for. NULL: no
+ * memory. */
+void *session_part(const struct session *session, const struct module *module);
+/* The same where it was asked for before, else NULL. */
+void *session_part_if_made(const struct session *session, const struct module *module);
+
+#endif

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* global SIGN {CONDITION} {NAME=FORMULA;…} of .ode files */
+#include <string.h>
+
+#include "modules/xppaut/ode.h"
+
+/* What stands in {braces}; the condition may do without. */
+static bool braced(struct text *rest, struct text *inside)
+{
+    *rest = text_trim(*rest);
+    const char *open = rest->len > 0 ? memchr(rest->at, '{', rest->len) : NULL;
+    if (open != rest->at) {
+        *inside = text_trim((struct text){rest->at, open ? (size_t)(open - rest->at) : 0});
+        *rest = (struct text){rest->at + inside->len, rest->len - inside->len};
+        return inside->len > 0;
+    }
+    const char *close = open ? memchr(open, '}', rest->len) : NULL;
+    if (!close)
+        return false;
+    *inside = (struct text){open + 1, (size_t)(close - open - 1)};
+    *rest = (struct text){close + 1, rest->len - (size_t)(close + 1 - rest->at)};
+    return true;
+}
+
+static bool add_reset(const struct ode_reader *reader, struct text reset, bool *stops,
+                      struct buffer *out)
+{
+    struct error *error = reader->ode->error;
+    const char *equals = memchr(reset.at, '=', reset.len);
+    if (!equals)
+        return ode_error(error, reader->line, "an event sets NAME=FORMULA");
+    const struct text name = text_trim((struct text){reset.at, (size_t)(equals - reset.at)}),
+                      formula = {equals + 1, reset.len - (size_t)(equals + 1 - reset.at)};
+    if (text_is(name, "out_put") || text_is(name, "no_interp"))
+        return ode_error(error, reader->line, "events have no '%.*s'", (int)name.len, name.at);
+    if (text_is(name, "arret")) {
+        *stops = true;
+        return true;
+    }
+    const struct ode_symbol *symbol = ode_find(reader->ode, name);
+    if (!symbol || (symbol->kind != ODE_VARIABLE && symbol->kind != ODE_PARAM))
+        return ode_error(error, reader->line, "an event sets a variable or a parameter, not '%.*s'",
+                         (int)(name.len < 40 ? name.len : 40), name.at);
+    buffer_format(out, "%s = ", symbol->as);
+    if (!ode_formula(reader, formula, out))
+        return false;
+    buffer_put(out, TEXT("; "));
+    return true;
+}
+
+bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
+               struct ode_event *event)
+{
+    const struct ode_reader reader = {.ode = ode, .line = line->number};
+    struct text condition, resets, reset;
+    const struct text sign = peek_word(rest, "{");
+    rest = (struct text){rest.at + sign.len, rest.len - sign.len};
+    if (text_is(sign, "0"))
+        return ode_error(ode->error, line->number,
+                         "an event of sign 0 is where a step ends on it by chance: 1 or -1");
+    if (!(text_is(sign, "1") || text_is(sign, "-1") || text_is(sign, "+1")) ||
+        !braced(&rest, &condition) || !braced(&rest, &resets))
+        return ode_error(ode->error, line->number,
+                         "an event is global 1 {CONDITION} {NAME=FORMULA;...}, or -1");
+    struct buffer when = {0}, commands = {0};
+    bool stops = false, fine = ode_formula(&reader, condition, &when);
+    buffer_put(&when, text_is(sign, "-1") ? TEXT(" falling") : TEXT(" rising"));
+    while (fine && text_split(&resets, ';', &reset))
+        fine = text_trim(reset).len == 0 || add_reset(&reader, text_trim(reset), &stops, &commands);
+    if (!stops)
+        buffer_put(&commands, TEXT("continue"));
+    *event = (struct ode_event){line->number, arena_text(ode->arena, buffer_text(&when)),
+                                arena_text(ode->arena, buffer_text(&commands))};
+    if (fine && (when.failed || commands.failed || !event->when || !event->commands))
+        fine = error_memory(ode->error);
+    buffer_free(&when);
+    buffer_free(&commands);
+    return fine;
+}

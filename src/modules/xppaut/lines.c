@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines of .ode files: x[1..9]'=… and groups between %[1..9] and % are written out. */
+#include <stdio.h>
+#include <string.h>
+
+#include "modules/xppaut/ode.h"
+
+struct ode_lines {
+    struct arena *arena;
+    struct error *error;
+    struct ode_line *line;
+    int count, capacity;
+    size_t bytes;
+};
+
+bool ode_error(struct error *error, int line, const char *format, ...)
+{
+    char text[sizeof error->text];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    error_set(error, ERROR_IO, "line %d: %s", line, text);
+    return false;
+}
+
+static bool add_line(struct ode_lines *r, struct text text, int number)
+{
+    text = text_trim(text);
+    if (text.len == 0)
+        return true;
+    r->bytes += text.len;
+    if (r->count == ODE_LINES || r->bytes > ODE_TEXT)
+        return ode_error(r->error, number, "arrays make more than %d lines or %zu bytes", ODE_LINES,
+                         ODE_TEXT);
+    if (r->count == r->capacity) {
+        const int capacity = r->capacity ? 2 * r->capacity : 64;
+        struct ode_line *more = arena_array(r->arena, (size_t)capacity, sizeof *more);
+        if (!more)
+            return error_memory(r->error);
+        if (r->count)
+            memcpy(more, r->line, (size_t)r->count * sizeof *more);
+        r->line = more;
+        r->capacity = capacity;
+    }
+    char *copy = arena_text(r->arena, text);
+    if (!copy)
+        return error_memory(r->error);
+    r->line[r->count++] = (struct ode_line){{copy, text.len}, number};
+    return true;
+}
+
+/* ---- arrays ---- */
+
+static long whole(struct text text)
+{
+    long value = 0;
+    text = text_trim(text);
+    const bool negative = text.len > 0 && text.at[0] == '-';
+    for (size_t i = negative; i < text.len && text.at[i] >= '0' && text.at[i] <= '9'; i++)
+        value = value < 1000000 ? 10 * value + (text.at[i] - '0') : value;
+    return negative ? -value : value;
+}
+
+static const char *find(struct text text, char c)
+{
+    return text.len > 0 ? memchr(text.at, c, text.len) : NULL;
+}
+
+/* What stands in brackets: 5, j, j+1, j-1, j*2. */
+static bool subscript(struct text inside, const long *j, int number, long *value,
+                      struct error *error)
+{
+    inside = text_trim(inside);
+    const bool letter = inside.len > 0 && inside.at[0] == 'j';
+    struct text rest = letter ? text_trim((struct text){inside.at + 1, inside.len - 1}) : inside;
+    const char sign = letter && rest.len > 0 ? rest.at[0] : '+';
+    if (letter && !j)
+        return ode_error(error, number, "[j] outside of an array");
+    if (letter && rest.len > 0)
+        rest = text_trim((struct text){rest.at + 1, rest.len - 1});
+    size_t digits = !letter && rest.len > 0 && rest.at[0] == '-';
+    while (digits < rest.len && rest.at[digits] >= '0' && rest.at[digits] <= '9')
+        digits++;
+    if (digits != rest.len || (!letter && rest.len == 0) || !strchr("+-*", sign))
+        return ode_error(error, number, "[%.*s] is no place in an array: a number, j, j+1 or j*2",
+                         (int)(inside.len < 40 ? inside.len : 40), inside.at);
+    *value = !letter       ? whole(rest)
+             : sign == '*' ? *j * whole(rest)
+                           : *j + (sign == '-' ? -whole(rest) : whole(rest));
+    return true;
+}
+
+static bool is_kernel(const struct text line, size_t at) /* int[.5] */
+{
+    return at >= 3 && memcmp(line.at + at - 3, "int", 3) == 0;
+}
+
+/* The line at j; from, to: of "1..9" inside its brackets, NULL: it has none. */
+static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
+                      const char *from, const char *to)
+{
+    struct buffer out = {0};
+    bool fine = true;
+    for (size_t i = 0; fine && i < line.len; i++) {
+        const char *end = line.at[i] == '[' && !is_kernel(line, i)
+                              ? find((struct text){line.at + i, line.len - i}, ']')
+                              : NULL;
+        if (line.at[i] == '[' && !is_kernel(line, i) && !end) {
+            fine = ode_error(r->error, number, "a ']' is missing");
+        } else if (!end) {
+            buffer_char(&out, line.at[i]);
+        } else {
+            const char *begin = line.at + i + 1;
+            long value = j ? *j : 0;
+            fine =
+                (begin == from && end == to) ||
+                subscript((struct text){begin, (size_t)(end - begin)}, j, number, &value, r->error);
+            buffer_format(&out, "%ld", value);
+            i = (size_t)(end - line.at);
+        }
+    }
+    fine =
+        fine && (!out.failed || error_memory(r->error)) && add_line(r, buffer_text(&out), number);
+    buffer_free(&out);
+    return fine;
+}
+
+/* [a..b] of a line: where it stands, and its ends. */
+static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
+{
+    for (const char *at = line.at;
+         (at = find((struct text){at, line.len - (size_t)(at - line.at)}, '['));) {
+        *begin = ++at;
+        *end = find((struct text){at, line.len - (size_t)(at - line.at)}, ']');
+        if (!*end)
+            return false;
+        for (const char *dots = at; dots + 1 < *end; dots++)
+            if (dots[0] == '.' && dots[1] == '.') {
+                *a = whole((struct text){at, (size_t)(dots - at)});
+                *b = whole((struct text){dots + 2, (size_t)(*end - dots - 2)});
+                return true;
+            }
+    }
+    return false;
+}
+
+static bool add_array(struct ode_lines *r, struct text line, int number)
+{
+    const char *begin, *end;
+    long from, to;
+    if (line.at[0] == '@' || !range_of(line, &begin, &end, &from, &to))
+        return line.at[0] == '@' ? add_line(r, line, number)
+                                 : write_out(r, line, number, NULL, NULL, NULL);
+    const long step = from <= to ? 1 : -1;
+    for (long j = from;; j += step) {
+        if (!write_out(r, line, number, &j, begin, end))
+            return false;
+        if (j == to)
+            return true;
+    }
+}
+
+/* All lines of a group at 1, then at 2, ... */
+static bool add_group(struct ode_lines *r, struct text head, const struct ode_line *line, int count,
+                      int number)
+{
+    const char *begin, *end;
+    long from, to;
+    if (!range_of(head, &begin, &end, &from, &to))
+        return ode_error(r->error, number, "a group of lines begins with %%[1..9]");
+    const long step = from <= to ? 1 : -1;
+    for (long j = from;; j += step) {
+        for (int i = 0; i < count; i++)
+            if (!write_out(r, line[i].text, line[i].number, &j, NULL, NULL))
+                return false;
+        if (j == to || count == 0)
+            return true;
+    }
+}
+
+/* ---- whole lines ---- */
+
+/* One line with those that continue it: up to the first backslash of each. */
+static bool take_line(struct text *rest, int *number, struct buffer *line)
+{
+    struct text part;
+    buffer_clear(line);
+    bool more = true, any = false;
+    while (more && text_split(rest, '\n', &part)) {
+        ++*number;
+        const char *mark = find(part, '\\');
+        more = mark != NULL;
+        buffer_put(line, more ? (struct text){part.at, (size_t)(mark - part.at)} : part);
+        any = true;
+    }
+    for (size_t i = 0; i < line->len; i++) {
+        char *c = &line->data[i];
+        *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c == '\0' || *c == '\t' ? ' ' : *c;
+    }
+    return any;
+}
+
+/* The word of a statement, of which the first blank is the end; "": a formula. */
+static bool is_done(struct text line)
+{
+    size_t end = 0;
+    while (end < line.len && !strchr(" =/'(", line.at[end]))
+        end++;
+    struct text rest = text_trim((struct text){line.at + end, line.len - end});
+    return line.at[0] == 'd' && (end == line.len || line.at[end] == ' ') &&
+           (rest.len == 0 || rest.at[0] != '=');
+}
+
+struct group {
+    struct ode_lines lines;
+    struct text head;
+    int number; /* 0: none is open */
+};
+
+static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
+{
+    if (line.at[0] == '#' && text_starts((struct text){line.at + 1, line.len - 1}, TEXT("include")))
+        return ode_error(r->error, number,
+                         "another file is included: its lines have to stand here");
+    if (line.at[0] == '#' || line.at[0] == '"')
+        return true;
+    if (line.at[0] == '%' && !group->number) {
+        char *head = arena_text(r->arena, line);
+        *group = (struct group){{.arena = r->arena, .error = r->error}, {head, line.len}, number};
+        return head || error_memory(r->error);
+    }
+    if (line.at[0] == '%') {
+        const struct group whole_group = *group;
+        group->number = 0;
+        return add_group(r, whole_group.head, whole_group.lines.line, whole_group.lines.count,
+                         whole_group.number);
+    }
+    return group->number ? add_line(&group->lines, line, number) : add_array(r, line, number);
+}
+
+bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, int *count,
+               struct error *error)
+{
+    struct ode_lines r = {.arena = arena, .error = error};
+    struct group group = {.number = 0};
+    struct buffer text = {0};
+    int number = 0;
+    bool fine = true;
+    for (int begin = 1; fine && take_line(&file, &number, &text); begin = number + 1) {
+        const struct text whole_line = text_trim(buffer_text(&text));
+        if (text.failed)
+            fine = error_memory(error);
+        else if (whole_line.len > 0 && is_done(whole_line))
+            break;
+        else if (begin == 1 && whole(whole_line) > 0)
+            fine = ode_error(error, 1,
+                             "a file of the old style, which begins with the number of "
+                             "its equations");
+        else if (whole_line.len > 0)
+            fine = take_whole(&r, &group, whole_line, begin);
+    }
+    buffer_free(&text);
+    if (fine && group.number)
+        fine = ode_error(error, group.number, "the group of lines does not end with %%");
+    *line = r.line;
+    *count = r.count;
+    return fine;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables and networks of .ode files. */
+#ifndef HOOKE_MODULES_XPPAUT_NET_H
+#define HOOKE_MODULES_XPPAUT_NET_H
+
+#include "modules/xppaut/formula.h"
+
+/* A function of one argument, straight between its points and beyond the outer two. */
+struct ode_table {
+    int points;
+    double from, to;
+    struct text formula;
+    const double *value; /* [points], once it is used; NULL: not yet */
+    bool begun;          /* it is being found */
+    bool reads;          /* parameters are in it */
+};
+
+/* NAME(i): the sum of weight[j] * quantity[i + j], j from -reach to reach; beyond the places that
+ * it has 0. */
+struct ode_net {
+    char edge; /* 'e' even, 'p' periodic, else nothing */
+    int count, reach;
+    struct text weights, first; /* names: of a table, of the first quantity */
+};
+
+/* From the text of the symbol. */
+bool ode_table_read(struct ode *ode, struct ode_symbol *symbol);
+bool ode_net_read(struct ode *ode, struct ode_symbol *symbol);
+
+/* What they are at an argument, or at a place; NULL: error. */
+const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
+                                    const struct ode_node *at);
+const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place);
+
+#endif

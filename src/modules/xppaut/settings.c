@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What `@` lines and sets of .ode files say: NAME=VALUE, of which the last holds. */
+#include <string.h>
+
+#include "modules/xppaut/ode.h"
+
+static bool ends(char c)
+{
+    return c == ' ' || c == ',' || c == '\r' || c == ';' || c == '{' || c == '}';
+}
+
+static void skip(struct text *rest, bool all)
+{
+    while (rest->len > 0 && (all ? ends(rest->at[0]) : rest->at[0] == ' '))
+        *rest = (struct text){rest->at + 1, rest->len - 1};
+}
+
+static struct text word(struct text *rest, bool name)
+{
+    size_t len = 0;
+    while (len < rest->len && !ends(rest->at[len]) && !(name && rest->at[len] == '='))
+        len++;
+    const struct text taken = {rest->at, len};
+    *rest = (struct text){rest->at + len, rest->len - len};
+    return taken;
+}
+
+bool ode_pair(struct text *rest, struct text *name, struct text *value)
+{
+    *value = TEXT("");
+    skip(rest, true);
+    *name = word(rest, true);
+    skip(rest, false);
+    if (rest->len > 0 && rest->at[0] == '=') {
+        *rest = (struct text){rest->at + 1, rest->len - 1};
+        skip(rest, false);
+        *value = word(rest, false);
+        return true;
+    }
+    return name->len > 0;
+}
+
+bool ode_number(int line, struct text name, struct text value, double *number, struct error *error)
+{
+    if (real_parse(value, number) == REAL_OK && isfinite(*number))
+        return true;
+    return ode_error(error, line, "%.*s=%.*s: XPPAUT takes a number there",
+                     (int)(name.len < 40 ? name.len : 40), name.at,
+                     (int)(value.len < 40 ? value.len : 40), value.at);
+}
+
+/* XPPAUT's names, of which what stands here is the beginning. */
+static const struct known {
+    const char *name;
+    size_t number, has; /* offsets; has 0: not used, for which `note` says why, or nothing has to */
+    const char *note;
+} known[] = {
+    {"total", offsetof(struct ode_settings, total), offsetof(struct ode_settings, has_total), NULL},
+    {"dtmin", 0, 0, NULL},
+    {"dtmax", 0, 0, NULL},
+    {"dt", offsetof(struct ode_settings, dt), offsetof(struct ode_settings, has_dt), NULL},
+    {"t0", offsetof(struct ode_settings, t0), offsetof(struct ode_settings, has_t0), NULL},
+    {"tol", offsetof(struct ode_settings, tol), offsetof(struct ode_settings, has_tol), NULL},
+    {"nout", offsetof(struct ode_settings, every), offsetof(struct ode_settings, has_every), NULL},
+    {"njmp", offsetof(struct ode_settings, every), offsetof(struct ode_settings, has_every), NULL},
+    {"trans", 0, 0, "the transient is recorded, too"},
+    {"fold", 0, 0, "angles are not folded back to the first turn"},
+    {"tor_per", 0, 0, NULL},
+    {"delay", 0, 0, NULL},
+};
+
+static bool set_method(struct ode_settings *settings, int line, struct text value)
+{
+    if (value.len == 0)
+        return true;
+    settings->method = value.at[0];
+    settings->has_method = true;
+    settings->line = line;
+    return true;
+}
+
+bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
+                 const char **note, struct error *error)
+{
+    *note = NULL;
+    if (text_starts(name, TEXT("meth")))
+        return set_method(settings, line, value);
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        const struct known *row = &known[i];
+        if (!text_starts(name, text_of(row->name)))
+            continue;
+        bool *has = row->has ? (bool *)(void *)((char *)settings + row->has) : NULL;
+        double number;
+        *note = row->note;
+        if (!has)
+            return true;
+        if (!ode_number(line, name, value, &number, error))
+            return false;
+        memcpy((char *)settings + row->number, &number, sizeof number);
+        *has = true;
+        return true;
+    }
+    return true; /* how its windows look, and what its other tools do */
+}
+
+/* ---- the method ---- */
+
+static const struct {
+    char letter;
+    const char *name, *meant; /* meant: XPPAUT's, where it is another one */
+    bool adapts;
+} methods[] = {
+    {'r', "rk4", NULL, false},
+    {'e', "euler", NULL, false},
+    {'m', "heun", NULL, false},
+    {'a', "abm4", NULL, false},
+    {'b', "backward-euler", NULL, false},
+    {'q', "dopri5", "qualrk, a Runge-Kutta pair", true},
+    {'5', "dopri5", NULL, true},
+    {'8', "dop853", NULL, true},
+    {'g', "radau5", "gear, backward differences", true},
+    {'c', "radau5", "cvode, backward differences", true},
+    {'s', "rodas4", "stiff, a Rosenbrock pair", true},
+    {'2', "rodas4", "a Rosenbrock pair", true},
+    {'y', "dop853", "symplectic, for scenes of second order", true},
+    {'v', "rk4", "volterra, for integral equations", false},
+};
+
+bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, struct error *error)
+{
+    if (settings->has_method && settings->method == 'd')
+        return ode_error(error, settings->line,
+                         "method discrete: maps are not for scenes, in which time is continuous");
+    size_t i = 0;
+    while (i < COUNT_OF(methods) && settings->has_method && methods[i].letter != settings->method)
+        i++;
+    i = i < COUNT_OF(methods) ? i : 0; /* as XPPAUT: what it does not know is left out */
+    scene->method = methods[i].name;
+    scene->meant = methods[i].meant;
+    scene->adapts = methods[i].adapts;
+    scene->tol = methods[i].adapts && settings->has_tol && settings->tol > 0 && settings->tol < 1
+                     ? settings->tol
+                     : 0;
+    scene->t0 = settings->t0;
+    scene->total = settings->has_total ? settings->total : 20; /* XPPAUT's own defaults */
+    scene->dt = settings->has_dt ? settings->dt : 0.05;
+    scene->every = settings->has_every && settings->every >= 1 && settings->every <= 1e9
+                       ? (int)settings->every
+                       : 1;
+    if (!(scene->total > 0) || !(scene->dt > 0) || !isfinite(scene->t0))
+        return error_set(error, ERROR_IO, "total and dt have to be above 0: runs go forwards");
+    return true;
+}

@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "modules/xppaut/statements.h"
+#include "modules/xppaut/net.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct text from(struct text text, size_t at)
+{
+    return text_trim((struct text){text.at + at, text.len - at});
+}
+
+static int shown(struct text text)
+{
+    return (int)(text.len < 60 ? text.len : 60);
+}
+
+bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t size)
+{
+    void *old, *more;
+    if (count < *capacity)
+        return true;
+    memcpy(&old, array, sizeof old);
+    more = arena_array(ode->arena, 2 * (size_t)count + 32, size);
+    if (!more)
+        return error_memory(ode->error);
+    if (count > 0)
+        memcpy(more, old, (size_t)count * size);
+    memcpy(array, &more, sizeof more);
+    *capacity = 2 * count + 32;
+    return true;
+}
+
+bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
+{
+    char text[300];
+    if (s->notes > ODE_NOTES)
+        return true;
+    const int used = snprintf(text, sizeof text, "line %d: ", line);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text + used, sizeof text - (size_t)used, format, args);
+    va_end(args);
+    if (s->notes == ODE_NOTES)
+        snprintf(text, sizeof text, "line %d and those behind it: what there is to say is left out",
+                 line);
+    for (int i = 0; i < s->notes; i++)
+        if (strcmp(s->note[i].text, text) == 0)
+            return true;
+    if (!ode_grow(&s->ode, &s->note, s->notes, &s->note_capacity, sizeof *s->note))
+        return false;
+    s->note[s->notes] = (struct ode_note){arena_text(s->ode.arena, text_of(text)), warns};
+    return s->note[s->notes++].text || error_memory(s->ode.error);
+}
+
+/* ---- names ---- */
+
+static bool is_name(struct text name)
+{
+    for (size_t i = 0; i < name.len; i++) {
+        const char c = name.at[i];
+        if (!((c >= 'a' && c <= 'z') || c == '_' || (i > 0 && c >= '0' && c <= '9')))
+            return false;
+    }
+    return name.len > 0;
+}
+
+static struct ode_symbol *add(struct ode_statements *s, enum ode_kind kind, int line,
+                              struct text name, struct text text)
+{
+    struct ode *ode = &s->ode;
+    if (kind != ODE_AUX && !is_name(name)) {
+        ode_error(ode->error, line, "'%.*s' is no name", shown(name), name.at);
+        return NULL;
+    }
+    const struct ode_symbol *other = kind == ODE_AUX ? NULL : ode_find(ode, name);
+    if (other)
+        ode_error(ode->error, line, "'%.*s' is there twice: in line %d, too", shown(name), name.at,
+                  other->line);
+    else if (kind != ODE_AUX && (text_is(name, "t") || text_is(name, "pi")))
+        ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.at);
+    else if (ode->symbols == ODE_SYMBOLS)
+        ode_error(ode->error, line, "more than %d names", ODE_SYMBOLS);
+    else if (ode_grow(ode, &ode->symbol, ode->symbols, &ode->capacity, sizeof *ode->symbol))
+        other = NULL;
+    else
+        return NULL;
+    if (ode->error->code != ERROR_NONE)
+        return NULL;
+    struct ode_symbol *symbol = &ode->symbol[ode->symbols++];
+    *symbol = (struct ode_symbol){
+        .name = name, .kind = kind, .index = ode->count[kind]++, .line = line, .text = text};
+    return symbol;
+}
+
+/* ---- statements that begin with a word ---- */
+
+static bool take_params(struct ode_statements *s, int line, struct text rest)
+{
+    struct text name, value;
+    while (ode_pair(&rest, &name, &value)) {
+        struct ode_symbol *symbol = add(s, ODE_PARAM, line, name, TEXT(""));
+        if (!symbol ||
+            (value.len > 0 && !ode_number(line, name, value, &symbol->value, s->ode.error)))
+            return false;
+    }
+    return true;
+}
+
+static bool take_initial(struct ode_statements *s, int line, struct text name, struct text value)
+{
+    if (!ode_grow(&s->ode, &s->initial, s->initials, &s->initial_capacity, sizeof *s->initial))
+        return false;
+    struct ode_value *initial = &s->initial[s->initials++];
+    *initial = (struct ode_value){.name = name, .line = line};
+    if (value.len == 0 || real_parse(value, &initial->value) == REAL_OK)
+        return true;
+    return ode_error(s->ode.error, line,
+                     "%.*s(0)=%.*s: an initial value is a number; a formula is the past of a delay",
+                     shown(name), name.at, shown(value), value.at);
+}
+
+static bool take_initials(struct ode_statements *s, int line, struct text rest)
+{
+    struct text name, value;
+    while (ode_pair(&rest, &name, &value))
+        if (!take_initial(s, line, name, value))
+            return false;
+    return true;
+}
+
+static bool take_aux(struct ode_statements *s, int line, struct text rest)
+{
+    const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
+    if (!equals)
+        return ode_error(s->ode.error, line, "an auxiliary quantity is aux NAME=FORMULA");
+    return add(s, ODE_AUX, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
+               from(rest, (size_t)(equals + 1 - rest.at)));
+}
+
+static bool take_table(struct ode_statements *s, int line, struct text rest)
+{
+    const struct text name = peek_word(rest, "%");
+    struct ode_symbol *symbol = add(s, ODE_TABLE, line, name, from(rest, name.len));
+    return symbol && ode_table_read(&s->ode, symbol);
+}
+
+static bool take_special(struct ode_statements *s, int line, struct text rest)
+{
+    const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
+    if (!equals)
+        return ode_error(s->ode.error, line, "a network is special NAME=conv(...)");
+    struct ode_symbol *symbol =
+        add(s, ODE_NET, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
+            from(rest, (size_t)(equals + 1 - rest.at)));
+    return symbol && ode_net_read(&s->ode, symbol);
+}
+
+static bool take_set(struct ode_statements *s, int line, struct text rest)
+{
+    const struct text name = peek_word(rest, "{");
+    if (name.len == 0)
+        return ode_error(s->ode.error, line, "a set is set NAME {NAME=VALUE,...}");
+    s->set[s->sets++] = (struct ode_set){name, from(rest, name.len), line};
+    return true;
+}
+
+static bool take_global(struct ode_statements *s, int line, struct text rest)
+{
+    if (s->events == ODE_EVENTS)
+        return ode_error(s->ode.error, line, "more than %d events", ODE_EVENTS);
+    s->event[s->events++] = (struct ode_line){rest, line};
+    return true;
+}
+
+static bool take_boundary(struct ode_statements *s, int line, struct text rest)
+{
+    (void)rest;
+    return ode_note(s, line, true,
+                    "boundary conditions are left out: it starts from its initial values");
+}
+
+static bool take_nothing(struct ode_statements *s, int line, struct text rest)
+{
+    (void)s, (void)line, (void)rest;
+    return true;
+}
+
+static const struct word {
+    const char *full; /* what stands in the file is the beginning of it, at least `min` letters */
+    size_t min;
+    bool (*take)(struct ode_statements *s, int line, struct text rest); /* NULL: refused */
+    const char *why;
+} words[] = {
+    {"parameters", 1, take_params, NULL},
+    {"params", 1, take_params, NULL},
+    {"numbers", 1, take_params, NULL},
+    {"initial", 1, take_initials, NULL},
+    {"auxiliary", 2, take_aux, NULL},
+    {"set", 2, take_set, NULL},
+    {"global", 1, take_global, NULL},
+    {"bdry", 1, take_boundary, NULL},
+    {"bndry", 1, take_boundary, NULL},
+    {"boundary", 1, take_boundary, NULL},
+    {"only", 2, take_nothing, NULL},
+    {"wiener", 1, NULL, "noise (wiener) is not for scenes: their motion is one for each start"},
+    {"markov", 2, NULL, "Markov variables are not for scenes: they change by chance"},
+    {"special", 2, take_special, NULL},
+    {"solve", 2, NULL, "algebraic equations (solve, 0=) are not for scenes"},
+    {"table", 2, take_table, NULL},
+    {"tabular", 2, take_table, NULL},
+    {"export", 2, NULL, "values that a C library computes (export) are not for scenes"},
+    {"vector", 3, NULL, "networks (vector) are not for scenes"},
+    {"volterra", 1, NULL, "integral equations (volt) are not for scenes"},
+    {"options", 2, NULL, "its settings are in another file (options): they have to stand here"},
+};
+
+static bool take_word(struct ode_statements *s, const struct ode_line *line, size_t end)
+{
+    const struct text word = {line->text.at, end}, rest = from(line->text, end);
+    for (size_t i = 0; i < COUNT_OF(words); i++) {
+        if (word.len < words[i].min || !text_starts(text_of(words[i].full), word))
+            continue;
+        return words[i].take ? words[i].take(s, line->number, rest)
+                             : ode_error(s->ode.error, line->number, "%s", words[i].why);
+    }
+    return ode_error(s->ode.error, line->number, "unknown statement '%.*s'", shown(word), word.at);
+}
+
+/* ---- statements that begin with a name ---- */
+
+static bool holds(struct text text, const char *word)
+{
+    const size_t len = strlen(word);
+    for (size_t i = 0; i + len <= text.len; i++)
+        if (memcmp(text.at + i, word, len) == 0)
+            return true;
+    return false;
+}
+
+/* Without its blanks. */
+static bool is_inside(struct text inside, const char *what)
+{
+    for (size_t i = 0; i < inside.len; i++)
+        if (inside.at[i] != ' ' && *what++ != inside.at[i])
+            return false;
+    return *what == '\0';
+}
+
+static bool take_function(struct ode_statements *s, int line, struct text name, struct text inside,
+                          struct text text)
+{
+    struct text argument;
+    struct ode_symbol *function = add(s, ODE_FUNCTION, line, name, text);
+    if (!function)
+        return false;
+    while (text_split(&inside, ',', &argument)) {
+        if (function->arguments == ODE_ARGUMENTS || !is_name(text_trim(argument)))
+            return ode_error(s->ode.error, line, "a function has up to %d names as its arguments",
+                             ODE_ARGUMENTS);
+        function->argument[function->arguments++] = text_trim(argument);
+    }
+    return true;
+}
+
+/* NAME(…)=… */
+static bool take_call(struct ode_statements *s, const struct ode_line *line, size_t open)
+{
+    const struct text all = line->text, name = text_trim((struct text){all.at, open});
+    const char *close = memchr(all.at + open, ')', all.len - open);
+    const char *equals = close ? memchr(close, '=', all.len - (size_t)(close - all.at)) : NULL;
+    if (!equals)
+        return ode_error(s->ode.error, line->number, "NAME(...)=FORMULA is not complete");
+    const struct text inside = {all.at + open + 1, (size_t)(close - all.at) - open - 1},
+                      right = from(all, (size_t)(equals + 1 - all.at));
+    if (is_inside(inside, "t+1"))
+        return ode_error(s->ode.error, line->number,
+                         "maps are not for scenes, in which time is continuous");
+    if (is_inside(inside, "0"))
+        return take_initial(s, line->number, name, right);
+    if (is_inside(inside, "t") && (holds(right, "int{") || holds(right, "int[")))
+        return ode_error(s->ode.error, line->number,
+                         "integral equations (Volterra) are not for scenes");
+    return take_function(s, line->number, name, inside, right);
+}
+
+static bool take_right(struct ode_statements *s, const struct ode_line *line, enum ode_kind kind,
+                       struct text name, size_t at)
+{
+    const char *equals = memchr(line->text.at + at, '=', line->text.len - at);
+    if (!equals)
+        return ode_error(s->ode.error, line->number, "a '=' is missing");
+    return add(s, kind, line->number, text_trim(name),
+               from(line->text, (size_t)(equals + 1 - line->text.at)));
+}
+
+static bool take_settings(struct ode_statements *s, const struct ode_line *line)
+{
+    struct text rest = line->text, name, value;
+    const struct text first = peek_word(rest, ",");
+    const char *note;
+    rest = (struct text){rest.at + first.len, rest.len - first.len};
+    if (first.len > 1 && !ode_note(s, line->number, true,
+                                   "XPPAUT takes no setting that stands right "
+                                   "behind @: neither is it taken here"))
+        return false;
+    while (ode_pair(&rest, &name, &value))
+        if (!ode_setting(&s->settings, line->number, name, value, &note, s->ode.error) ||
+            (note && !ode_note(s, line->number, true, "%s", note)))
+            return false;
+    return true;
+}
+
+static bool take(struct ode_statements *s, const struct ode_line *line)
+{
+    const struct text text = line->text;
+    size_t end = 0;
+    if (text.at[0] == '@')
+        return take_settings(s, line);
+    while (end < text.len && !strchr(" =/'(", text.at[end]))
+        end++;
+    const struct text rest = from(text, end), name = {text.at, end};
+    const char mark = rest.len > 0 && text.at[end] == ' ' && rest.at[0] != '='
+                          ? ' '
+                          : (char)(end == text.len       ? '\0'
+                                   : text.at[end] == ' ' ? '='
+                                                         : text.at[end]);
+    if (text_is(name, "0") && mark == '=')
+        return ode_error(s->ode.error, line->number, "algebraic equations (0=) are not for scenes");
+    switch (mark) {
+    case '=':
+        return text.at[0] == '!' ? take_right(s, line, ODE_DERIVED, from(name, 1), end)
+                                 : take_right(s, line, ODE_FIXED, name, end);
+    case '/':
+        if (text.at[0] != 'd' || end < 2 || !text_starts(rest, TEXT("/dt")))
+            return ode_error(s->ode.error, line->number, "an equation is dx/dt=FORMULA or x'=...");
+        return take_right(s, line, ODE_VARIABLE, from(name, 1), end);
+    case '\'':
+        return take_right(s, line, ODE_VARIABLE, name, end);
+    case '(':
+        return take_call(s, line, end);
+    default:
+        return take_word(s, line, end);
+    }
+}
+
+bool ode_statements(struct ode_statements *s, struct error *error)
+{
+    struct arena *arena = s->ode.arena;
+    const size_t lines = (size_t)s->lines + 1;
+    s->ode.error = error;
+    s->set = arena_array(arena, lines, sizeof *s->set);
+    s->event = arena_array(arena, ODE_EVENTS, sizeof *s->event);
+    if (!s->set || !s->event)
+        return error_memory(error);
+    for (int i = 0; i < s->lines; i++) {
+        if (i % ODE_LOOK == ODE_LOOK - 1 && ode_stopped(&s->ode))
+            return false;
+        if (!take(s, &s->line[i]))
+            return false;
+    }
+    return true;
+}

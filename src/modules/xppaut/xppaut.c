@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The module xppaut: scenes read from XPPAUT's .ode files. */
+#include "modules/xppaut/ode_file.h"
+#include <hooke/command/handler.h>
+#include <hooke/module.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#define FILE_MAX ((size_t)1 << 22) /* [byte] */
+
+static bool is_setting(struct text name)
+{
+    return catalog_find(&setting_catalog, name);
+}
+
+/* That of the file, unless it is one of the program's. */
+static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
+{
+    static const char mark[] = "-ode";
+    struct text base = text_last_component(file);
+    size_t len = 0;
+    if (base.len > 4 && text_is((struct text){base.at + base.len - 4, 4}, ".ode"))
+        base.len -= 4;
+    if (base.len == 0 || !is_name_start(base.at[0]))
+        name[len++] = 'o';
+    for (size_t i = 0; i < base.len && len + sizeof mark <= LIMIT_SYMBOL; i++)
+        name[len++] = is_name_char(base.at[i]) ? base.at[i] : '-';
+    name[len] = '\0';
+    if (catalog_find(&preset_catalog, text_of(name)) || text_is(text_of(name), "new"))
+        memcpy(name + len, mark, sizeof mark);
+}
+
+/* "FILE: …": the place of the error is the name of the file. */
+static bool in_file(struct text file, struct error *error)
+{
+    char text[sizeof error->text], name[SAFE_NAME_SIZE];
+    memcpy(text, error->text, sizeof text);
+    snprintf(error->text, sizeof error->text, "%s: %.400s", safe_name(file, name), text);
+    if (error->code != ERROR_CANCELLED)
+        error->code = ERROR_IO;
+    error->where = file;
+    return false;
+}
+
+/* Of a line that does not fit: which one it is. */
+static void name_line(const struct ode_scene *scene, struct error *error)
+{
+    char text[sizeof error->text];
+    const struct typed_line *line = scene->line, *end = line + scene->lines;
+    while (line < end &&
+           !(error->where.at >= line->expr.at && error->where.at <= line->expr.at + line->expr.len))
+        line++;
+    if (!error->where.at || line == end)
+        return;
+    memcpy(text, error->text, sizeof text);
+    snprintf(error->text, sizeof error->text, "%.*s: %.400s", (int)line->name.len, line->name.at,
+             text);
+}
+
+/* ---- the set-up ---- */
+
+static bool set_record(struct settings *settings, const struct ode_scene *scene, bool adapts,
+                       struct error *error)
+{
+    const struct row *row = catalog_find(&setting_catalog, TEXT("record"));
+    char every[REAL_TEXT_SIZE + 32], time[REAL_TEXT_SIZE];
+    real_format(scene->dt * scene->every, time);
+    if (adapts)
+        snprintf(every, sizeof every, "every %s s", time);
+    else
+        snprintf(every, sizeof every, "every %d", scene->every);
+    return (!adapts && scene->every == 1) ||
+           ((const struct setting *)(const void *)row)->parse(settings, text_of(every), error);
+}
+
+static bool set_method(struct setup *setup, const struct ode_scene *scene, struct error *error)
+{
+    const struct row *row = catalog_find(&method_catalog, text_of(scene->method));
+    const struct method *method = (const struct method *)(const void *)row;
+    const bool adapts = (method->flags & METHOD_ADAPTIVE) && scene->adapts;
+    struct settings *settings = &setup->settings;
+    setup->method = method;
+    setup->method_chosen = true;
+    setup->drag = DRAG_DEFAULT;
+    setup->fixed = !adapts;
+    settings->dt = scene->dt;
+    settings->duration = scene->total;
+    settings->dt_chosen = settings->duration_chosen = true;
+    if (scene->tol > 0) {
+        settings->tol = scene->tol;
+        settings->tol_chosen = true;
+    }
+    return set_record(settings, scene, adapts, error);
+}
+
+static bool add_events(struct session *session, const struct arguments *args,
+                       const struct ode_scene *scene, struct error *error)
+{
+    for (int i = 0; i < scene->events; i++) {
+        const struct ode_event *event = &scene->event[i];
+        char name[32];
+        struct buffer rule = {0};
+        snprintf(name, sizeof name, "global%d", i + 1);
+        buffer_format(&rule, "when %s do ", event->when);
+        if (*event->commands)
+            buffer_format(&rule, "'%s'", event->commands);
+        else
+            buffer_put(&rule, TEXT("stop"));
+        char *text = rule.failed ? NULL : arena_text(args->arena, buffer_text(&rule));
+        buffer_free(&rule);
+        if (!text)
+            return error_memory(error);
+        if (event_add(session, args->arena, text_of(name), text_of(text), error))
+            continue;
+        char why[sizeof error->text];
+        memcpy(why, error->text, sizeof why);
+        snprintf(error->text, sizeof error->text, "line %d: %.400s", event->line, why);
+        return false;
+    }
+    return true;
+}
+
+/* The caller takes the set-up back where it fails. */
+static bool take(struct session *session, const struct arguments *args, struct text file,
+                 const struct ode_scene *from, struct error *error)
+{
+    struct setup *setup = &session->setup;
+    struct system *system = arena_alloc(args->arena, sizeof *system);
+    char name[LIMIT_SYMBOL + 1];
+    if (!system)
+        return error_memory(error);
+    name_of(file, name);
+    const struct model *model = typed_make(session->models, text_of(name), from->line, from->lines,
+                                           session->front.cancel, error);
+    if (!model) {
+        name_line(from, error);
+        return false;
+    }
+    scene_init(&setup->scene, typed_preset(model));
+    settings_of_scene(&setup->settings, setup->scene.preset);
+    setup->events = NULL;
+    if (from->t0 != 0 && !scene_set(&setup->scene, scene_param(&setup->scene, "t0"),
+                                    (struct measured){from->t0, 0}, error))
+        return false;
+    return scene_bind(&setup->scene, system, error) && keep_own_scene(session, error) &&
+           set_method(setup, from, error) && add_events(session, args, from, error);
+}
+
+/* ---- what is said ---- */
+
+static int count_of(const struct ode_scene *scene, enum typed_kind kind)
+{
+    int count = 0;
+    for (int i = 0; i < scene->lines; i++)
+        count += scene->line[i].kind == kind;
+    return count;
+}
+
+static const char *many(int count)
+{
+    return count == 1 ? "" : "s";
+}
+
+static void put_sets(const struct ode_scene *from, struct buffer *text)
+{
+    char name[SAFE_NAME_SIZE];
+    for (int i = 0; i < from->sets; i++)
+        buffer_format(text, "%s%s", i == 0 ? "\n  sets, which set=NAME takes: " : " ",
+                      safe_name(from->set[i], name));
+}
+
+static void reply_from(const struct session *session, const struct ode_scene *from,
+                       struct text file, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    const int variables = count_of(from, TYPED_VAR), params = count_of(from, TYPED_PARAM),
+              observed = count_of(from, TYPED_OBSERVE);
+    struct buffer text = {0};
+    buffer_format(&text, "scene %s: %d variable%s, %d parameter%s, %d observed, %d event%s\n  ",
+                  setup->scene.preset->row.name, variables, many(variables), params, many(params),
+                  observed, from->events, many(from->events));
+    buffer_quantity(&text, from->total, QUANTITY_TIME, 6);
+    buffer_format(&text, " by %s", from->method);
+    if (setup->fixed) {
+        buffer_put(&text, TEXT(", dt = "));
+        buffer_quantity(&text, from->dt, QUANTITY_TIME, 6);
+    }
+    if (from->meant)
+        buffer_format(&text, " (there: %s)", from->meant);
+    buffer_put(&text, TEXT("; 'scene' shows its equations, 'run' runs it"));
+    put_sets(from, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    for (int i = 0; i < from->notes; i++) {
+        if (from->note[i].warns)
+            reply_warning(reply, "%s", from->note[i].text);
+        else
+            reply_line(reply, "  %s", from->note[i].text);
+    }
+    char name[SAFE_NAME_SIZE];
+    reply_begin(reply, "scene");
+    reply_string(reply, "name", setup->scene.preset->row.name);
+    reply_string(reply, "file", safe_name(file, name));
+    reply_int(reply, "variables", variables);
+    reply_int(reply, "parameters", params);
+    reply_int(reply, "observed", observed);
+    reply_int(reply, "events", from->events);
+    reply_string(reply, "method", from->method);
+    reply_real(reply, "duration", from->total);
+    reply_real(reply, "dt", from->dt);
+    reply_array(reply, "notes");
+    for (int i = 0; i < from->notes; i++)
+        reply_string(reply, NULL, from->note[i].text);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+static bool load(struct session *session, const struct arguments *args, struct text file,
+                 struct text set, struct reply *reply, struct error *error)
+{
+    char *path = script_path(args->where, file, args->arena);
+    if (!path)
+        return error_memory(error);
+    struct buffer content = {0};
+    char *lower = arena_text(args->arena, set);
+    for (char *c = lower; c && *c; c++)
+        *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
+    const struct ode_options options = {
+        .set = text_of(lower), .taken = is_setting, .cancel = session->front.cancel};
+    struct ode_scene from;
+    struct setup *before = arena_alloc(args->arena, sizeof *before);
+    if (!file_read(path, FILE_MAX, &content, error)) {
+        error->where = file;
+        return false;
+    }
+    bool fine = lower && before;
+    if (fine)
+        *before = session->setup;
+    else
+        error_memory(error);
+    if (fine && !ode_read(buffer_text(&content), &options, args->arena, &from, error))
+        fine = in_file(file, error);
+    buffer_free(&content);
+    if (fine && !take(session, args, file, &from, error)) {
+        session->setup = *before;
+        fine = in_file(file, error);
+    }
+    if (!fine)
+        return false;
+    session->said_assumed = false;
+    session->view.starts = 0;
+    session_changed(session);
+    reply_from(session, &from, file, reply);
+    return true;
+}
+
+const struct module xppaut_module = {
+    .row = {"xppaut", "", "scenes from XPPAUT's .ode files", "", NULL},
+    .needs = "",
+    .reader =
+        {
+            .ending = ".ode",
+            .kind = "files of XPPAUT",
+            .load = load,
+        },
+};

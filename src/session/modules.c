@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The modules of this build, and what they keep in a session. */
+#include <hooke/module.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MODULE(name) extern const struct module name##_module;
+#include "lists/modules.def"
+#undef MODULE
+
+#define MODULE(name) &name##_module,
+const struct module *const module_list[] = {
+#include "lists/modules.def"
+    NULL,
+};
+
+/* ---- those that are not in ---- */
+
+bool module_is_in(const char *what, struct text word, struct error *error)
+{
+    static const char *const missing[][2] = {
+#define MISSING(what, module) {what, module},
+#include "lists/missing.def"
+        {NULL, NULL},
+    };
+    size_t i = 0;
+    while (missing[i][0] && strcmp(what, missing[i][0]) != 0)
+        i++;
+    if (!missing[i][0])
+        return true;
+    error_at(error, word, "'%s' belongs to the module %s, which this program was built without",
+             what, missing[i][1]);
+    error->code = ERROR_USAGE;
+    return error_hint(error, "'hooke --version' names the modules that are in");
+}
+
+/* ---- their parts of a session ---- */
+
+void *session_part_if_made(const struct session *session, const struct module *module)
+{
+    const struct session_parts *parts = session->parts;
+    for (int i = 0; i < parts->count; i++)
+        if (parts->item[i].module == module)
+            return parts->item[i].state;
+    return NULL;
+}
+
+void *session_part(const struct session *session, const struct module *module)
+{
+    struct session_parts *parts = session->parts;
+    void *state = session_part_if_made(session, module);
+    if (!state && (state = calloc(1, module->part_size)))
+        parts->item[parts->count++] = (struct session_part){module, state};
+    return state;
+}
+
+void session_free_parts(struct session *session)
+{
+    struct session_parts *parts = session->parts;
+    for (int i = 0; i < parts->count; i++) {
+        if (parts->item[i].module->part_free)
+            parts->item[i].module->part_free(parts->item[i].state);
+        free(parts->item[i].state);
+    }
+    free(parts);
+}
