@@ -19,6 +19,9 @@ static const double rounding_tolerance = 0.01;
 /* A dropped or a repeated row moves the stamps beside it at least half a step off any line. A
  * rounding finer than this part of the step cannot be taken for it. */
 static const double dropped_row_deviation = 0.45;
+/* The line by least squares through evenly numbered stamps deviates at most 1 + 5/3 times as much
+ * as the best line (5/3 is the norm of the projection), here with room for the tolerance. */
+static const double least_squares_excess = 2.7;
 /* The stamps of an even grid of which fewer than this many differ do not determine its step. */
 enum { STAMPS_DIFFERENT_MIN = 4, DIGITS_MIN = 2, DIGITS_MAX = 8, NEWTON_MAX = 60 };
 
@@ -107,9 +110,13 @@ static bool find_rounding(const struct stamps *s, double step, double deviation,
             return true;
     }
     rounding->decimal = 0;
-    rounding->digits = DIGITS_MIN;
-    while (rounding->digits <= DIGITS_MAX && !stamps_are_multiples(s, rounding))
-        rounding->digits++;
+    const double largest = fmax(fabs(s->t[0]), fabs(s->t[s->n - 1]));
+    for (rounding->digits = DIGITS_MIN; rounding->digits <= DIGITS_MAX; rounding->digits++) {
+        if (stamp_resolution(rounding, largest) * least_squares_excess < deviation)
+            return false;
+        if (stamps_are_multiples(s, rounding))
+            break;
+    }
     rounding->smallest =
         step; /* one stamp that happens to lie near 0 does not outweigh the others */
     return rounding->digits <= DIGITS_MAX;
