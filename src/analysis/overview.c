@@ -268,13 +268,16 @@ static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
 }
 
 /* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its
- * first part. */
-static bool fit_beginning(struct motion *m, size_t part, double noise, struct arena *arena)
+ * first part. Where that is the frequency of a fit that was refused, it would be the same fit. */
+static bool fit_beginning(struct motion *m, size_t part, double noise, double refused_omega,
+                          struct arena *arena)
 {
     struct samples beginning = samples_part(&m->samples, 0, m->samples.n / part);
     bool memory;
     const double omega = peak_frequency(&beginning, arena, &memory);
-    if (!memory || !isfinite(omega)) {
+    const double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+                 resolution = TWO_PI * (double)part / span;
+    if (!memory || !isfinite(omega) || fabs(omega - refused_omega) < resolution) {
         return memory;
     }
     struct overview *o = &m->overview;
@@ -282,8 +285,7 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
     memcpy(reason, o->reason, sizeof reason);
     o->noise = fmax(noise, m->quantum / sqrt(12.0));
     memory = fit_whole(m, omega, arena);
-    if (o->oscillates &&
-        !(m->harmonic.gamma * (m->samples.t[m->samples.n - 1] - m->samples.t[0]) > GONE)) {
+    if (o->oscillates && !(m->harmonic.gamma * span > GONE)) {
         refuse(o, "%s", reason);
     }
     if (!o->oscillates) {
@@ -324,13 +326,14 @@ static bool is_buried(const struct motion *m, double noise, struct arena *arena)
 static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
 {
     const double noise = samples_noise(&m->samples, m->scratch);
+    const double refused = fit_discards_much(m->rejected, m->samples.n) ? m->harmonic.omega : NAN;
     memcpy(m->samples.use, use, m->samples.n);
     m->buried = is_buried(m, noise, arena);
     if (m->buried)
         return true;
     for (size_t part = 2; part <= 16 && !m->overview.oscillates; part *= 2) {
         memcpy(m->samples.use, use, m->samples.n);
-        if (!fit_beginning(m, part, noise, arena)) {
+        if (!fit_beginning(m, part, noise, refused, arena)) {
             return false;
         }
     }
