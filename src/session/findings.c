@@ -14,50 +14,9 @@
  */
 #define ALL_JUDGED 16384
 #define JUDGED_MAX 32768
-#define ENOUGH 8
+#define ENOUGH 8 /* samples a swing, of which there is one a period at least, usually two */
+#define ENOUGH_FOR_PERIOD 4
 #define BLOCKS 64
-
-bool find_faults(struct recording *recording, struct arena *arena, struct error *error)
-{
-    struct recording whole = *recording; /* its arrays are shared: nothing of it is changed */
-    struct series series;
-    struct overview overview = {.period = NAN, .reason = "it has fewer than 8 samples"};
-    struct error ignored;
-    if (recording->findings)
-        return true;
-    recording_restore(&whole);
-    const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
-    if (enough)
-        series_overview(&series, arena, &overview);
-    if (cancelled(recording->cancel))
-        return error_set(error, ERROR_CANCELLED, "stopped");
-    if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason,
-                           error))
-        return false;
-    const struct findings *f = recording->findings;
-    const bool narrow =
-        f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
-    if (enough && narrow && isnan(f->rests) && series_beats(&series, arena))
-        recording_keep_ends(recording);
-    return true;
-}
-
-/* The same of a run, whose samples are as those of a recording. */
-static const struct findings *run_findings(const struct series *series, struct recording *as,
-                                           struct column *column, struct arena *arena)
-{
-    struct error ignored;
-    *column = (struct column){.name = "y", .quantity = series->quantity, .factor = 1};
-    *as = (struct recording){
-        .rows = series->n, .column = column, .columns = 1, .time = -1, .cancel = series->cancel};
-    column->value = as->y = arena_array(arena, series->n, sizeof *as->y);
-    as->t = arena_array(arena, series->n, sizeof *as->t);
-    if (!as->y || !as->t)
-        return NULL;
-    memcpy(as->y, series->y, series->n * sizeof *as->y);
-    memcpy(as->t, series->t, series->n * sizeof *as->t);
-    return find_faults(as, arena, &ignored) ? as->findings : NULL;
-}
 
 /* The median over blocks of the standard deviation within. */
 static double local_scatter(const struct series *series)
@@ -95,18 +54,19 @@ static size_t count_swings(const struct series *series)
     return swings;
 }
 
-/* What is judged of a long series; false: more than JUDGED_MAX samples would be needed. */
-static bool thin(struct series *series, struct arena *arena)
+/* Leaves each k-th sample of a long series, so many for each swing at least. Returns false if out
+ * of memory. */
+static bool thin(struct series *series, size_t for_swing, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)
         return true;
-    const size_t wanted = ENOUGH * count_swings(series); /* half of the half periods: periods */
+    const size_t wanted = for_swing * count_swings(series);
     const size_t each = series->n / (wanted > ALL_JUDGED ? wanted : ALL_JUDGED);
     if (each <= 1)
-        return series->n <= JUDGED_MAX;
+        return true;
     const size_t n = series->n / each;
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    if (n > JUDGED_MAX || !t || !y)
+    if (!t || !y)
         return false;
     for (size_t i = 0; i < n; i++) {
         t[i] = series->t[i * each];
@@ -116,6 +76,60 @@ static bool thin(struct series *series, struct arena *arena)
     series->y = y;
     series->n = n;
     return true;
+}
+
+/* Finds the period, of each k-th sample where these show it. */
+static void find_period(const struct series *series, struct arena *arena, struct overview *overview)
+{
+    struct series few = *series;
+    if (thin(&few, ENOUGH_FOR_PERIOD, arena) && few.n < series->n) {
+        series_overview(&few, arena, overview);
+        if (overview->oscillates)
+            return;
+    }
+    series_overview(series, arena, overview);
+}
+
+bool find_faults(struct recording *recording, struct arena *arena, struct error *error)
+{
+    struct recording whole = *recording; /* its arrays are shared: nothing of it is changed */
+    struct series series;
+    struct overview overview = {.period = NAN, .reason = "it has fewer than 8 samples"};
+    struct error ignored;
+    if (recording->findings)
+        return true;
+    recording_restore(&whole);
+    const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
+    if (enough)
+        find_period(&series, arena, &overview);
+    if (cancelled(recording->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
+    if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason,
+                           error))
+        return false;
+    const struct findings *f = recording->findings;
+    const bool narrow =
+        f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
+    if (enough && narrow && isnan(f->rests) && series_beats(&series, arena))
+        recording_keep_ends(recording);
+    return true;
+}
+
+/* The same of a run, whose samples are as those of a recording. */
+static const struct findings *run_findings(const struct series *series, struct recording *as,
+                                           struct column *column, struct arena *arena)
+{
+    struct error ignored;
+    *column = (struct column){.name = "y", .quantity = series->quantity, .factor = 1};
+    *as = (struct recording){
+        .rows = series->n, .column = column, .columns = 1, .time = -1, .cancel = series->cancel};
+    column->value = as->y = arena_array(arena, series->n, sizeof *as->y);
+    as->t = arena_array(arena, series->n, sizeof *as->t);
+    if (!as->y || !as->t)
+        return NULL;
+    memcpy(as->y, series->y, series->n * sizeof *as->y);
+    memcpy(as->t, series->t, series->n * sizeof *as->t);
+    return find_faults(as, arena, &ignored) ? as->findings : NULL;
 }
 
 /* Of a recording that 'data clean' has not judged. */
@@ -132,7 +146,9 @@ static const struct findings *thinned_findings(const struct subject *subject, st
         if (!recording_series(&whole, arena, 8, &series, &ignored))
             return NULL;
     }
-    return thin(&series, arena) ? run_findings(&series, as, column, arena) : NULL;
+    return thin(&series, ENOUGH, arena) && series.n <= JUDGED_MAX
+               ? run_findings(&series, as, column, arena)
+               : NULL;
 }
 
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,

@@ -12,8 +12,11 @@ screen:   at 80 columns `plan` of each built-in scene has at most 22 lines.
 adaptive: a run takes at most 1.5 times the instructions of its steps with the second opinion, at
           most 1.1 times with -q; of runs of some hundred steps the set-up is left out.
 quiet:    5e5 steps with -q take at most 1.1 times the instructions of the steps alone.
+clean:    `data clean` takes at most so many instructions a row of a long recording, whatever is wrong.
 """
+import math
 import os
+import random
 import re
 import subprocess
 import sys
@@ -66,6 +69,9 @@ ADAPTIVE = [
     "scene pendulum; method dopri5; run 1000 s",
     "scene pendulum; method dop853; run 1000 s",
 ]
+# Instructions of `data clean` a row, per fault.
+CLEAN_ROWS = 40000
+CLEAN = {"noise": 3000, "spikes": 3500, "flat tops": 5500}
 QUIET = ["spring", "damped", "drag", "driven", "pendulum", "duffing"]
 
 
@@ -164,6 +170,27 @@ def check_adaptive(hooke, verdicts):
                          (script, " (-q)" if quiet else "", ratio))
 
 
+def recording(path, fault):
+    """A damped sine of 72.26 rows a period with normal noise of 1 %."""
+    random_numbers = random.Random(fault)
+    with open(path, "w", encoding="ascii") as file:
+        file.write("Time (s)\tDistance (cm)\n")
+        for i in range(CLEAN_ROWS):
+            y = 5 * math.exp(-1.5 * i / CLEAN_ROWS) * math.cos(2 * math.pi * i / 72.26 + 1)
+            y = min(y, 2.4) if fault == "flat tops" else y
+            y += 2.5 if fault == "spikes" and random_numbers.random() < 0.005 else 0
+            file.write("%.2f\t%.3f\n" % (0.01 * i, y + random_numbers.gauss(0, 0.05)))
+
+
+def check_clean(hooke, verdicts):
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "rows.txt")
+        for fault, limit in CLEAN.items():
+            recording(path, fault)
+            price = counts(hooke, "load %s; data clean" % path, quiet=True)["find_faults"] / CLEAN_ROWS
+            verdicts.say(price <= limit, "data clean, %s: %.0f instructions a row" % (fault, price))
+
+
 def check_screen(hooke, verdicts):
     def said(script):
         return subprocess.run([hooke, "-n", "--color", "never", "-c", script], capture_output=True,
@@ -189,6 +216,7 @@ def main():
         check_case(hooke, script, verdicts)
     check_absent_forces(hooke, verdicts)
     check_adaptive(hooke, verdicts)
+    check_clean(hooke, verdicts)
     check_screen(hooke, verdicts)
     methods = ["euler", "symplectic-euler", "verlet", "rk4"]
     check_quiet(hooke, QUIET if is_long else QUIET[::2], methods if is_long else methods[1:3], verdicts)

@@ -75,12 +75,11 @@ static void find_steps(struct cleaning *c)
         before = now;
         c->sorted[n++] = c->y[i];
     }
-    const double top = quantile(c->sorted, n, 0.995);
-    if (cancelled(c->cancel))
+    c->sorted_count = n;
+    if (n == 0 || !sort_values(c->sorted, n, c->residual, c->cancel))
         return;
-    c->swing = top - quantile(c->sorted, n, 0.005);
-    if (cancelled(c->cancel))
-        return;
+    c->swing = c->sorted[(size_t)(0.995 * (double)(n - 1) + 0.5)] -
+               c->sorted[(size_t)(0.005 * (double)(n - 1) + 0.5)];
     before = NAN;
     for (size_t i = 0, others = 0; i < c->n; i++) {
         const double multiple = (column->value[i] - before) / quantum;
@@ -107,8 +106,8 @@ static void find_stuck(struct cleaning *c)
     for (size_t from = 0, to; from < c->n; from = to) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (to = from; to < c->n && (to == from || c->y[to] == c->y[from]); to++) {
-            low = fmin(low, c->model[to]);
-            high = fmax(high, c->model[to]);
+            low = c->model[to] < low ? c->model[to] : low;
+            high = c->model[to] > high ? c->model[to] : high;
         }
         const bool end = from == 0 || to == c->n, many = to - from >= STUCK_MIN;
         const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
@@ -136,8 +135,8 @@ static double usual_fall(struct cleaning *c)
     size_t n = 0;
     for (size_t k = 0; k + 1 < c->locals; k++)
         if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > min)
-            c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
-    return n > 0 ? fmin(quantile(c->sorted, n, 0.5), 1) : 1;
+            c->per_local[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
+    return n > 0 ? fmin(quantile(c->per_local, n, 0.5), 1) : 1;
 }
 
 static size_t far_off(const struct cleaning *c, const struct local *local)

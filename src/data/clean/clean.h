@@ -5,13 +5,17 @@
 
 #include <hooke/data.h>
 
+/* Offset, line, cos, sin, and both with an amplitude that changes linearly. */
+enum { LOCAL_TERMS = 6 };
+
 /* The motion about one moment, where an oscillation of known period goes on. */
 struct local {
-    double t;         /* [s] middle of what it judges: a period */
-    size_t from, to;  /* rows it judges */
-    double amplitude; /* at t */
-    double scale;     /* robust standard deviation of the residuals */
-    bool fitted;      /* false: too few good samples */
+    double t;                      /* [s] middle of what it judges: a period */
+    size_t from, to;               /* rows it judges */
+    double amplitude;              /* at t */
+    double scale;                  /* robust standard deviation of the residuals */
+    bool fitted;                   /* false: too few good samples */
+    double parameter[LOCAL_TERMS]; /* of the fit about t, where times are in periods */
 };
 
 struct cleaning {
@@ -30,9 +34,11 @@ struct cleaning {
     unsigned char *fitted_without; /* [n] `excluded` of the latest fits; NULL before the first */
     double *residual;              /* [n] y - local fit; 0 where there is none */
     double *model;                 /* [n] local fit, NAN where there is none */
-    double *sorted;                /* [n] work */
+    double *sorted;                /* [sorted_count] values that are present, ascending */
+    size_t sorted_count;
     double (*turn)[2]; /* [n] cosine and sine of the oscillation's phase, from the first fit on */
     struct local *local;
+    double *per_local; /* [locals] work */
     size_t locals;
 };
 

@@ -19,18 +19,20 @@ struct layer {
  * Far more samples within a thin layer near an extreme than just below it, and
  * hardly any lie beyond. width 0: the same value again and again.
  */
-static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper,
-                          double width, struct layer *layer)
+static bool densest_layer(const struct cleaning *c, bool upper, double width, struct layer *layer)
 {
-    const double middle = sorted[n / 2],
+    const double *sorted = c->sorted;
+    const size_t n = c->sorted_count;
+    const double middle = sorted[n / 2], far = 0.2 * c->swing,
                  reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
     size_t first = 0, last = 0, below = 0, above = 0;
     layer->count = 0;
-    for (size_t i = 0, end = 0; i < n; i++) {
+    const double from = upper ? middle + far - 0.5 * width : -HUGE_VAL,
+                 to = upper ? HUGE_VAL : middle - far - 0.5 * width;
+    for (size_t i = first_from(sorted, n, from), end = i; i < n && sorted[i] <= to; i++) {
         while (end < n && sorted[end] <= sorted[i] + width)
             end++;
-        const double centre = sorted[i] + 0.5 * width;
-        if ((upper ? centre - middle : middle - centre) < 0.2 * c->swing || end - i <= layer->count)
+        if (end - i <= layer->count)
             continue;
         *layer = (struct layer){sorted[i], sorted[i] + width, end - i};
         first = i;
@@ -58,18 +60,13 @@ void clean_clipped(struct cleaning *c, bool upper)
 {
     struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
     struct layer layer = {0};
-    size_t n = 0, max = 0, here = 0;
+    size_t max = 0, here = 0;
     double until = -HUGE_VAL, sum = 0;
-    for (size_t i = 0; i < c->n; i++)
-        if (!isnan(c->y[i]))
-            c->sorted[n++] = c->y[i];
-    if (!sort_values(c->sorted, n, c->residual, c->cancel))
-        return;
     const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum),
                  widths[] = {0, thin, fmax(thin, 6 * c->typical)};
     bool found = false;
-    for (size_t k = 0; k < COUNT_OF(widths) && n >= CLIPPED_MIN && !found; k++)
-        found = densest_layer(c, c->sorted, n, upper, widths[k], &layer);
+    for (size_t k = 0; k < COUNT_OF(widths) && c->sorted_count >= CLIPPED_MIN && !found; k++)
+        found = densest_layer(c, upper, widths[k], &layer);
     if (!found)
         return;
     for (size_t i = 0; i < c->n; i++) {
