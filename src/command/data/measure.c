@@ -262,6 +262,13 @@ static bool measure_drift(struct measuring *m)
                          "drift is the error of the energy balance of a run, not of a recording");
     run_ledger(m->subject.run, &ledger);
     const struct measured drift = {ledger.error, 0};
+    if (!isfinite(ledger.error) && isfinite(ledger.final) && ledger.initial != 0) {
+        error_set(m->error, ERROR_NUMERICAL,
+                  "the energy balance of %s is not known: too many of its steps are too coarse for "
+                  "their work, such as those across jumps of a force",
+                  m->subject.name);
+        return error_hint(m->error, "smaller steps, an adaptive method or a shorter run may tell");
+    }
     if (!isfinite(ledger.error))
         return error_set(m->error, ERROR_COMMAND, "%s has no energy to balance", m->subject.name);
     if (!measure_keep(m, m->quantity, drift, QUANTITY_NUMBER, NAN))

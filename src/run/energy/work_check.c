@@ -18,9 +18,9 @@ static const double solution_tolerance_fraction = 1e-3;
 static const double solution_tolerance_max = 1e-12, solution_tolerance_min = 1e-14;
 /* Share of the difference after a step that may come from the quadrature. */
 static const double quadrature_error_fraction = 0.05;
-/* Steps that are solved anew in a run: more would take longer than the run itself, and nobody could
- * interrupt it meanwhile. What more of them do is not known. */
-enum { SOLVED_STEPS_MAX = 4000 };
+/* So many steps are solved anew in a run, or this part of all so far: more would take far longer
+ * than the run itself. What more of them do is not known. */
+enum { SOLVED_STEPS_MAX = 4000, SOLVED_PART = 10 };
 
 /* Returns the state after k steps of the block, in the run's own units. */
 static const double *state_after(const struct work *work, int k)
@@ -69,11 +69,13 @@ static void solve_step(const struct run *run, struct balance *balance, const str
                                               : solution_tolerance_max),
              solution_tolerance_min);
     const bool all_drag = memcmp(&done->drag[k], &done->work[k], sizeof done->work[k]) == 0,
-               allowed = balance->solved++ < SOLVED_STEPS_MAX;
+               allowed = balance->solved < SOLVED_STEPS_MAX ||
+                         balance->solved < balance->step / SOLVED_PART;
     const double *from = state_after(work, k);
     double to[LIMIT_VARIABLES];
     /* Marks stay: what a row of a thinned run has done is not left unknown by Ctrl-C. */
     const struct cancel *cancel = trace_marked(run->trace) ? NULL : run->cancel;
+    balance->solved++;
     system_turn_at_kinks(&turning);
     if (allowed && run_solve_cheaply(system, t, from, end, tol, to, cancel))
         done->work[k] = balance_energy(run, system, to) - energy_after(run, work, done, k);
