@@ -237,11 +237,18 @@ static void copy_controller(struct controller *to, const struct controller *from
     memcpy((char *)to + behind, (const char *)from + behind, sizeof *to - behind);
 }
 
+static inline bool must_thin(const struct run *run)
+{
+    return run->trace->count >= run->trace->cap && ledger_is_due(run);
+}
+
 static enum stop advance_step(struct run *run, struct segment *segment)
 {
     struct run_private *p = run->private_state;
     if (run->steps >= segment->limit || run->t == segment->target->t)
         return STOP_END;
+    if (must_thin(run)) /* instead of a step */
+        return ledger_thin(run) ? STOP_NONE : STOP_FULL;
     double t, h, end, was = run->t;
     /* Fixed steps do not use it. */
     const int controlled = run->plan.adaptive ? run->system.n : 0;
@@ -283,8 +290,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
             even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (refused || !noticed || !ledger_ready(run, 1) ||
-        !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
         copy_controller(&run->controller, &controller, controlled);
         run->steps--;
@@ -319,8 +325,11 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
             break;
         }
         if (!advance_many(run, &segment, &stop))
-            for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++)
+            for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++) {
                 stop = advance_step(run, &segment);
+                if (must_thin(run))
+                    break;
+            }
         int64_t then = now;
         now = clock_ns();
         if (now - then < BATCH_NS_MIN && p->batch < BATCH_MAX)

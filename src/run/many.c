@@ -125,7 +125,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     const int n = run->system.n;
     const int64_t left = min(segment->limit, segment->last) - run->steps;
     if (run->plan.adaptive || segment->target->condition || segment->target->events > 0 ||
-        p->step.low || left <= 0 || segment->between)
+        p->step.low || left <= 0 || segment->between || ledger_is_due(run))
         return false;
 
     if (!p->work_before &&
@@ -173,8 +173,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     if (in_trace) {
         trace_close(run->trace, (size_t)good);
     } else {
-        const int64_t recorded =
-            ledger_ready(run, good) ? trace_record_many(run->trace, run->steps + 1, row, good) : 0;
+        const int64_t recorded = trace_record_many(run->trace, run->steps + 1, row, good);
         if (recorded < good)
             *stop = STOP_FULL;
         good = recorded;

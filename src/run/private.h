@@ -288,6 +288,7 @@ struct run_private {
     bool is_unrepeatable;       /* conditions or events may have ended a step early */
     /* up to the last step where rows have marks, else as far as somebody asked */
     struct balance balance;
+    struct thinning *thinning; /* ledger.c; NULL: none has begun */
     struct energy_tally
         *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
     size_t saves, save_capacity;
@@ -498,9 +499,13 @@ int balance_block(const struct run *run, struct balance *balance, const double *
 /* The balance at the present state, even inside of a step. Returns false, and an unknown work, if
  * Ctrl-C came first. */
 bool balance_present(const struct run *run, struct balance *balance);
-/* Before so many rows are offered to the trace: where it will leave some out, the balance has to be
- * kept from there on. False: no memory. */
-bool ledger_ready(struct run *run, int64_t rows);
+/* Returns true if the next row is one with which the trace leaves some out: the balance has to be
+ * kept from there on. */
+bool ledger_is_due(const struct run *run);
+/* Does a part of what is due, at most some 20 ms; and all of it. False: no memory. */
+bool ledger_thin(struct run *run);
+bool ledger_ready(struct run *run);
+void ledger_forget_thinning(struct run_private *p);
 /* After steps to these states were offered to the trace, whose marks it sets. */
 void ledger_take(struct run *run, const double *row, int64_t count);
 /* the last row is this state, inside of the next step */

@@ -223,6 +223,7 @@ void run_destroy(struct run *run)
         free(run->private_state->kick);
         responses_free(&run->private_state->responses);
         free(run->private_state->saved);
+        ledger_forget_thinning(run->private_state);
         free(run->private_state);
     }
     free(run);
@@ -402,7 +403,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         return error_set(error, ERROR_COMMAND, "%s cannot become %g",
                          system_variable(system, i).name, value);
     ledger_demand(run);
-    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run, 1) ||
+    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run) ||
         (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);
     run->y[i] = value;

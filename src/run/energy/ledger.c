@@ -21,18 +21,6 @@ static const double *times_of(const struct run *run, const double *row)
     return run->plan.adaptive ? row + run->system.n : NULL;
 }
 
-/* From a trace that had each step, thinned but still with all rows: marks for those that stay. */
-static void mark_staying(const struct run *run, struct balance *balance, size_t rows)
-{
-    struct work_done done;
-    while (balance->step + 1 < (int64_t)rows) {
-        size_t count;
-        const double *row = trace_rows(run->trace, (size_t)balance->step + 1, rows, &count);
-        balance_block(run, balance, row, times_of(run, row), run->trace->width, (int64_t)count,
-                      &done, true);
-    }
-}
-
 static bool save(struct run_private *p, size_t index)
 {
     if (index == p->save_capacity) {
@@ -138,24 +126,111 @@ bool ledger_demand(const struct run *run)
 
 /* ---- on the way ---- */
 
-bool ledger_ready(struct run *run, int64_t rows)
+/*
+ * A trace that had each step is thinned in parts, with looks at keys and at Ctrl-C in between:
+ * which rows stay, room for their marks, the marks, at last the rows move. Until then the trace
+ * shows each step; what it will be is here.
+ */
+struct thinning {
+    int64_t bucket;
+    size_t count, mark_width;
+    struct balance balance;
+};
+
+static const int64_t part_ns = 5000000;
+
+static void exchange(struct trace *trace, struct thinning *other)
 {
-    struct trace *trace = run->trace;
-    if (!trace->decimates || trace_marked(trace) || run->system.order != 2 || ledger_waits(run) ||
-        trace->bucket > 1 || trace->count + (size_t)rows <= trace->cap)
-        return true;
-    const size_t all = trace->count;
-    if (!trace_thin(trace))
+    const struct thinning was = {trace->bucket, trace->count, trace->mark_width, {.step = 0}};
+    trace->bucket = other->bucket;
+    trace->count = other->count;
+    trace->mark_width = other->mark_width;
+    other->bucket = was.bucket;
+    other->count = was.count;
+    other->mark_width = was.mark_width;
+}
+
+bool ledger_is_due(const struct run *run)
+{
+    const struct trace *trace = run->trace;
+    return trace->decimates && !trace_marked(trace) && run->system.order == 2 &&
+           trace->bucket == 1 && trace->count >= trace->cap && !ledger_waits(run);
+}
+
+/* Marks some of those that stay. Returns false if Ctrl-C left a mark that is wrong. */
+static bool mark_staying(const struct run *run, struct balance *balance, size_t rows)
+{
+    const int64_t begin = clock_ns();
+    struct work_done done;
+    while (balance->step + 1 < (int64_t)rows && clock_ns() - begin < part_ns) {
+        size_t count;
+        const int solved = balance->solved;
+        const double *row = trace_rows(run->trace, (size_t)balance->step + 1, rows, &count);
+        balance_block(run, balance, row, times_of(run, row), run->trace->width, (int64_t)count,
+                      &done, true);
+        if (balance->solved > solved && cancelled(run->cancel))
+            return false;
+    }
+    return true;
+}
+
+void ledger_forget_thinning(struct run_private *p)
+{
+    free(p->thinning);
+    p->thinning = NULL;
+}
+
+static bool thinning_begin(struct run_private *p, struct trace *trace)
+{
+    p->thinning = malloc(sizeof *p->thinning);
+    if (!p->thinning)
         return false;
-    struct balance *balance = &run->private_state->balance;
-    const bool marked = trace_mark_rows(trace, run->plan.ledger);
-    if (marked) {
+    *p->thinning = (struct thinning){.bucket = 1, .count = trace->count};
+    const bool thinned = trace_thin(trace);
+    if (thinned)
+        exchange(trace, p->thinning);
+    else
+        ledger_forget_thinning(p);
+    return thinned;
+}
+
+bool ledger_thin(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    struct trace *trace = run->trace;
+    const size_t all = trace->count;
+    if (!p->thinning)
+        return thinning_begin(p, trace);
+    struct balance *balance = &p->thinning->balance;
+    bool fine = true, right = true;
+    exchange(trace, p->thinning);
+    if (trace_marked(trace)) {
+        right = mark_staying(run, balance, all);
+    } else if ((fine = trace_mark_rows(trace, run->plan.ledger))) {
         balance_begin(run, balance);
         trace_set_mark(trace, 0, &balance->tally);
-        mark_staying(run, balance, all);
     }
-    trace_thinned(trace);
-    return marked;
+    const bool done = fine && right && balance->step + 1 >= (int64_t)all;
+    if (done) {
+        p->balance = *balance;
+        trace_thinned(trace);
+    } else {
+        exchange(trace, p->thinning);
+    }
+    if (done || !fine || !right)
+        ledger_forget_thinning(p);
+    return fine;
+}
+
+bool ledger_ready(struct run *run)
+{
+    const struct cancel *cancel = run->cancel;
+    bool fine = true;
+    run->cancel = NULL;
+    while (fine && ledger_is_due(run))
+        fine = ledger_thin(run);
+    run->cancel = cancel;
+    return fine;
 }
 
 void ledger_take(struct run *run, const double *row, int64_t count)
@@ -198,6 +273,7 @@ void ledger_back(struct run *run)
 {
     struct run_private *p = run->private_state;
     struct trace *trace = run->trace;
+    ledger_forget_thinning(p);
     if (run->system.order != 2)
         return;
     if (run->steps == 0) {

@@ -367,6 +367,38 @@ static void test_adaptive_grid_points_and_targets(void **state)
     run_destroy(sliced);
 }
 
+/* Runs that cannot be repeated get their marks in parts once their traces leave steps out: each
+ * part leaves a trace of each step behind it. Going back in between begins them anew. */
+static void test_thinning_in_parts(void **state)
+{
+    (void)state;
+    struct scene scene = lively();
+    const struct run_settings settings = {.dt = 0.01, .tol = 1e-9, .memory = 400 * 24};
+    struct run *whole = start(&scene, "dopri5", settings, 100),
+               *sliced = start(&scene, "dopri5", settings, 100);
+    const struct run_target target = {.t = 100, .steps = -1};
+    struct ledger a, b;
+    int parts = 0;
+    for (int64_t before = -1; run_advance(sliced, &target, 1, NULL); before = sliced->steps) {
+        if (sliced->steps != before)
+            continue;
+        for (size_t i = 0; i < trace_count(sliced->trace); i++)
+            assert_int_equal(trace_step(sliced->trace, i), i);
+        if (++parts == 2) {
+            run_advance(whole, &(struct run_target){.t = 100, .steps = sliced->steps}, 0, NULL);
+            assert_true(run_back(sliced, 3) && run_back(whole, 3));
+        }
+    }
+    go_to(whole, 100);
+    assert_true(parts >= 3);
+    assert_same_trace(whole, sliced);
+    run_ledger(whole, &a);
+    run_ledger(sliced, &b);
+    assert_bits(a.error_max, b.error_max);
+    run_destroy(whole);
+    run_destroy(sliced);
+}
+
 /* A million nearly equal steps: as a plain sum their rounding would go one way, 2e-6 of a radian
  * here. */
 static void test_clock(void **state)
@@ -399,6 +431,7 @@ int main(void)
         cmocka_unit_test(test_budget),
         cmocka_unit_test(test_rebind),
         cmocka_unit_test(test_adaptive_grid_points_and_targets),
+        cmocka_unit_test(test_thinning_in_parts),
         cmocka_unit_test(test_clock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
