@@ -449,8 +449,9 @@ size_t opinion_brief_rows(const struct system *system, const struct method *meth
 bool regrowth_is_likely(struct run *run);
 void regrowth_look(struct run *run, const struct cancel *cancel);
 
-/* run.c: one more epoch, false: no memory; system and plan of the last one come into force. */
-bool run_push_epoch(struct run *run, const struct epoch *epoch);
+/* run.c: returns the memory of one more epoch, whose system and plan come into force; NULL if there
+ * is none. */
+struct epoch *run_push_epoch(struct run *run);
 void run_use_epoch(struct run *run);
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */

@@ -61,32 +61,34 @@ static double energy_factor(const struct system *system)
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
-bool run_push_epoch(struct run *run, const struct epoch *epoch)
+struct epoch *run_push_epoch(struct run *run)
 {
     struct run_private *p = run->private_state;
     if (p->epochs == p->epoch_capacity) {
         size_t capacity = p->epoch_capacity ? p->epoch_capacity * 2 : 1;
         struct epoch *more = realloc(p->epoch, capacity * sizeof *more);
         if (!more)
-            return false;
+            return NULL;
         p->epoch = more;
         p->epoch_capacity = capacity;
     }
-    p->epoch[p->epochs++] = *epoch;
-    return true;
+    return &p->epoch[p->epochs++];
 }
 
 static bool push_epoch(struct run *run, const struct scene *scene, const struct system *system,
                        const double *start)
 {
-    struct epoch epoch = {.first = run->steps,
-                          .t = run->t,
-                          .system = *system,
-                          .plan = run->plan,
-                          .drag = run->settings.drag};
-    memcpy(epoch.start, start, (size_t)system->n * sizeof *start);
-    memcpy(epoch.value, scene->value, sizeof epoch.value);
-    return run_push_epoch(run, &epoch);
+    struct epoch *epoch = run_push_epoch(run);
+    if (!epoch)
+        return false;
+    epoch->first = run->steps;
+    epoch->t = run->t;
+    epoch->system = *system;
+    epoch->plan = run->plan;
+    epoch->drag = run->settings.drag;
+    copy_state(epoch->start, start, system->n);
+    memcpy(epoch->value, scene->value, sizeof epoch->value);
+    return true;
 }
 
 const struct system *run_system_to(const struct run *run, size_t row)

@@ -175,7 +175,10 @@ static bool get_epoch(struct run *run, const struct field_places *places, struct
     for (size_t i = 0; i < scene_params(&scene)->count; i++)
         if (!scene_set(&same, (int)i, (struct measured){scene.value[i], 0}, &ignored))
             return false;
-    return scene_bind(&scene, &epoch.system, &ignored) && run_push_epoch(run, &epoch);
+    struct epoch *place = scene_bind(&scene, &epoch.system, &ignored) ? run_push_epoch(run) : NULL;
+    if (place)
+        *place = epoch;
+    return place;
 }
 
 static bool get_epochs(struct run *run, const struct field_places *places, struct text in)

@@ -121,13 +121,19 @@ static double missed_share(const struct system *system, const double *size, doub
     return most;
 }
 
-/* Returns true if a force that was typed depends on time: a scene's own drive is a cosine. */
-static bool typed_force_has_time(const struct system *system)
+bool run_force_may_pulse(const struct system *system)
 {
     bool has = false;
     for (int i = 0; i < system->terms; i++)
         has = has || (!system->term[i].row->bind && system->term[i].row->flags & TERM_TIME);
     return has;
+}
+
+bool run_force_is_slow(const struct system *system, double h)
+{
+    const struct oscillator *o = &system->oscillator;
+    return system->autonomous ||
+           (o->drive != 0 && fabs(o->omega * h) < 1 && !run_force_may_pulse(system));
 }
 
 int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t evals, int *probes)
@@ -136,7 +142,7 @@ int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t eva
                   all = share > PROBED_EVALS_MIN ? share : PROBED_EVALS_MIN,
                   most = all / (PROBES_MIN + 2), looks = steps < most ? steps : most;
     *probes = PROBES_MIN;
-    if (looks <= 0 || !typed_force_has_time(system))
+    if (looks <= 0 || !run_force_may_pulse(system))
         return 0;
     const int64_t each = all / looks - 2;
     *probes = each < PROBES_MAX ? (int)each : PROBES_MAX;
@@ -197,7 +203,7 @@ bool run_force_unresolved(const struct run *run, double *dt)
     const struct system *system = &run->system;
     const double h = copysign(run->settings.dt, run->t - system->t0);
     *dt = NAN;
-    if (run->plan.adaptive || run->steps < 1 || system->autonomous ||
+    if (run->plan.adaptive || run->steps < 1 || run_force_is_slow(system, h) ||
         run->method->flags & METHOD_EXACT || method_meets_switches(run->method, system))
         return false;
     if (!misses_changes(run, h, FORCE_MISSED_SHARE))

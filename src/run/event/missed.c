@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in so short a time that no step of a run has seen it. */
+#include <hooke/run/unresolved.h>
 #include <hooke/scene/bursts.h>
 
 #include "run/event/watch.h"
@@ -226,8 +227,9 @@ bool run_missed_burst(struct run *run, struct burst *missed)
     struct run_private *p = run->private_state;
     const struct trace *trace = run->trace;
     const size_t rows = trace_count(trace);
-    if (run->system.autonomous || rows < 2 || trace_decimated(trace) ||
-        run->settings.record.rule > RECORD_ALL || stop_is_failure(run->stop))
+    if (run->system.autonomous || (!run->plan.adaptive && !run_force_may_pulse(&run->system)) ||
+        rows < 2 || trace_decimated(trace) || run->settings.record.rule > RECORD_ALL ||
+        stop_is_failure(run->stop))
         return false;
     /* From one way before the new rows on: a burst around the first of them is one burst. */
     const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;

@@ -9,6 +9,10 @@
 /* evaluations of a run for each row that is looked at, which takes what 12 take in a step */
 #define EVALS_A_ROW 600
 #define ROWS_LOOKED_MIN 512
+/* of those that are picked among all where steps take less than a look does */
+#define ROWS_PICKED_MIN 32
+/* rows of a run from which picking takes longer than ROWS_LOOKED_MIN looks */
+#define ROWS_TO_PICK_FROM 30000
 #define LOOK_SHARE 16   /* rows for each step of the accurate method where a step looks strange */
 #define CHANGE_MIN 0.1  /* of y in a step: less is passed over */
 #define STEEPER 8       /* times: the slope after a step that grows without bound */
@@ -204,18 +208,24 @@ static size_t largest_change(const struct trace *trace, size_t block, size_t cou
     return block;
 }
 
-size_t run_rows_looked_max(double evals)
+static bool has_dear_steps(const struct method *method)
 {
-    return (size_t)fmax(evals / EVALS_A_ROW, ROWS_LOOKED_MIN);
+    return method->flags & METHOD_IMPLICIT || method->rosenbrock;
 }
 
-bool run_looks_at_changes(const struct system *system, const struct method *method)
+bool run_picks_rows(const struct system *system, const struct method *method, double rows)
 {
-    return method->flags & METHOD_IMPLICIT || method->rosenbrock || system->model->typed;
+    return has_dear_steps(method) || system->model->typed || rows < ROWS_TO_PICK_FROM;
 }
 
-/* Looks at the rows since the last call: at so few that it takes 2 % of the evaluations, those of
- * the largest changes where steps are dear. */
+size_t run_rows_looked_max(const struct method *method, double evals, bool picks)
+{
+    const double min = picks && !has_dear_steps(method) ? ROWS_PICKED_MIN : ROWS_LOOKED_MIN;
+    return (size_t)fmax(evals / EVALS_A_ROW, min);
+}
+
+/* Looks at the rows since the last call: at so few that it takes 2 % of the evaluations of a long
+ * run, those of the largest changes where the run is short or its steps are dear. */
 bool run_went_across(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -223,16 +233,16 @@ bool run_went_across(struct run *run)
     if (p->looked >= rows) /* it went back */
         p->looked = p->across = p->unchecked = p->checks = 0;
     size_t i = p->looked > first ? p->looked : first, passed = rows;
-    const size_t max = run_rows_looked_max((double)run->cost.evals);
-    const bool dear = run_looks_at_changes(&run->system, run->method);
-    const size_t by = 1 + (rows - i) / max;
+    const bool picks = run_picks_rows(&run->system, run->method, (double)(rows - i));
+    const size_t by =
+        1 + (rows - i) / run_rows_looked_max(run->method, (double)run->cost.evals, picks);
     p->looked = rows - 1;
     for (size_t block = i; block + 1 < rows; block += by) {
         if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
             p->looked = block; /* the rest next time */
             return false;
         }
-        i = by > 1 && dear ? largest_change(run->trace, block, by) : block;
+        i = by > 1 && picks ? largest_change(run->trace, block, by) : block;
         if ((i < p->across && i < p->unchecked && passed < rows) || !row_across(run, i))
             continue;
         if (i >= p->unchecked)

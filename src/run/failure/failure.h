@@ -32,11 +32,11 @@ bool run_end_singular(struct run *run, struct singularity found);
 /* across.c: whether steps since the last call look strange and the solution ends there: then stop
  * is STOP_SINGULAR. */
 bool run_went_across(struct run *run);
-/* Returns the number of rows that it compares with their slopes, in a run of that many evaluations.
- */
-size_t run_rows_looked_max(double evals);
-/* Returns true if it chooses these rows by the largest changes, for which it passes through all. */
-bool run_looks_at_changes(const struct system *system, const struct method *method);
+/* Returns true if the rows that run_went_across() compares with their slopes are picked: those of
+ * the largest changes among all. */
+bool run_picks_rows(const struct system *system, const struct method *method, double rows);
+/* Returns how many they are at most. */
+size_t run_rows_looked_max(const struct method *method, double evals, bool picks);
 
 /* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. Returns false if
  * it does not get there, would take too long, or is cancelled. */

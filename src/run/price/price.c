@@ -17,7 +17,7 @@
 
 /* ---- parts of a run ---- */
 
-static const double setting_up = 75e3, setting_up_typed = 160e3, summary = 25e3;
+static const double setting_up = 50e3, setting_up_typed = 160e3, summary = 25e3;
 
 /* Instructions of all steps. */
 static double steps_price(const struct run_scenario *s, const struct run_work *work)
@@ -62,16 +62,18 @@ static double rows_looked_at(const struct run_scenario *s, const struct run_work
         (record->rule == RECORD_EVERY && record->every > 1))
         return 0;
     const double rows = fmin(work->steps, LIMIT_SAMPLES);
-    return rows / (1 + floor(rows / (double)run_rows_looked_max(work->evals)));
+    const bool picks = run_picks_rows(s->system, s->method, rows);
+    return rows / (1 + floor(rows / (double)run_rows_looked_max(s->method, work->evals, picks)));
 }
 
 static double singular_price(const struct run_scenario *s, const struct run_work *work)
 {
     const double looked = rows_looked_at(s, work), each = 100 + 200 * (double)s->system->n,
-                 a_change = 15 + 3.5 * (double)s->system->n;
-    const bool every_row = run_looks_at_changes(s->system, s->method) && looked < work->steps;
+                 a_block = 450, a_change = 15 + 3.5 * (double)s->system->n;
+    const bool picks =
+        looked > 0 && looked < work->steps && run_picks_rows(s->system, s->method, work->steps);
     return looked * (each + 3 * evaluation_price_called(s->system)) +
-           (looked > 0 && every_row ? a_change * work->steps : 0);
+           (picks ? a_block * looked + a_change * work->steps : 0);
 }
 
 /* Instructions for one row of the energy balance. */
@@ -127,7 +129,8 @@ static double bursts_price(const struct run_scenario *s, const struct run_work *
 {
     static const double built_in = 270, a_look = 1750, ways_max = 256;
     const double ways = fmin(work->steps, ways_max);
-    if (s->system->autonomous || has_apart_rows(s, work))
+    if (s->system->autonomous || has_apart_rows(s, work) ||
+        (!s->plan->adaptive && !run_force_may_pulse(s->system)))
         return 0;
     return typed_lines(s->system->model) > 0
                ? a_look * (double)run_burst_looks(s->system, (size_t)ways, (int64_t)work->evals)
@@ -138,8 +141,8 @@ static double bursts_price(const struct run_scenario *s, const struct run_work *
  * in each step that is looked at for pulses. */
 static double unresolved_price(const struct run_scenario *s, const struct run_work *work)
 {
-    const bool looks =
-        !s->plan->adaptive && !s->system->autonomous && !(s->method->flags & METHOD_EXACT);
+    const bool looks = !s->plan->adaptive && !run_force_is_slow(s->system, s->settings->dt) &&
+                       !(s->method->flags & METHOD_EXACT);
     int probes;
     const int64_t probed =
         run_probed_steps(s->system, (int64_t)work->steps, (int64_t)work->evals, &probes);
