@@ -55,22 +55,6 @@ static bool rests_at(const struct zero_search *s, const double *y)
     return zero && zeros_are_bounded(s->n, rate) && zeros_are_bounded(s->n * s->n, by);
 }
 
-/* Returns true if every derivative is exactly 0 at y [n], where slopes need not be finite, as that
- * of sqrt(x) at 0. */
-static bool rests_exactly_at(const struct zero_search *s, const double *y)
-{
-    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES];
-    double rate[FIELD_VARIABLES] = {0};
-    for (int i = 0; i < s->n; i++)
-        at[i] = (struct interval){y[i], y[i]};
-    system_bounds(&s->bounded, at, bound, NULL);
-    system_derivative(&s->bounded, s->bounded.t0, y, rate);
-    bool zero = s->bounded.autonomous && zeros_are_bounded(s->n, bound);
-    for (int i = 0; i < s->n; i++)
-        zero = zero && rate[i] == 0;
-    return zero;
-}
-
 /* Returns the number of at most `significant_digits_tried` digits that is nearest to y: borders of
  * domains are such numbers more often than not. */
 static double short_number(double y)
@@ -81,23 +65,11 @@ static double short_number(double y)
     return strtod(text, NULL);
 }
 
-/* Moves y [n] of an undecided box to a short number next to it where all derivatives are 0. */
-static bool round_to_exact(const struct zero_search *s, double *y)
+/* Returns true if every derivative at y [n] is at most `share` of what it is a hundredth of the
+ * range away. */
+static bool rests_beside(const struct zero_search *s, const double *y, double share)
 {
-    double near[FIELD_VARIABLES];
-    for (int i = 0; i < s->n; i++)
-        near[i] = fabs(y[i]) < doubtful_apart_min * s->width[i] ? 0 : short_number(y[i]);
-    if (!rests_exactly_at(s, near))
-        return false;
-    memcpy(y, near, (size_t)s->n * sizeof *y);
-    return true;
-}
-
-/* Returns true if every derivative at y [n] is small beside what it is a hundredth of the range
- * away. */
-static bool rests_beside(const struct zero_search *s, const double *y)
-{
-    static const double away = 1e-2, small = 1e-3;
+    static const double away = 1e-2;
     double rate[FIELD_VARIABLES], size[FIELD_VARIABLES] = {0};
     for (int i = 0; i < 2 * s->n; i++) {
         double other[FIELD_VARIABLES];
@@ -108,28 +80,32 @@ static bool rests_beside(const struct zero_search *s, const double *y)
             size[k] = isfinite(rate[k]) ? fmax(size[k], fabs(rate[k])) : size[k];
     }
     system_derivative(&s->bounded, s->bounded.t0, y, rate);
-    bool rests = true;
+    bool rests = s->bounded.autonomous;
     for (int k = 0; k < s->n; k++)
-        rests = rests && fabs(rate[k]) <= small * size[k];
+        rests = rests && fabs(rate[k]) <= share * size[k];
     return rests;
 }
 
-/* Moves y [n], the middle of a smallest box in which bounds leave room for a zero, to a state of
- * the box where derivatives go to 0: at the edge of a domain, or where a slope is infinite, only
- * one side of the box may have values. */
-static bool move_to_edge(const struct zero_search *s, const struct interval *box, double *y)
+/* Moves y [n], the middle of a smallest box in which bounds leave room for a zero, to a short
+ * number where all derivatives are exactly 0, or to a side of the box where they go to 0: at the
+ * edge of a domain, or where a slope is infinite, only one side may have values. */
+static bool move_to_edge(const struct zero_search *s, const struct state_box *box, double *y)
 {
+    static const double small = 1e-3;
     struct interval bound[FIELD_VARIABLES];
-    system_bounds(&s->bounded, box, bound, NULL);
-    bool rests = false, room = s->bounded.autonomous && zeros_are_bounded(s->n, bound);
+    double near[FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++)
-        room = room && bound[i].lo <= 0 && bound[i].hi >= 0;
-    for (int i = 0; i < 2 * s->n && room && !rests; i++) {
-        const double middle = y[i / 2];
-        y[i / 2] = i % 2 ? box[i / 2].hi : box[i / 2].lo;
-        rests = rests_beside(s, y);
-        y[i / 2] = rests ? y[i / 2] : middle;
+        near[i] = fabs(y[i]) < doubtful_apart_min * s->width[i] ? 0 : short_number(y[i]);
+    system_bounds(&s->bounded, box->side, bound, NULL);
+    const bool is_edge = box->is_singular && zeros_are_bounded(s->n, bound);
+    bool rests = rests_beside(s, near, 0);
+    for (int i = 0; i < 2 * s->n && is_edge && !rests; i++) {
+        memcpy(near, y, sizeof near);
+        near[i / 2] = i % 2 ? box->side[i / 2].hi : box->side[i / 2].lo;
+        rests = rests_beside(s, near, small);
     }
+    if (rests)
+        memcpy(y, near, (size_t)s->n * sizeof *y);
     return rests;
 }
 
@@ -183,7 +159,7 @@ static bool list_doubtful(struct zero_search *s)
             continue;
         middle_of(s, b, y);
         const struct state_box *box = &s->undecided.box[s->undecided.first + b];
-        if (!round_to_exact(s, y) && !(box->is_singular && move_to_edge(s, box->side, y))) {
+        if (!move_to_edge(s, box, y)) {
             zeros_correct(s, y);
             round_to_zero(s, y);
             if (!rests_at(s, y))
