@@ -27,8 +27,9 @@ static bool densest_layer(const struct cleaning *c, bool upper, double width, st
                  reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
     size_t first = 0, last = 0, below = 0, above = 0;
     layer->count = 0;
-    const double from = upper ? middle + far - 0.5 * width : -HUGE_VAL,
-                 to = upper ? HUGE_VAL : middle - far - 0.5 * width;
+    /* All of it lies beyond the middle: a wider one would hold most of any noise. */
+    const double beyond = fmax(far - 0.5 * width, 0), from = upper ? middle + beyond : -HUGE_VAL,
+                 to = upper ? HUGE_VAL : middle - width - beyond;
     for (size_t i = first_from(sorted, n, from), end = i; i < n && sorted[i] <= to; i++) {
         while (end < n && sorted[end] <= sorted[i] + width)
             end++;

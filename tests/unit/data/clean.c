@@ -170,6 +170,30 @@ static void flat_tops_are_found_and_kept(void **state)
     }
 }
 
+/* Seven rows a period in noise of a third of the amplitude and more, of which half are at rest. */
+static void noise_is_no_flat_top(void **state)
+{
+    (void)state;
+    static struct made m;
+    for (size_t k = 0; k < 24; k++) {
+        m = (struct made){.n = 4000,
+                          .rate = 7 / PERIOD,
+                          .amplitude = 5,
+                          .gamma = k % 2 ? 0.02 : 0,
+                          .noise = 1.5 + 0.5 * (double)(k % 3),
+                          .seed = 21 + k};
+        make(&m);
+        for (size_t i = 0; i < m.n / 2 && k % 4 == 3; i++)
+            m.y[i] = 21.6 + m.noise * normal_from(&m.seed);
+        struct recording *recording = recorded(&m, 0.001);
+        const struct findings *f = inspected(recording);
+        if (f->of[FINDING_CLIPPED].count > 0)
+            fail_msg("%zu: %zu of %zu clipped at %g m", k, f->of[FINDING_CLIPPED].count, m.n,
+                     f->of[FINDING_CLIPPED].size);
+        recording_destroy(recording);
+    }
+}
+
 static void a_stuck_sensor_is_masked(void **state)
 {
     (void)state;
@@ -297,6 +321,7 @@ int main(void)
         cmocka_unit_test(nothing_is_found_where_nothing_is_wrong),
         cmocka_unit_test(bad_echoes_are_masked_and_nothing_else),
         cmocka_unit_test(flat_tops_are_found_and_kept),
+        cmocka_unit_test(noise_is_no_flat_top),
         cmocka_unit_test(a_stuck_sensor_is_masked),
         cmocka_unit_test(coarse_steps_are_not_stuck),
         cmocka_unit_test(steps_gaps_and_empty_cells_are_said),
