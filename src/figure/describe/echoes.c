@@ -14,7 +14,7 @@ static double median_about(const struct points *points, size_t i)
 {
     double y[2 * ABOUT + 1];
     for (size_t k = 0; k < COUNT_OF(y); k++)
-        y[k] = points->at[i - ABOUT + k].y;
+        y[k] = points->y[i - ABOUT + k];
     return quantile(y, COUNT_OF(y), 0.5);
 }
 
@@ -24,20 +24,22 @@ bool drop_echoes(struct points *points, struct arena *arena)
     if (n < FEWEST)
         return true;
     double *off = arena_array(arena, n, sizeof *off),
-           *sorted = arena_array(arena, n, sizeof *sorted);
-    struct curve_point *left = arena_array(arena, n, sizeof *left);
-    if (!off || !sorted || !left)
+           *sorted = arena_array(arena, n, sizeof *sorted), *x = arena_array(arena, n, sizeof *x),
+           *y = arena_array(arena, n, sizeof *y);
+    if (!off || !sorted || !x || !y)
         return false;
     for (size_t i = 0; points_go_on(points, i); i++)
         sorted[i] = off[i] =
-            i < ABOUT || i + ABOUT >= n ? 0 : fabs(points->at[i].y - median_about(points, i));
+            i < ABOUT || i + ABOUT >= n ? 0 : fabs(points->y[i] - median_about(points, i));
     const double far = FAR * quantile(sorted, n, 0.95);
     size_t kept = 0;
     for (size_t i = 0; points_go_on(points, i); i++)
-        if (!(off[i] > far))
-            left[kept++] = points->at[i];
+        if (!(off[i] > far)) {
+            x[kept] = points->x[i];
+            y[kept++] = points->y[i];
+        }
     /* where many are, it is no sensor's fault but a curve with steps */
     if (far > 0 && kept >= n - n / 20)
-        *points = (struct points){left, kept, points->noise, points->measured, points->cancel};
+        *points = (struct points){x, y, kept, points->noise, points->measured, points->cancel};
     return true;
 }

@@ -12,12 +12,17 @@
 
 /* The points of a curve that have a place, by ascending x but for those of a plane. */
 struct points {
-    const struct curve_point *at; /* [n] */
+    const double *x, *y; /* [n] those of the curve where all of them are read, or copies */
     size_t n;
     double noise;  /* standard deviation of y, of what was measured; 0: a line */
     bool measured; /* samples may be missing */
     const struct cancel *cancel;
 };
+
+static inline struct curve_point point_at(const struct points *points, size_t i)
+{
+    return (struct curve_point){points->x[i], points->y[i]};
+}
 
 /* As curve_goes_on(). */
 static inline bool points_go_on(const struct points *points, size_t i)

@@ -34,10 +34,42 @@ static bool axis_shows(const struct axis *axis, double value, bool window)
            (!window || !axis->fixed || (value >= axis->from && value <= axis->to));
 }
 
+static bool is_shown(const struct figure *figure, const struct axis *x, const struct axis *y,
+                     const struct curve *curve, size_t i)
+{
+    return isfinite(curve->x[i]) && axis_shows(x, curve->x[i], !figure->plane) &&
+           axis_shows(y, curve->y[i], false);
+}
+
 static int by_x(const void *a, const void *b)
 {
     const struct curve_point *p = a, *q = b;
     return (p->x > q->x) - (p->x < q->x);
+}
+
+/* Copies the points that the axes show. Returns false if out of memory. */
+static bool copy_points(const struct figure *figure, const struct curve *curve, bool sorted,
+                        struct arena *arena, struct points *points)
+{
+    const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
+    struct curve_point *at = arena_array(arena, points->n + 1, sizeof *at);
+    double *both = arena_array(arena, 2 * points->n + 1, sizeof *both);
+    size_t n = 0;
+    if (!at || !both)
+        return false;
+    for (size_t i = 0; n < points->n && curve_goes_on(curve, i); i++)
+        if (is_shown(figure, x, y, curve, i))
+            at[n++] = (struct curve_point){curve->x[i], curve->y[i]};
+    if (sorted)
+        qsort(at, n, sizeof *at, by_x);
+    for (size_t i = 0; i < n; i++) {
+        both[i] = at[i].x;
+        both[points->n + i] = at[i].y;
+    }
+    points->x = both;
+    points->y = both + points->n;
+    points->n = n;
+    return true;
 }
 
 /* What a window of time leaves out is no gap. */
@@ -45,44 +77,31 @@ static bool gather(const struct figure *figure, const struct curve *curve, struc
                    struct points *points, struct curve_reading *reading)
 {
     const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
-    struct curve_point *at = arena_array(arena, curve->n + 1, sizeof *at);
     bool ascending = true;
-    size_t n = 0;
-    if (!at)
-        return false;
-    for (size_t i = 0; curve_goes_on(curve, i); i++) {
-        const bool wanted = isnan(curve->x[i]) || axis_shows(x, curve->x[i], !figure->plane);
-        if (wanted && isfinite(curve->x[i]) && axis_shows(y, curve->y[i], false)) {
-            at[n] = (struct curve_point){curve->x[i], curve->y[i]};
-            ascending &= n == 0 || at[n].x > at[n - 1].x;
-            n++;
+    size_t n = 0, i = 0;
+    for (; curve_goes_on(curve, i); i++) {
+        if (is_shown(figure, x, y, curve, i)) {
+            const struct curve_point at = {curve->x[i], curve->y[i]};
+            ascending &= n == 0 || at.x > reading->end.x;
+            reading->start = n++ == 0 ? at : reading->start;
+            reading->end = at;
         } else {
-            reading->gaps += wanted;
+            reading->gaps += isnan(curve->x[i]) || axis_shows(x, curve->x[i], !figure->plane);
         }
     }
     reading->n = n;
-    if (n > 0) {
-        reading->start = at[0];
-        reading->end = at[n - 1];
-    }
-    if (!ascending && !figure->plane)
-        qsort(at, n, sizeof *at, by_x);
-    *points = (struct points){.at = at, .n = n, .cancel = curve->cancel};
-    return true;
+    *points = (struct points){.x = curve->x, .y = curve->y, .n = n, .cancel = curve->cancel};
+    const bool sorted = !ascending && !figure->plane;
+    return (n == i && !sorted) || copy_points(figure, curve, sorted, arena, points);
 }
 
 /* Of what was measured. */
 static void find_noise(const struct curve *curve, struct arena *arena, struct points *points)
 {
-    double *t = arena_array(arena, points->n + 1, sizeof *t),
-           *y = arena_array(arena, points->n + 1, sizeof *y);
-    if (!curve->points || !t || !y)
+    if (!curve->points)
         return;
-    for (size_t i = 0; points_go_on(points, i); i++) {
-        t[i] = points->at[i].x;
-        y[i] = points->at[i].y;
-    }
-    const struct series series = {t, y, points->n, QUANTITY_OTHER, curve->cancel, 0};
+    const struct series series = {points->x,      points->y,     points->n,
+                                  QUANTITY_OTHER, curve->cancel, 0};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
     points->measured = true;
@@ -97,8 +116,8 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
     for (int pass = 0; pass < 2; pass++) {
         const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
         for (size_t i = 0; points_go_on(p, i); i++) {
-            const double x = over_logarithm ? log(p->at[i].x) : p->at[i].x - p->at[0].x,
-                         y = log(fabs(p->at[i].y));
+            const double x = over_logarithm ? log(p->x[i]) : p->x[i] - p->x[0],
+                         y = log(fabs(p->y[i]));
             if (pass) {
                 far = fmax(far, fabs(y - at - slope * x));
                 continue;
@@ -120,9 +139,9 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 /* Largest way back of a curve that rises or falls. */
 static double goes_back(const struct points *p, bool rises)
 {
-    double furthest = p->at[0].y, back = 0;
+    double furthest = p->y[0], back = 0;
     for (size_t i = 1; points_go_on(p, i); i++) {
-        const double y = p->at[i].y;
+        const double y = p->y[i];
         furthest = rises ? fmax(furthest, y) : fmin(furthest, y);
         back = fmax(back, fabs(furthest - y));
     }
@@ -137,16 +156,16 @@ static bool scatters(const struct points *p, struct curve_reading *reading)
     if (!(p->noise > 0) || third < 3)
         return false;
     for (size_t i = 0; i < third; i++) {
-        sum[0] += p->at[i].y;
-        sum[1] += p->at[p->n - 1 - i].y;
+        sum[0] += p->y[i];
+        sum[1] += p->y[p->n - 1 - i];
     }
     const double change = fabs(sum[1] - sum[0]) / (double)third;
     if (change > p->noise * fmax(1, 5 * sqrt(2 / (double)third)))
         return false;
     for (size_t i = 0; points_go_on(p, i); i++)
-        mean += p->at[i].y / (double)p->n;
+        mean += p->y[i] / (double)p->n;
     for (size_t i = 0; points_go_on(p, i); i++)
-        square += (p->at[i].y - mean) * (p->at[i].y - mean) / (double)(p->n - 1);
+        square += (p->y[i] - mean) * (p->y[i] - mean) / (double)(p->n - 1);
     reading->level[0] = reading->level[1] = mean;
     reading->spread = sqrt(square);
     return true;
@@ -156,7 +175,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
                        const struct points *p, struct curve_reading *reading)
 {
     const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
-    const double first = p->at[0].y, last = p->at[p->n - 1].y, least = reading->low.y,
+    const double first = p->y[0], last = p->y[p->n - 1], least = reading->low.y,
                  most = reading->high.y;
     const bool one_sign = least > 0 || most < 0;
     if (reading->turns == 0 && scatters(p, reading)) {
@@ -216,9 +235,9 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     read_band(curve, reading);
     if (points->n == 0)
         return true;
-    reading->low = reading->high = points->at[0];
+    reading->low = reading->high = point_at(points, 0);
     for (size_t k = 1; points_go_on(points, k); k++) {
-        const struct curve_point at = points->at[k];
+        const struct curve_point at = point_at(points, k);
         reading->low = at.y < reading->low.y ? at : reading->low;
         reading->high = at.y > reading->high.y ? at : reading->high;
     }
@@ -257,18 +276,18 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
 static double value_at(const struct points *p, double x)
 {
     size_t low = 0, high = p->n;
-    if (p->n == 0 || !(x >= p->at[0].x && x <= p->at[p->n - 1].x))
+    if (p->n == 0 || !(x >= p->x[0] && x <= p->x[p->n - 1]))
         return NAN;
     while (high - low > 1) {
         const size_t i = low + (high - low) / 2;
-        if (p->at[i].x <= x)
+        if (p->x[i] <= x)
             low = i;
         else
             high = i;
     }
-    if (low + 1 == p->n || p->at[low].x == x)
-        return p->at[low].y;
-    const struct curve_point a = p->at[low], b = p->at[low + 1];
+    if (low + 1 == p->n || p->x[low] == x)
+        return p->y[low];
+    const struct curve_point a = point_at(p, low), b = point_at(p, low + 1);
     return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
 }
 
@@ -281,13 +300,13 @@ static struct curve_distance distance_between(const struct points *from, const s
     double sum = 0; /* of squares, in units of the largest */
     size_t n = 0;
     for (size_t i = 0; points_go_on(here, i); i++) {
-        const double off = fabs(here->at[i].y - value_at(there, here->at[i].x));
+        const double off = fabs(here->y[i] - value_at(there, here->x[i]));
         if (!isfinite(off))
             continue;
         if (!(off <= distance.largest)) {
             sum *= off > 0 && n > 0 ? distance.largest / off * (distance.largest / off) : 1;
             distance.largest = off;
-            distance.at = here->at[i].x;
+            distance.at = here->x[i];
         }
         sum += off > 0 ? off / distance.largest * (off / distance.largest) : 0;
         n++;
@@ -359,7 +378,7 @@ static void read_ranges(const struct figure *figure, const struct points *points
     for (int i = 0; i < figure->curves; i++) {
         const int panel = figure->second && figure->curve[i].panel > 0;
         for (size_t k = 0; points_go_on(&points[i], k); k++) {
-            const double at = points[i].at[k].x;
+            const double at = points[i].x[k];
             extend(x[panel], at, at);
             if (!figure->plane && panel)
                 extend(x[0], at, at);

@@ -24,11 +24,11 @@ struct turn {
 /* Vertex of the parabola through the point and its neighbours. */
 static struct turn refined(const struct points *p, size_t i)
 {
-    const struct turn plain = {p->at[i].x, p->at[i].y, i};
+    const struct turn plain = {p->x[i], p->y[i], i};
     if (i == 0 || i + 1 >= p->n || p->noise > 0)
         return plain;
-    const double a = p->at[i - 1].x - plain.x, b = p->at[i + 1].x - plain.x;
-    const double fa = (p->at[i - 1].y - plain.y) / a, fb = (p->at[i + 1].y - plain.y) / b;
+    const double a = p->x[i - 1] - plain.x, b = p->x[i + 1] - plain.x;
+    const double fa = (p->y[i - 1] - plain.y) / a, fb = (p->y[i + 1] - plain.y) / b;
     const double curvature = (fb - fa) / (b - a), slope = fa - curvature * a;
     const double dx = -slope / (2 * curvature);
     if (!(dx >= a && dx <= b))
@@ -44,17 +44,16 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
     int way = 0;
     double swing = 0;
     for (size_t i = 1; points_go_on(p, i); i++) {
-        const double y = p->at[i].y;
-        high = y > p->at[high].y ? i : high;
-        low = y < p->at[low].y ? i : low;
-        const double now = p->at[high].y - p->at[low].y,
-                     back = fmax(least, BACK * fmax(swing, now));
-        const bool falls = way >= 0 && p->at[high].y - y > back,
-                   rises = way <= 0 && y - p->at[low].y > back;
+        const double y = p->y[i];
+        high = y > p->y[high] ? i : high;
+        low = y < p->y[low] ? i : low;
+        const double now = p->y[high] - p->y[low], back = fmax(least, BACK * fmax(swing, now));
+        const bool falls = way >= 0 && p->y[high] - y > back,
+                   rises = way <= 0 && y - p->y[low] > back;
         if (!falls && !rises)
             continue;
         const size_t from = falls ? high : low;
-        if (way != 0 || fabs(p->at[from].y - p->at[0].y) > back) {
+        if (way != 0 || fabs(p->y[from] - p->y[0]) > back) {
             if (turn)
                 turn[count] = refined(p, from);
             count++;
@@ -92,15 +91,16 @@ static double crossing(const struct points *p, size_t from, size_t to, double le
 {
     size_t first = 0, last = 0;
     for (size_t i = from + 1; i <= to; i++)
-        if ((p->at[i].y >= level) != (p->at[i - 1].y >= level)) {
+        if ((p->y[i] >= level) != (p->y[i - 1] >= level)) {
             first = first ? first : i;
             last = i;
         }
-    if (first == 0 || (p->at[first - 1].y >= level) == (p->at[last].y >= level))
+    if (first == 0 || (p->y[first - 1] >= level) == (p->y[last] >= level))
         return NAN;
     double sum = 0;
     for (int end = 0; end < 2; end++) {
-        const struct curve_point a = p->at[(end ? last : first) - 1], b = p->at[end ? last : first];
+        const struct curve_point a = point_at(p, (end ? last : first) - 1),
+                                 b = point_at(p, end ? last : first);
         sum += 0.5 * (a.x + (b.x - a.x) * (level - a.y) / (b.y - a.y));
     }
     return sum;
@@ -114,10 +114,10 @@ static bool has_hole(const struct points *p, double from, double to, double leas
         return false;
     while (high - low > 1) {
         const size_t i = low + (high - low) / 2;
-        *(p->at[i].x <= from ? &low : &high) = i;
+        *(p->x[i] <= from ? &low : &high) = i;
     }
-    for (size_t i = low + 1; i < p->n && p->at[i - 1].x < to; i++)
-        if (p->at[i].x - p->at[i - 1].x > least)
+    for (size_t i = low + 1; i < p->n && p->x[i - 1] < to; i++)
+        if (p->x[i] - p->x[i - 1] > least)
             return true;
     return false;
 }
@@ -135,10 +135,10 @@ static bool find_holes(const struct points *p, const double *at, size_t crossing
         apart[i] = at[i + 1] - at[i];
     *least = HOLE * quantile(apart, crossings - 1, 0.5);
     for (size_t i = 1; i < p->n; i++)
-        if (p->at[i].x - p->at[i - 1].x > fmax(*least, longest)) {
-            longest = p->at[i].x - p->at[i - 1].x;
-            reading->hole[0] = p->at[i - 1].x;
-            reading->hole[1] = p->at[i].x;
+        if (p->x[i] - p->x[i - 1] > fmax(*least, longest)) {
+            longest = p->x[i] - p->x[i - 1];
+            reading->hole[0] = p->x[i - 1];
+            reading->hole[1] = p->x[i];
         }
     return true;
 }
@@ -148,7 +148,7 @@ static bool read_period(const struct points *p, const double *at, size_t crossin
                         struct arena *arena, struct curve_reading *reading)
 {
     const size_t most = crossings < 3 ? 0 : crossings - 2;
-    const double extent = p->at[p->n - 1].x - p->at[0].x;
+    const double extent = p->x[p->n - 1] - p->x[0];
     double *length = arena_array(arena, most + 1, sizeof *length),
            *off = arena_array(arena, most + 1, sizeof *off), sum = 0, square = 0;
     size_t used = 0, count = 0;
@@ -185,7 +185,7 @@ static bool read_period(const struct points *p, const double *at, size_t crossin
 static bool is_whole(const struct points *p, const struct turn *turn, double least)
 {
     const size_t from = turn[0].index, to = turn[1].index;
-    return !has_hole(p, p->at[from ? from - 1 : 0].x, p->at[to + 1 < p->n ? to + 1 : to].x, least);
+    return !has_hole(p, p->x[from ? from - 1 : 0], p->x[to + 1 < p->n ? to + 1 : to], least);
 }
 
 /* Half the swings between turns: first and last, and the slope of their logarithm. */

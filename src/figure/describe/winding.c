@@ -29,12 +29,14 @@ static double turns_about(const struct frame *f, const struct points *p, double 
         const double whole = pass ? TWO_PI * floor(fabs(sum) / TWO_PI) : HUGE_VAL;
         double turned = 0;
         for (size_t i = 1; points_go_on(p, i); i++) {
-            const double step = remainder(angle(f, p->at[i]) - angle(f, p->at[i - 1]), TWO_PI),
+            const double step = remainder(angle(f, point_at(p, i)) - angle(f, point_at(p, i - 1)),
+                                          TWO_PI),
                          before = fabs(turned);
             turned += step;
             if (fabs(turned) >= whole && before < whole) {
                 const double part = (whole - before) / fabs(step);
-                *last = (1 - part) * distance(f, p->at[i - 1]) + part * distance(f, p->at[i]);
+                *last = (1 - part) * distance(f, point_at(p, i - 1)) +
+                        part * distance(f, point_at(p, i));
             }
         }
         sum = turned;
@@ -44,12 +46,12 @@ static double turns_about(const struct frame *f, const struct points *p, double 
 
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading)
 {
-    struct curve_point low = points->at[0], high = low;
+    struct curve_point low = point_at(points, 0), high = low;
     for (size_t i = 1; points_go_on(points, i); i++) {
-        low.x = fmin(low.x, points->at[i].x);
-        low.y = fmin(low.y, points->at[i].y);
-        high.x = fmax(high.x, points->at[i].x);
-        high.y = fmax(high.y, points->at[i].y);
+        low.x = fmin(low.x, points->x[i]);
+        low.y = fmin(low.y, points->y[i]);
+        high.x = fmax(high.x, points->x[i]);
+        high.y = fmax(high.y, points->y[i]);
     }
     struct frame box = {{0.5 * (low.x + high.x), 0.5 * (low.y + high.y)},
                         {0.5 * (high.x - low.x), 0.5 * (high.y - low.y)}};
@@ -69,6 +71,6 @@ void read_winding(const struct points *points, bool equal, struct curve_reading 
     reading->course = COURSE_WINDS;
     reading->about_origin = use_origin;
     reading->about = frame->centre;
-    reading->distance[0] = distance(frame, points->at[0]);
+    reading->distance[0] = distance(frame, point_at(points, 0));
     reading->distance[1] = far[use_origin];
 }
