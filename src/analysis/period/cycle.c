@@ -1,290 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Periods by similarity. The first stage takes the shortest shift at which the normalised
- * correlation is as high as anywhere (McLeod & Wyvill, A smarter way to find pitch, ICMC 2005). The
- * second places every cycle against the mean of all (Woody, Med. Biol. Eng. 5 (1967) 539).
- */
+/* The times of whole cycles, each placed against the mean of all (Woody, Med. Biol. Eng. 5 (1967)
+ * 539), and what they leave open. */
 #include "analysis/period/cycle.h"
 
+#include <gsl/gsl_cdf.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum {
-    LAG_SHORTEST = 4, /* samples */
-    CYCLES_MIN = 3,   /* fewer cycles prove nothing */
-    BINS_MIN = 16,    /* of the mean cycle */
+    CYCLES_MIN = 3, /* fewer cycles prove nothing */
+    BINS_MIN = 16,  /* of the mean cycle */
     BINS_MAX = 256,
     ALIGN_PASSES = 4,
-    MULTIPLES_MAX = 12, /* periods after which a wave may be more like itself */
+    CYCLES_USED = 128, /* to judge what they leave open */
 };
-
-/* Correlations that differ by less are equal: what interpolation between shifts leaves of pulses of
- * two samples. */
-static const double correlation_resolution = 0.02;
-/* Chance differences [standard deviations]. */
-static const double correlation_sigmas = 4;
-/* Many periods that are more alike than one are beats or sway, unless one is not alike at all. */
-static const double alike_min = 0.8;
-static const int few_multiples = 3;
-
-/* ---- shifts ---- */
-
-/* Weights [2 SINC_REACH] of the samples from SINC_REACH - 1 before on, for a value `part` after one
- * (Lanczos's window on the sine integral's kernel). */
-static void sinc_weights(double part, double *weight)
-{
-    double sum = 0;
-    for (int j = 0; j < 2 * SINC_REACH; j++) {
-        const double x = 0.5 * TWO_PI * (part + SINC_REACH - 1 - j);
-        weight[j] = fabs(x) < 1e-9 ? 1 : sin(x) * sin(x / SINC_REACH) * SINC_REACH / (x * x);
-        sum += weight[j];
-    }
-    for (int j = 0; j < 2 * SINC_REACH; j++)
-        weight[j] /= sum;
-}
-
-bool lags_init(const struct series *whole, double period, struct arena *arena, struct lags *lags)
-{
-    enum { ROWS = 4096, ROWS_A_PERIOD = 128, PERIODS = 32 };
-    struct series part = *whole;
-    const double span = whole->n > 0 ? whole->t[whole->n - 1] - whole->t[0] : 0;
-    if (period > 0 && whole->n > ROWS) {
-        const double samples = period * (double)(whole->n - 1) / span;
-        const double each = floor(fmin(fmax(samples / ROWS_A_PERIOD, 1), (double)whole->n / ROWS)),
-                     rows = fmax(fmin(PERIODS * samples / each, (double)whole->n), ROWS);
-        if (!series_lively_part(whole, (size_t)each, (size_t)rows, arena, &part))
-            return false;
-    }
-    *lags = (struct lags){.n = part.n};
-    if (part.n < 4 * LAG_SHORTEST || !(span > 0))
-        return false;
-    lags->dt = (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1);
-    for (int i = 0; i < SINC_PLACES; i++)
-        sinc_weights((i + 1.0) / (SINC_PLACES + 1), lags->weight[i]);
-    lags->correlation = series_correlations(&part, arena, &lags->y);
-    return lags->correlation;
-}
-
-/* Returns how much two correlations about r differ by chance and resolution. */
-static double correlation_band(const struct lags *l, double r)
-{
-    return correlation_resolution +
-           correlation_sigmas * (1 - fmin(r, 1)) * sqrt(3.0 / (double)l->n);
-}
-
-/* Returns the least correlation that chance does not bring. */
-static double correlation_least(const struct lags *l)
-{
-    return 0.15 + 5 / sqrt((double)l->n);
-}
-
-static bool is_peak(const struct lags *l, size_t k)
-{
-    const double *r = l->correlation + k;
-    return r[0] > 0 && r[0] > r[-1] && r[0] >= r[1];
-}
-
-static double sinc_value(const double *y, const double *weight)
-{
-    double sum = 0;
-    for (int j = 0; j < 2 * SINC_REACH; j++)
-        sum += weight[j] * y[j - (SINC_REACH - 1)];
-    return sum;
-}
-
-/* Returns the highest correlation between the samples beside a peak, or -1 near the ends. */
-static double sinc_top(const struct lags *l, size_t k)
-{
-    double top = -1;
-    if (k <= SINC_REACH || k + SINC_REACH + 1 >= l->n)
-        return top;
-    for (int i = 0; i < SINC_PLACES; i++) {
-        top = fmax(top, sinc_value(l->correlation + k - 1, l->weight[i]));
-        top = fmax(top, sinc_value(l->correlation + k, l->weight[i]));
-    }
-    return top;
-}
-
-/* A peak of the correlation between two shifts: its top is that of the parabola or, of pulses of
- * few samples, of a band-limited curve; but of a wave with edges that of the two lines through its
- * flanks. */
-struct lag_peak {
-    double shift; /* [s] */
-    double parabola, flanks;
-};
-
-static struct lag_peak read_peak(const struct lags *l, size_t k)
-{
-    const double *r = l->correlation + k, bend = r[-1] - 2 * r[0] + r[1],
-                 slope = 0.5 * (r[1] - r[-1]);
-    const double off = bend < 0 ? -slope / bend : 0;
-    struct lag_peak peak = {((double)k + off) * l->dt, r[0] + 0.5 * slope * off, r[0]};
-    /* the top lies on the side of the higher neighbour */
-    const int side = r[1] > r[-1] ? 1 : -1;
-    if (k >= 2 && k + 2 < l->n) {
-        const double rise = r[0] - r[-side], fall = r[side] - r[2 * side];
-        if (rise > 0 && fall > 0)
-            peak.flanks = r[0] + rise * (r[side] + fall - r[0]) / (rise + fall);
-    }
-    peak.parabola = fmin(fmax(peak.parabola, sinc_top(l, k)), 1);
-    peak.flanks = fmin(fmax(peak.flanks, peak.parabola), 1);
-    return peak;
-}
-
-/* Finds the highest peak within a reach of a shift [s]. Returns false if there is none. */
-static bool peak_near(const struct lags *l, double shift, double reach, struct lag_peak *peak)
-{
-    const size_t low = (size_t)fmax((shift - reach) / l->dt, 1),
-                 high = (size_t)fmin((shift + reach) / l->dt + 1, (double)l->n - 2);
-    *peak = (struct lag_peak){NAN, -1, -1};
-    for (size_t k = low; k <= high; k++) {
-        const struct lag_peak here = is_peak(l, k) ? read_peak(l, k) : (struct lag_peak){0, -1, -1};
-        if (here.parabola > peak->parabola)
-            *peak = here;
-    }
-    return isfinite(peak->shift);
-}
-
-double lags_period(const struct lags *l)
-{
-    const size_t half = l->n / 2;
-    size_t first = 1;
-    double highest = 0;
-    while (first < half && l->correlation[first] > 0)
-        first++;
-    first = first < LAG_SHORTEST ? LAG_SHORTEST : first;
-    for (size_t k = first; k < half; k++)
-        highest = is_peak(l, k) ? fmax(highest, read_peak(l, k).parabola) : highest;
-    for (size_t k = first; k < half && highest > correlation_least(l); k++) {
-        if (!is_peak(l, k))
-            continue;
-        const struct lag_peak peak = read_peak(l, k);
-        if (peak.flanks >= highest - correlation_band(l, highest))
-            return peak.shift;
-    }
-    return NAN;
-}
-
-/* Returns the correlation of `count` values from index i on with those some samples later, or, by
- * weights, between that sample and the next. */
-static double window_correlation(const double *y, size_t i, size_t count, size_t shift,
-                                 const double *weight)
-{
-    double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
-    for (size_t k = i; k < i + count; k++) {
-        const double u = y[k], v = weight ? sinc_value(y + k + shift, weight) : y[k + shift];
-        a += u;
-        b += v;
-        aa += u * u;
-        ab += u * v;
-        bb += v * v;
-    }
-    const double n = (double)count, saa = aa - a * a / n, sbb = bb - b * b / n;
-    return saa > 0 && sbb > 0 ? (ab - a * b / n) / sqrt(saa * sbb) : 0;
-}
-
-/* The same for a shift between two samples: the best of that and those at the two. */
-static double shifted_correlation(const struct lags *l, size_t i, size_t count, double shift)
-{
-    const size_t low = (size_t)(shift / l->dt);
-    double weight[2 * SINC_REACH], best = fmax(window_correlation(l->y, i, count, low, NULL),
-                                               window_correlation(l->y, i, count, low + 1, NULL));
-    if (i + low >= SINC_REACH && i + count + low + SINC_REACH < l->n) {
-        sinc_weights(shift / l->dt - (double)low, weight);
-        best = fmax(best, window_correlation(l->y, i, count, low, weight));
-    }
-    return best;
-}
-
-/* Returns true if most parts of the series are more like themselves after n periods than after one:
- * what is loud for a time does not decide. */
-static bool most_prefer(const struct lags *l, double period, int n)
-{
-    const size_t count = (size_t)(n * period / l->dt);
-    size_t prefer = 0, all = 0;
-    for (size_t i = 0; i + 2 * count + 2 < l->n; i += count) {
-        const double once = shifted_correlation(l, i, count, period),
-                     often = shifted_correlation(l, i, count, n * period);
-        if (fmax(once, often) > 0.5) { /* the others show no wave at all */
-            prefer += often > once + 0.5 * correlation_resolution;
-            all++;
-        }
-    }
-    return 3 * prefer > 2 * all;
-}
-
-/* Returns one over the whole number of waves that a period holds. */
-static double lags_part(const struct lags *l, double period, double reach, double once)
-{
-    struct lag_peak peak;
-    for (int n = few_multiples; n >= 2; n--)
-        if (period / n > LAG_SHORTEST * l->dt && peak_near(l, period / n, reach / n, &peak) &&
-            peak.parabola >= once - 0.5 * correlation_resolution)
-            return 1.0 / n;
-    return 1;
-}
-
-/* Returns how far a shift lies from the nearest whole number of samples, from 0 to 0.5. */
-static double between_samples(const struct lags *l, double shift)
-{
-    return fabs(remainder(shift / l->dt, 1));
-}
-
-/* Compares multiples of n periods with others that lie no farther between samples, so that what
- * sampling takes from narrow pulses favours the others. Returns true if they are still less alike.
- */
-static bool fairly_better(const struct lags *l, double period, int n)
-{
-    const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;
-    double other = -1, off = 1;
-    struct lag_peak peak;
-    for (int k = 1; k <= MULTIPLES_MAX && k * period < 0.6 * span; k++)
-        if (k % n != 0 && between_samples(l, k * period) < off &&
-            peak_near(l, k * period, reach, &peak)) {
-            off = between_samples(l, k * period);
-            other = peak.parabola;
-        }
-    for (int k = n; k <= MULTIPLES_MAX && k * period < 0.6 * span && other > 0; k += n)
-        if (between_samples(l, k * period) >= off && peak_near(l, k * period, reach, &peak) &&
-            peak.parabola > other + correlation_band(l, peak.parabola))
-            return true;
-    return false;
-}
-
-double lags_multiple(const struct lags *l, double period)
-{
-    const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;
-    struct lag_peak once, peak;
-    double best = 0;
-    peak_near(l, period, reach, &once);
-    for (int n = 2; n <= MULTIPLES_MAX && n * period < 0.55 * span; n++)
-        if ((n <= few_multiples || once.flanks < alike_min) &&
-            peak_near(l, n * period, n * reach, &peak))
-            best = fmax(best, peak.parabola);
-    if (best < correlation_least(l) || best <= once.parabola + correlation_band(l, best))
-        return once.parabola > correlation_least(l) ? lags_part(l, period, reach, once.parabola)
-                                                    : 1;
-    for (int n = 2; n <= MULTIPLES_MAX && n * period < 0.55 * span; n++)
-        if (peak_near(l, n * period, n * reach, &peak) &&
-            peak.flanks >= best - correlation_band(l, best) &&
-            (best > once.flanks + correlation_band(l, best) || fairly_better(l, period, n)))
-            return most_prefer(l, period, n) ? n : 1;
-    return 1;
-}
-
-bool lags_support(const struct lags *l, double period)
-{
-    struct lag_peak peak;
-    return peak_near(l, period, 0.1 * period + 0.5 * l->dt, &peak) &&
-           peak.parabola > fmax(0.5, correlation_least(l));
-}
-
-/* ---- cycles ---- */
 
 struct cycle {
     double t, sigma;     /* [s] its begin */
     double mean, height; /* y = mean + height f(phase) */
     double square, left; /* variances, about its mean and about the mean cycle */
+    double rows, power, slope; /* of the mean cycle: rows, and sums of squares of it and by time */
 };
 
 struct cycles {
@@ -330,7 +66,8 @@ static double fit_cycle(const struct cycles *c, double t, struct cycle *out)
     if (n < BINS_MIN / 2 || !(sff > 0) || !(syy > 0))
         return -1;
     slope /= 4 * bin * bin * c->period * c->period;
-    *out = (struct cycle){.t = t, .height = sfy / sff, .square = syy};
+    *out = (struct cycle){
+        .t = t, .height = sfy / sff, .square = syy, .rows = n, .power = sff, .slope = slope};
     out->mean = y0 + (y - out->height * f) / n;
     out->left = fmax(syy - sfy * sfy / sff, 0);
     out->left /= n - 3;
@@ -468,6 +205,22 @@ static double share_needed(size_t cycles)
     return 0.9;
 }
 
+/* Places all cycles of about `guess` [s] against their mean. Returns false if they are too few, or
+ * if out of memory. */
+static bool cycles_find(struct cycles *c, const struct samples *x, double guess,
+                        struct arena *arena)
+{
+    if (!cycles_init(c, x, guess, arena))
+        return false;
+    const size_t middle = c->count / 2, few = c->count < 8 ? c->count : 8;
+    if (!mean_shape(c, middle - few / 2, middle - few / 2 + few))
+        return false;
+    for (int pass = 0; pass < ALIGN_PASSES; pass++)
+        if (!place_cycles(c, pass == 0 ? 0.1 : 0.04) || !mean_shape(c, 0, c->count))
+            return false;
+    return true;
+}
+
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period)
 {
@@ -475,25 +228,295 @@ bool cycle_period(const struct series *series, double guess, struct arena *arena
     struct cycles c;
     size_t used = 0, placed = 0;
     double level = 0;
-    if (!samples_init(&x, series, arena) || !cycles_init(&c, &x, guess, arena))
+    if (!samples_init(&x, series, arena) || !cycles_find(&c, &x, guess, arena) ||
+        explained_share(&c) < share_needed(c.count))
         return false;
-    const size_t middle = c.count / 2, few = c.count < 8 ? c.count : 8;
     struct crossing *begin = arena_array(arena, c.count, sizeof *begin);
     double *scratch = arena_array(arena, c.count, sizeof *scratch);
-    if (!begin || !scratch || !mean_shape(&c, middle - few / 2, middle - few / 2 + few))
+    if (!begin || !scratch)
         return false;
-    for (int pass = 0; pass < ALIGN_PASSES; pass++)
-        if (!place_cycles(&c, pass == 0 ? 0.1 : 0.04) || !mean_shape(&c, 0, c.count))
-            return false;
     for (size_t k = 0; k < c.count; k++)
         if (c.cycle[k].height > 0) {
             begin[placed++] = (struct crossing){c.cycle[k].t, c.cycle[k].sigma, true};
             level += c.cycle[k].mean;
         }
     *period = (struct period){.how = "cycles"};
-    if (placed < CYCLES_MIN || explained_share(&c) < share_needed(c.count) ||
-        !fit_beat(begin, placed, guess, scratch, false, period, &used) || 5 * used < 4 * c.count)
+    if (placed < CYCLES_MIN || !fit_beat(begin, placed, guess, scratch, false, period, &used) || 5 * used < 4 * c.count)
         return false;
     period->level = level / (double)placed;
     return true;
+}
+
+/* ---- what the cycles leave open ---- */
+
+/* Returns the chance that values that follow a straight line or a parabola differ in turn, one in
+ * `turns`, as much as these do by their uncertainties, or by their scatter where it is larger. */
+static double turns_chance(const struct measured *x, size_t n, size_t turns)
+{
+    enum { COLUMNS = 5, WIDTH = COLUMNS + 1, PARABOLA_MIN = 8 };
+    static const double scatter_chance = 0.05;
+    const int smooth = n < PARABOLA_MIN ? 2 : 3, columns = smooth + (int)turns - 1;
+    double a[WIDTH * WIDTH] = {0}, square = 0, gained = 0;
+    if (n < (size_t)columns)
+        return 1;
+    for (size_t k = 0; k < n; k++) {
+        const double u = 2 * (double)k / (double)(n - 1) - 1;
+        double column[WIDTH] = {1, u, u * u};
+        for (int j = smooth; j < columns; j++)
+            column[j] = k % turns == (size_t)(j - smooth);
+        column[columns] = x[k].value - x[0].value;
+        for (int i = 0; i <= columns; i++)
+            for (int j = 0; j <= i; j++)
+                a[WIDTH * i + j] += column[i] * column[j] / (x[k].uncertainty * x[k].uncertainty);
+    }
+    double *r = a + WIDTH * columns;
+    square = r[columns];
+    if (!cholesky(columns, WIDTH, a, 1e-10, a))
+        return 1;
+    cholesky_forward(columns, WIDTH, a, r);
+    for (int j = 0; j < columns; j++) {
+        square -= r[j] * r[j];
+        gained += j < smooth ? 0 : r[j] * r[j];
+    }
+    const double ways = (double)turns - 1, freedom = (double)n - columns,
+                 chance = gsl_cdf_chisq_Q(gained, ways);
+    if (freedom < 1 || gsl_cdf_chisq_Q(square, freedom) > scatter_chance)
+        return chance;
+    return fmax(chance, gsl_cdf_fdist_Q(gained / ways / (square / freedom), ways, freedom));
+}
+
+/* What is read of every cycle that may tell it from its neighbours. */
+enum { CYCLE_HEIGHT, CYCLE_MEAN, CYCLE_TIME, CYCLE_VALUES };
+
+/* Sets [count] values of one kind, whose uncertainties come of a variance of the rows and of how
+ * far [y] the mean cycle may be off all along a cycle. */
+static void cycle_values(const struct cycles *c, int kind, double variance, double off,
+                         struct measured *value)
+{
+    double height = 0;
+    for (size_t k = 0; k < c->count; k++)
+        height += c->cycle[k].height / (double)c->count;
+    for (size_t k = 0; k < c->count; k++) {
+        const struct cycle *y = &c->cycle[k];
+        const double row = variance + off * off * y->rows, relative = sqrt(row / y->power) / height;
+        if (kind == CYCLE_HEIGHT)
+            value[k] = (struct measured){log(y->height), relative * height / y->height};
+        else if (kind == CYCLE_MEAN)
+            value[k] = (struct measured){y->mean, sqrt(row / y->rows)};
+        else
+            value[k] = (struct measured){y->t - c->cycle[0].t - (double)k * c->period,
+                                         sqrt(row / y->slope) / y->height};
+    }
+}
+
+/* Returns the mean square of the rows about the mean of their cycle. */
+static double cycles_square(const struct cycles *c)
+{
+    double square = 0;
+    for (size_t k = 0; k < c->count; k++)
+        square += c->cycle[k].square / (double)c->count;
+    return square;
+}
+
+/* Returns how far the mean cycle is off the rows where the times of the samples repeat after so
+ * many cycles, so that it may be off by the same in each of these: half of what noise does not
+ * explain. Else, or at least, a small part of the rows' size. */
+static double template_error(const struct cycles *c, size_t turns, double left, double noise)
+{
+    static const double small = 1e-3, coherent = 0.3, all_noise = 1.5;
+    const struct samples *x = c->samples;
+    const double samples = c->period / (x->t[x->n - 1] - x->t[0]) * (double)(x->n - 1),
+                 drift = fabs(remainder((double)turns * samples, 1)) * (double)c->count;
+    const double size = small * sqrt(cycles_square(c));
+    return turns == 0 || drift < 2 ? hypot(size, coherent * sqrt(fmax(left - all_noise * noise * noise, 0))) : size;
+}
+
+/* Returns the variance of the rows that the mean cycle leaves, or -1 if it is like none of some. */
+static double cycles_left(const struct cycles *c)
+{
+    static const double least = 0.2; /* of the mean height */
+    double left = 0, height = 0;
+    for (size_t k = 0; k < c->count; k++)
+        height += c->cycle[k].height / (double)c->count;
+    for (size_t k = 0; k < c->count; k++) {
+        if (!(c->cycle[k].height > least * height))
+            return -1;
+        left += c->cycle[k].left / (double)(c->count - 1);
+    }
+    return left;
+}
+
+/* Returns the least chance that the cycles differ in turn by what is read of them; NAN if not all
+ * are like their mean. */
+static double cycles_chance(const struct cycles *c, size_t turns, double noise,
+                            struct measured *value)
+{
+    const double left = cycles_left(c), off = template_error(c, turns, left, noise);
+    double least = 1;
+    if (left < 0)
+        return NAN;
+    for (int kind = 0; kind < CYCLE_VALUES; kind++) {
+        cycle_values(c, kind, left, off, value);
+        least = fmin(least, turns_chance(value, c->count, turns));
+    }
+    return least;
+}
+
+/* The posterior of times of cycles that scatter beyond their uncertainties. */
+struct times_model {
+    double scatter, walk; /* [s^2] variances of each, and of what each adds to all later ones */
+    double likelihood;    /* its logarithm */
+    struct measured period; /* [s] */
+};
+
+/* Follows the times less multiples of a period (a Kalman filter of time and period). */
+static void follow_times(const struct measured *time, size_t n, double spread,
+                         struct times_model *m)
+{
+    static const double unknown = 1e6;
+    double x = 0, d = 0, xx = unknown * spread, xd = 0, dd = unknown * spread;
+    m->likelihood = 0;
+    for (size_t k = 0; k < n; k++) {
+        const double f = xx + m->scatter + time[k].uncertainty * time[k].uncertainty,
+                     off = time[k].value - x, gain_x = xx / f, gain_d = xd / f;
+        m->likelihood -= 0.5 * (log(f) + off * off / f);
+        x += gain_x * off;
+        d += gain_d * off;
+        dd -= gain_d * xd;
+        xd -= gain_d * xx;
+        xx -= gain_x * xx;
+        m->period = (struct measured){d, sqrt(fmax(dd, 0))};
+        x += d;
+        xx += 2 * xd + dd + m->walk;
+        xd += dd;
+    }
+}
+
+/*
+ * Reads from the times of cycles by how much the period is off the one that they are less multiples
+ * of [s]. Each may come some random time off its place, or off the cycle before: the mean over
+ * both, by how likely they make the times. *beyond: by how much that makes the variance
+ * larger than noise alone does, which is that share of the variances of the times.
+ */
+static struct measured period_of_times(const struct measured *time, size_t n, double noise_share,
+                                       bool *surprising, double *beyond)
+{
+    enum { STEPS = 6 };
+    static const double step = 4, first_scatter = 1.0 / 64, first_walk = 1.0 / 16;
+    /* For more than noise, over that for noise alone: it is up to 4 where neither is likelier. */
+    static const double evidence_min = 4, evidence_sure = 8;
+    struct line_fit line;
+    double place[CYCLES_USED], spread = 0, weight = 0, value = 0, square = 0, variance = 0;
+    struct times_model model[STEPS + 1][STEPS + 1], *none = &model[0][0];
+    for (size_t k = 0; k < n; k++)
+        place[k] = (double)k;
+    *beyond = 0;
+    *surprising = false;
+    if (!line_fit(place, time, (int)n, &line))
+        return (struct measured){0, HUGE_VAL};
+    for (size_t k = 0; k < n; k++) {
+        const double off = time[k].value - line.intercept.value - line.slope.value * place[k];
+        spread += (off * off + time[k].uncertainty * time[k].uncertainty) / (double)n;
+    }
+    for (int i = 0; i <= STEPS; i++)
+        for (int j = 0; j <= STEPS; j++) {
+            struct times_model *m = &model[i][j];
+            m->scatter = i == 0 ? 0 : spread * first_scatter * pow(step, i - 1);
+            m->walk = j == 0 ? 0 : spread * first_walk / (double)n * pow(step, j - 1);
+            follow_times(time, n, spread, m);
+            const double prior = (i == 0 ? 1 : 1.0 / STEPS) * (j == 0 ? 1 : 1.0 / STEPS),
+                         w = prior * exp(fmin(m->likelihood - none->likelihood, 600));
+            weight += w;
+            value += w * m->period.value;
+            square += w * m->period.value * m->period.value;
+            variance += w * m->period.uncertainty * m->period.uncertainty;
+        }
+    value /= weight;
+    variance = variance / weight + fmax(square / weight - value * value, 0);
+    const double noise = none->period.uncertainty * none->period.uncertainty;
+    *surprising = weight > evidence_sure;
+    *beyond = (weight > evidence_min ? variance : noise) - noise_share * noise;
+    return (struct measured){value, sqrt(variance)};
+}
+
+/* Takes the rows that the cycles are judged by. */
+static bool doubt_rows(const struct series *series, const struct period *p, struct arena *arena,
+                       struct series *rows)
+{
+    enum { ROWS_A_CYCLE = 64 };
+    static const double whole = 0.8;
+    struct series part = *series;
+    if (p->last > p->first && p->last - p->first < whole * (part.t[part.n - 1] - part.t[0]))
+        part = series_window(*series, p->first - p->period.value,
+                             p->last + p->period.value);
+    if (part.n < 2)
+        return false;
+    const double cycles = (part.t[part.n - 1] - part.t[0]) / p->period.value,
+                 each = (double)part.n / cycles, by = floor(fmax(each / ROWS_A_CYCLE, 1)),
+                 used = fmin(each / by * (CYCLES_USED - 1), (double)part.n);
+    return cycles >= CYCLES_MIN && series_lively_part(&part, (size_t)by, (size_t)used, arena, rows);
+}
+
+/* Widens a period by what the times of its cycles leave open, and warns where that is most of it.
+ */
+static void widen_by_times(const struct cycles *c, double noise, struct measured *value,
+                           struct period *period)
+{
+    static const double contradicts = 3, share_min = 0.8, most = 2;
+    double beyond;
+    bool surprising;
+    const double left = cycles_left(c), error = template_error(c, 0, left, noise),
+                 left_share = left / (left + error * error * c->cycle[0].rows);
+    const bool same = strcmp(period->how, "cycles") == 0; /* the same times */
+    cycle_values(c, CYCLE_TIME, left, error, value);
+    const struct measured off =
+        period_of_times(value, c->count, same ? left_share : 1, &surprising, &beyond);
+    const double share = fmin((double)c->count / fmax(period->periods, 1), 1),
+                 more = sqrt(fmax(share * beyond, 0)), stated = period->period.uncertainty;
+    period->period.uncertainty = fmax(stated, more);
+    if (share > share_min &&
+        fabs(off.value) > contradicts * hypot(off.uncertainty, period->period.uncertainty))
+        period->period.uncertainty = hypot(period->period.uncertainty, off.value);
+    if (surprising && period->period.uncertainty > most * stated && !period->warning[0])
+        snprintf(period->warning, sizeof period->warning,
+                 "the cycles come off their places, or off those before, by more than the noise: T "
+                 "is their mean, and known the less the fewer they are");
+}
+
+void period_doubt(const struct series *series, struct arena *arena, struct period *period)
+{
+    static const double chance_min = 3e-3, alike_min = 0.8, noise_max = 0.05;
+    enum { MULTIPLES = 3, PARTS = 4 };
+    struct series rows;
+    struct samples x;
+    struct cycles c;
+    struct measured value[CYCLES_USED];
+    const double T = period->period.value;
+    if (series_is_uneven(series) || !doubt_rows(series, period, arena, &rows) ||
+        !samples_init(&x, &rows, arena))
+        return;
+    double *scratch = arena_array(arena, x.n, sizeof *scratch);
+    if (!scratch)
+        return;
+    const double noise = samples_noise(&x, scratch);
+    if (cycles_find(&c, &x, T, arena) && c.count <= CYCLES_USED) {
+        const bool alike = cycles_left(&c) >= 0 && explained_share(&c) >= share_needed(c.count);
+        for (size_t n = 2; n <= MULTIPLES && alike && !period->warning[0]; n++)
+            if (cycles_chance(&c, n, noise, value) < chance_min)
+                snprintf(period->warning, sizeof period->warning,
+                         "the period may be %zu times as long: one cycle in %zu differs from the "
+                         "others by more than the noise",
+                         n, n);
+        if (alike)
+            widen_by_times(&c, noise, value, period);
+        else if (noise * noise < noise_max * cycles_square(&c) && !period->warning[0])
+            snprintf(period->warning, sizeof period->warning,
+                     "cycles of this length are not all alike: T may not be their period");
+    }
+    for (size_t n = PARTS; n >= 2 && !period->warning[0]; n--)
+        if (cycles_find(&c, &x, T / (double)n, arena) && cycles_left(&c) >= 0 &&
+            explained_share(&c) > alike_min)
+            snprintf(period->warning, sizeof period->warning,
+                     "T holds %zu cycles of %.5g s that are alike but for their sizes and %.2g %%",
+                     n, T / (double)n, 100 * sqrt(fmax(1 - explained_share(&c), 0)));
 }

@@ -58,7 +58,7 @@ bool motion_is_decaying(const struct motion *motion);
 void period_widen_by_envelope(const struct motion *motion, bool is_poor, struct arena *arena,
                               struct period *period);
 
-/* ---- cycle.c ---- */
+/* ---- lags.c ---- */
 
 enum {
     SINC_REACH = 8,  /* samples on either side that a value between two is made of */
@@ -90,12 +90,21 @@ bool lags_support(const struct lags *lags, double period);
  * more like itself than after one, or as much; 1 if it is the period itself. */
 double lags_multiple(const struct lags *lags, double period);
 
+/* ---- cycle.c ---- */
+
 /*
  * Reads the period from the times of whole cycles of about `guess` [s], each placed against the
  * mean of all. Returns false if the cycles are not alike, or too few, or if out of memory.
  */
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period);
+
+/*
+ * Judges a period by its cycles, one by one. Warns where every second or third of them differs from
+ * the others by more than chance, so that T may be longer, and where parts of T do not, so that it
+ * may be shorter. Widens T where the cycles come at times that scatter by more than the noise.
+ */
+void period_doubt(const struct series *series, struct arena *arena, struct period *period);
 
 /* ---- waves.c ---- */
 

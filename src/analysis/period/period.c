@@ -491,6 +491,7 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
             period_find_turns(series, arena, period);
         else
             period_find_subharmonic(series, arena, period);
+        period_doubt(series, arena, period);
     }
     period->period = measured_at_pace(period->period, pace);
     return true;
