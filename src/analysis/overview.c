@@ -410,8 +410,9 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
 
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)
 {
+    enum { ROWS_MAX = 16384 }; /* more are not fitted only in order to judge them */
     struct motion m;
-    if (series_is_uneven(series)) /* its samples are not these rows */
+    if (series->n > ROWS_MAX || series_is_uneven(series)) /* its samples are not these rows */
         return false;
     if (!motion_init(&m, series, arena, NULL) || !m.overview.oscillates || !m.harmonic.converged ||
         fit_discards_much(m.rejected, m.samples.n))

@@ -133,9 +133,6 @@ static void fit_scale(const struct overlap_sums *s, struct data_distance *d)
     d->rms = sqrt(fmax(s->xx > 0 ? left : s->yy, 0) / s->n);
 }
 
-/* Longer recordings are not fitted only in order to judge their samples. */
-static const size_t judged_by_fit_max = 16384;
-
 /* Leaves the samples out that the recording itself shows to be bad. */
 static bool find_good(struct recording *recording, const struct series *all, struct arena *arena,
                       struct series *good)
@@ -146,7 +143,7 @@ static bool find_good(struct recording *recording, const struct series *all, str
            *y = arena_array(arena, all->n + 1, sizeof *y);
     if (!use || !t || !y)
         return false;
-    if (all->n > judged_by_fit_max || !series_outliers(all, arena, use)) {
+    if (!series_outliers(all, arena, use)) {
         struct recording clean = *recording; /* its arrays are shared */
         clean.cleaned = true;
         return recording_series(&clean, arena, 2, good, &ignored);

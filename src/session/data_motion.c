@@ -109,6 +109,44 @@ static bool find_spring(const struct session *session, const struct recording *r
     return true;
 }
 
+/* Marks the rows that the fit of a damped sine leaves out as bad samples: use [n] is 0 for these.
+ * Returns false if out of memory. */
+static bool find_good_rows(const struct session *session, const struct recording *recording,
+                           const struct series *s, struct arena *arena, unsigned char **use)
+{
+    *use = arena_alloc(arena, s->n + 1);
+    if (*use && (session_grows(session, recording) || !series_outliers(s, arena, *use)))
+        memset(*use, 1, s->n);
+    return *use;
+}
+
+/* Takes the velocities from the rows in use; those of the others are NAN. */
+static bool good_velocity(const struct series *all, const unsigned char *use, struct arena *arena,
+                          struct data_motion *motion, struct error *error)
+{
+    double *t = arena_array(arena, all->n + 1, sizeof *t),
+           *y = arena_array(arena, all->n + 1, sizeof *y);
+    struct series good = *all;
+    size_t k = 0;
+    if (!t || !y)
+        return error_memory(error);
+    good.t = t;
+    good.y = y;
+    good.n = 0;
+    for (size_t i = 0; i < all->n; i++)
+        if (use[i]) {
+            t[good.n] = all->t[i];
+            y[good.n++] = all->y[i];
+        }
+    double *v = motion->v;
+    if (!own_velocity(&good, arena, motion, error))
+        return false;
+    for (size_t i = 0; i < all->n; i++)
+        v[i] = use[i] ? motion->v[k++] : NAN;
+    motion->v = v;
+    return true;
+}
+
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error)
@@ -128,7 +166,9 @@ bool data_motion(const struct session *session, const struct recording *recordin
     motion->cancel = s->cancel;
     motion->v = arena_array(arena, s->n, sizeof *motion->v);
     motion->energy = energy ? arena_array(arena, s->n, sizeof *motion->energy) : NULL;
-    if (!motion->v || (energy && !motion->energy))
+    unsigned char *use;
+    if (!motion->v || (energy && !motion->energy) ||
+        !find_good_rows(session, recording, s, arena, &use))
         return error_memory(error);
     motion->omega = motion_frequency(session, recording, s, arena);
     if (fitted(session, recording))
@@ -136,11 +176,13 @@ bool data_motion(const struct session *session, const struct recording *recordin
     else if (session_grows(session, recording) && isfinite(session->collecting->middle))
         motion->middle = session->collecting->middle - recording->zero;
     else
-        for (size_t i = 0; i < s->n; i++)
-            motion->middle += s->y[i] / (double)s->n;
+        for (size_t i = 0, used = 0; i < s->n; i++)
+            motion->middle += use[i] ? (s->y[i] - motion->middle) / (double)++used : 0;
     if (!(recording->velocity[0] ? joined_velocity(session, recording, arena, motion, error)
-                                 : own_velocity(s, arena, motion, error)))
+                                 : good_velocity(s, use, arena, motion, error)))
         return false;
+    for (size_t i = 0; i < s->n; i++)
+        motion->v[i] = use[i] ? motion->v[i] : NAN; /* the energy follows */
     if (energy && !find_spring(session, recording, motion, error))
         return false;
     for (size_t i = 0; i < s->n && energy; i++) {

