@@ -49,7 +49,7 @@ bool run_period(const struct run *run, struct arena *arena, struct measured *per
         return false;
     const bool clean =
         run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
-    if (!clean && !series_period(&series, arena, &found, &ignored))
+    if (!clean && !run_series_period(run, &series, arena, &found, &ignored))
         return false;
     *period = found.period;
     return true;

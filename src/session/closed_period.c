@@ -157,18 +157,15 @@ static bool is_exact(const struct period *period)
     return period->period.uncertainty <= uncertainty_max * period->period.value;
 }
 
-bool subject_period(const struct subject *subject, struct arena *arena, struct period *period,
-                    struct error *error)
+bool run_series_period(const struct run *run, const struct series *s, struct arena *arena,
+                       struct period *period, struct error *error)
 {
-    const struct run *run = subject->run;
-    const struct series *s = &subject->series;
     struct period closed;
     struct error why;
     const bool found = series_period(s, arena, period, &why);
     if (!found)
         *error = why;
-    if (!run || subject->energy || subject->column || s->n < BASES ||
-        (found && is_exact(period) && period->periods >= HARMONICS_MAX))
+    if (!run || s->n < BASES || (found && is_exact(period) && period->periods >= HARMONICS_MAX))
         return found;
     struct closed_run c = {.trace = run->trace, .cancel = s->cancel, .system = &run->system};
     while (c.from < trace_count(c.trace) &&

@@ -43,10 +43,11 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
  * has none. */
 bool run_period(const struct run *run, struct arena *arena, struct measured *period);
 
-/* As series_period(); of a run that it finds no period of, or not to four digits, from returns of
- * the whole state (closed_period.c). */
-bool subject_period(const struct subject *subject, struct arena *arena, struct period *period,
-                    struct error *error);
+/* As series_period(), of the first variable of a run over some of its rows; where that finds no
+ * period, an uncertain one or few waves, from returns of the whole state (closed_period.c). The run
+ * is NULL where the series is of something else. */
+bool run_series_period(const struct run *run, const struct series *series, struct arena *arena,
+                       struct period *period, struct error *error);
 
 /* ---- what a run has to show over its rows (columns.c) ---- */
 

@@ -102,6 +102,13 @@ static void warn_contradiction(struct measuring *m, struct measured period, stru
             fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
 }
 
+static bool read_period(struct measuring *m, struct period *p)
+{
+    const bool is_state = !m->subject.energy && !m->subject.column;
+    return run_series_period(is_state ? m->subject.run : NULL, &m->subject.series, m->args->arena,
+                             p, m->error);
+}
+
 static bool measure_period(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -114,8 +121,7 @@ static bool measure_period(struct measuring *m)
         buffer_free(&text);
         return false;
     }
-    if (!subject_period(&m->subject, m->args->arena, &p, m->error) ||
-        !measure_keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
+    if (!read_period(m, &p) || !measure_keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
     put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
@@ -139,7 +145,7 @@ static bool measure_period(struct measuring *m)
 static bool measure_frequency(struct measuring *m)
 {
     struct period p;
-    if (!subject_period(&m->subject, m->args->arena, &p, m->error))
+    if (!read_period(m, &p))
         return false;
     const struct measured f = inverse(p.period);
     if (!measure_keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
@@ -312,8 +318,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
         return error_set(m->error, ERROR_COMMAND,
                          "the Reynolds number needs positions, %s holds another quantity",
                          m->subject.name);
-    if (!subject_period(&m->subject, m->args->arena, &p, m->error) ||
-        !series_amplitudes(s, m->args->arena, &s->t[0], 1, 0, &a, m->error))
+    if (!read_period(m, &p) || !series_amplitudes(s, m->args->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
     speed->value = a.amplitude.value * 2 * PI / p.period.value;
     speed->uncertainty = speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value,
@@ -361,7 +366,7 @@ static bool measure_k(struct measuring *m)
     const bool own = recording && recording->mass.value > 0;
     const double mass = own ? recording->mass.value : scene->value[index],
                  u = own ? recording->mass.uncertainty : scene->uncertainty[index];
-    if (!subject_period(&m->subject, m->args->arena, &p, m->error))
+    if (!read_period(m, &p))
         return false;
     const bool decays = series_decay(&m->subject.series, m->args->arena, NULL, 0, &d, &ignored);
     const struct fit motion = {.omega = {2 * PI / p.period.value, 0},
