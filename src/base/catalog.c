@@ -23,7 +23,7 @@ static bool row_is(const struct row *row, struct text name)
     if (text_is(name, row->name))
         return true;
     struct text rest = text_of(row->alias), alias;
-    while (next_alias(&rest, &alias))
+    while (rest.len > 0 && next_alias(&rest, &alias))
         if (text_equal(alias, name))
             return true;
     return false;

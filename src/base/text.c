@@ -16,6 +16,8 @@ bool text_equal(struct text a, struct text b)
 
 bool text_is(struct text a, const char *z)
 {
+    if (z && a.len > 0 && *z != *a.at) /* as most names do, which takes less than their length */
+        return false;
     return text_equal(a, text_of(z));
 }
 

@@ -24,7 +24,7 @@ static double steps_price(const struct run_scenario *s, const struct run_work *w
 {
     const struct method *method = s->method;
     const double n = s->system->n, propagator = 16e3, per_propagated = 4, kernel_step = 6,
-                 general_step = 40, stop_at_kinks = 240, multistep = 500, typed_splitting = 110;
+                 general_step = 40, stop_at_kinks = 130, multistep = 500, typed_splitting = 110;
     const bool general = s->settings->kernel == KERNEL_GENERAL || s->settings->compensated;
     if (s->plan->propagates)
         return propagator + per_propagated * work->steps;
@@ -81,7 +81,7 @@ static double balance_row_price(const struct run_scenario *s)
 {
     /* Work in a long step of an adaptive run is found by solving it again. */
     static const double integrated = 3600, work_typed = 4000, solved = 20e3, solved_typed = 50e3,
-                        plain = 21, several = 65, work_linear = 55, work = 85, across_kink = 60;
+                        plain = 21, several = 65, work_linear = 55, work = 85, across_kink = 90;
     const struct system *system = s->system;
     const double forces = evaluation_price(system);
     if (typed_lines(system->model) > 0 && s->plan->ledger)

@@ -137,7 +137,7 @@ static bool number_names(struct compile *c)
             symbol->slot = 1 + symbol->index;
         if (symbol->kind != SYMBOL_PARAM)
             continue;
-        if (!typed->base && text_is(symbol_text(symbol), "m"))
+        if (!typed->base && symbol_is(symbol, TEXT("m")))
             typed->mass = symbol->index;
         if (!symbol->used)
             continue;

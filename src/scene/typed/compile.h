@@ -48,9 +48,11 @@ struct compile {
 
 /* ---- typed_names.c ---- */
 
-static inline struct text symbol_text(const struct symbol *symbol)
+static inline bool symbol_is(const struct symbol *symbol, struct text name)
 {
-    return text_of(symbol->name);
+    const size_t last = name.len - 1; /* where names like x1 and x2 differ */
+    return name.len > 0 && name.len <= LIMIT_SYMBOL && symbol->name[name.len] == '\0' &&
+           symbol->name[last] == name.at[last] && memcmp(symbol->name, name.at, last) == 0;
 }
 
 /* The line of that kind and name; NULL: none. */

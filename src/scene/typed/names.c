@@ -19,8 +19,8 @@ static bool symbol_matches(const struct compile *c, const struct symbol *symbol,
 {
     if (is_primed(name))
         return symbol->kind >= SYMBOL_VELOCITY && symbol->primed >= 0 &&
-               text_equal(unprimed(name), symbol_text(&c->symbol[symbol->primed]));
-    return text_equal(name, symbol_text(symbol));
+               symbol_is(&c->symbol[symbol->primed], unprimed(name));
+    return symbol_is(symbol, name);
 }
 
 const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
@@ -101,7 +101,7 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
 {
     struct symbol *symbol = &c->symbol[c->symbols];
     for (int i = 0; i < c->symbols; i++) {
-        if (!text_equal(name, symbol_text(&c->symbol[i])))
+        if (!symbol_is(&c->symbol[i], name))
             continue;
         if (i <= c->state + c->bases && c->typed->base) {
             error_at(c->error, where, "%s has '%.*s' already", c->typed->base->row.name,
@@ -144,7 +144,7 @@ static bool add_param(struct compile *c, struct text name, double value, enum qu
 static bool symbol_named(const struct compile *c, struct text name)
 {
     for (int i = 0; i < c->symbols; i++)
-        if (text_equal(name, symbol_text(&c->symbol[i])))
+        if (symbol_is(&c->symbol[i], name))
             return true;
     return false;
 }
