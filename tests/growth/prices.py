@@ -13,6 +13,7 @@ adaptive: a run takes at most 1.5 times the instructions of its steps with the s
           most 1.1 times with -q; of runs of some hundred steps the set-up is left out.
 quiet:    5e5 steps with -q take at most 1.1 times the instructions of the steps alone, runs of a
           lab's 10 s and of some hundred stiff steps at most what is listed.
+memory:   a report of 1e6 rows takes at most 60 MB.
 clean:    `data clean` takes at most so many instructions a row of a long recording, whatever is wrong.
 """
 import math
@@ -70,6 +71,7 @@ ADAPTIVE = [
     "scene pendulum; method dopri5; run 1000 s",
     "scene pendulum; method dop853; run 1000 s",
 ]
+MEMORY_MAX = 60
 # Instructions of `data clean` a row, per fault.
 CLEAN_ROWS = 40000
 CLEAN = {"noise": 3000, "spikes": 3500, "flat tops": 5500}
@@ -208,6 +210,15 @@ def check_short(hooke, verdicts):
         verdicts.say(ratio <= limit, "%s (-q): %.3f times the steps alone" % (script, ratio))
 
 
+def check_memory(hooke, verdicts):
+    with tempfile.TemporaryDirectory() as folder:
+        script = "scene drag; method rk4 dt=10ms; run 10000 s; report %s" % os.path.join(folder, "out")
+        child = subprocess.Popen([hooke, "-n", "-q", "-c", script])
+        status, usage = os.wait4(child.pid, 0)[1:]
+        mega = usage.ru_maxrss / 1e3
+        verdicts.say(status == 0 and mega <= MEMORY_MAX, "report of 1e6 rows: %.1f MB" % mega)
+
+
 def check_screen(hooke, verdicts):
     def said(script):
         return subprocess.run([hooke, "-n", "--color", "never", "-c", script], capture_output=True,
@@ -234,6 +245,7 @@ def main():
     check_absent_forces(hooke, verdicts)
     check_adaptive(hooke, verdicts)
     check_clean(hooke, verdicts)
+    check_memory(hooke, verdicts)
     check_short(hooke, verdicts)
     check_screen(hooke, verdicts)
     methods = ["euler", "symplectic-euler", "verlet", "rk4"]
