@@ -23,6 +23,7 @@
 
 #define COMPACT_BYTES ((uint64_t)4 << 20) /* so much may be left over before it is written anew */
 #define SYNC_NS 1000000000
+#define PART_NS 5000000 /* rows are written for so long, then keys are looked at */
 #define EMPTY_SECONDS 60             /* a session that has written nothing by then is no more */
 #define SYNC_STACK ((size_t)1 << 17) /* [byte] more than one call takes */
 
@@ -150,7 +151,8 @@ static bool append(struct autosave *autosave, const struct cancel *cancel, struc
     const bool first = autosave->fd < 0;
     bool ok = !first || open_new(autosave, &hidden, error);
     const off_t before = ok ? lseek(autosave->fd, 0, SEEK_END) : 0;
-    const struct store_sink to = {&autosave->fd, sink, cancel};
+    const struct store_sink to = {&autosave->fd, sink, cancel,
+                                  first || !cancel ? 0 : clock_ns() + PART_NS};
     ok = ok && session_store(autosave->session, &autosave->stored, &to, error);
     const bool given_up = first && autosave->stored.unfinished;
     ok = ok && (!first || given_up || !hidden.data || name_new(autosave, hidden.data, error));
@@ -165,10 +167,12 @@ static bool append(struct autosave *autosave, const struct cancel *cancel, struc
     return ok;
 }
 
+/* Writing it anew takes too long while a run is watched. */
 static bool is_bloated(const struct autosave *autosave)
 {
     const struct stored *stored = &autosave->stored;
-    return stored->bytes > 2 * (stored->live + stored->latest) + autosave->slack;
+    return autosave->session->live.state != LIVE_RUNNING &&
+           stored->bytes > 2 * (stored->live + stored->latest) + autosave->slack;
 }
 
 /* What is still read, in a file that will take this one's place; without room for it, or time, this
@@ -186,7 +190,7 @@ static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
     fresh->path = path.data;
     fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
     fresh->from = lseek(autosave->fd, 0, SEEK_END);
-    const struct store_sink to = {&fresh->fd, sink, cancel};
+    const struct store_sink to = {&fresh->fd, sink, cancel, 0};
     if (fresh->fd < 0 || !put(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
         !session_store(autosave->session, &stored, &to, &ignored)) {
         fresh_drop(fresh);

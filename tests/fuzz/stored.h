@@ -19,7 +19,7 @@ static inline void stored_put(struct session *session, struct buffer *file)
     struct stored stored = {0};
     struct error error = {0};
     buffer_put(file, TEXT(STORE_HEADER));
-    if (!session_store(session, &stored, &(struct store_sink){file, stored_add, NULL}, &error)) {
+    if (!session_store(session, &stored, &(struct store_sink){file, stored_add, NULL, 0}, &error)) {
         fprintf(stderr, "it is not stored: %s\n", error.text);
         abort();
     }

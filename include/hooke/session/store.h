@@ -53,6 +53,7 @@ struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
     const struct cancel *cancel; /* NULL: nobody stops it */
+    int64_t until; /* [clock_ns] when further rows are left to another time; 0: never */
 };
 
 /* What a file has of a session. All zeros: nothing yet. */

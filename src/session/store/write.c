@@ -166,6 +166,10 @@ static bool put_rows(struct output *out, struct run *run, struct stored_run *of)
         stored->live -= sizeof head + sizeof(struct record_head);
         if (!record_end(out, RECORD_ROWS, bytes_sum(content_of(out))))
             return false;
+        if (out->sink->until > 0 && of->rows < rows && clock_ns() > out->sink->until) {
+            stored->unfinished = true;
+            break;
+        }
     }
     return !stored->unfinished;
 }

@@ -31,7 +31,7 @@ static int store_until(struct session *session, struct stored *stored, struct st
                        int at)
 {
     struct error error;
-    const struct store_sink sink = {file, add_record, &file->cancel};
+    const struct store_sink sink = {file, add_record, &file->cancel, 0};
     file->at = at;
     file->records = 0;
     assert_true(session_store(session, stored, &sink, &error));

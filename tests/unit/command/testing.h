@@ -121,7 +121,7 @@ static inline void bench_store(struct session *session, struct stored *stored, s
     struct error error = {0};
     if (file->len == 0)
         buffer_put(file, TEXT(STORE_HEADER));
-    if (!session_store(session, stored, &(struct store_sink){file, bench_add, NULL}, &error))
+    if (!session_store(session, stored, &(struct store_sink){file, bench_add, NULL, 0}, &error))
         fail_msg("it is not stored: %s", error.text);
     assert_false(file->failed);
 }
