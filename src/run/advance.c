@@ -316,6 +316,9 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     struct run_private *p = run->private_state;
     struct segment segment;
     int64_t begin = clock_ns(), now = begin;
+    /* who draws the energy between slices asks again: half of each is for that */
+    const bool follows = budget_ns > 0 && ledger_is_asked(run);
+    budget_ns = follows ? budget_ns / 2 : budget_ns;
     run->cancel = cancel ? cancel : run->cancel;
     enum stop stop = segment_begin(run, target, &segment);
     bool more = false;
@@ -342,6 +345,8 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     run->seconds += clock_seconds(begin);
     run->stop = stop;
     trace_present(run->trace, run->steps, run->t, run->y);
+    if (more && follows && run->trace->bucket == 1)
+        ledger_follow(run);
     return more;
 }
 

@@ -507,6 +507,9 @@ bool ledger_is_due(const struct run *run);
 bool ledger_thin(struct run *run);
 bool ledger_ready(struct run *run);
 void ledger_forget_thinning(struct run_private *p);
+/* Whether all steps are in the balance, because somebody asked; and puts new ones into it. */
+bool ledger_is_asked(const struct run *run);
+void ledger_follow(const struct run *run);
 /* After steps to these states were offered to the trace, whose marks it sets. */
 void ledger_take(struct run *run, const double *row, int64_t count);
 /* the last row is this state, inside of the next step */

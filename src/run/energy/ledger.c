@@ -222,6 +222,17 @@ bool ledger_thin(struct run *run)
     return fine;
 }
 
+bool ledger_is_asked(const struct run *run)
+{
+    const int64_t known = run->private_state->balance.step;
+    return !trace_marked(run->trace) && known > 0 && known == run->steps;
+}
+
+void ledger_follow(const struct run *run)
+{
+    settle(run);
+}
+
 bool ledger_ready(struct run *run)
 {
     const struct cancel *cancel = run->cancel;
