@@ -102,6 +102,21 @@ static bool is_scattered(const struct sentinel_search *s)
            (double)count <= share_max * (double)(count + s->others);
 }
 
+/* Returns true if most of the rows that are the candidate lie in runs that are too long for a sensor
+ * that sees nothing now and then: as before a trigger, at a value that the motion meets again. */
+static bool is_mostly_rest(const struct sentinel_search *s)
+{
+    size_t count = 0, resting = 0;
+    for (size_t from = 0, to; from < s->n; from = to) {
+        for (to = from; to < s->n && s->y[to] == s->value;)
+            to++;
+        count += to - from;
+        resting += to - from > RUN_MEAN_MAX ? to - from : 0;
+        to += to == from;
+    }
+    return 2 * resting > count;
+}
+
 /* Returns the longest step that the others take from one row to the next, NAN of too few. */
 static double longest_step(const struct sentinel_search *s)
 {
@@ -230,6 +245,8 @@ static bool is_sentinel(struct sentinel_search *s)
     const bool above = s->value > high;
     const double distance = above ? s->value - high : low - s->value, range = high - low,
                  longest = longest_step(s), jumps = jump_share(s, longest);
+    if (distance <= distance_sure * range && is_mostly_rest(s))
+        return false;
     if (distance <= distance_jump * range)
         return is_sentinel_inside(s, jumps);
     const double rank = neighbour_rank(s, above);

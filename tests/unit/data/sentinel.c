@@ -205,8 +205,10 @@ static void make_true(struct sensed *s, int kind)
             *v = i % each < width ? 5000 : 40 + random_normal();
         else if (kind < 10) /* two or three levels */
             *v = i % each < width ? 5000 : i % 2;
+        else if (kind == 12) /* at rest before a trigger, at a value that is met again by chance */
+            *v = i < 50 || i % 150 == 77 ? 250 : i < 52 ? 280 : *v;
     }
-    if (kind >= 10) /* coarse steps */
+    if (kind == 10 || kind == 11) /* coarse steps */
         round_to(s, kind == 10 ? 10 : 25);
 }
 
@@ -217,7 +219,7 @@ static void true_values_are_kept(void **state)
     const int runs = is_long() ? 100 : 20;
     bool warned;
     random_state = 103;
-    for (int kind = 0; kind < 12; kind++)
+    for (int kind = 0; kind < 13; kind++)
         for (int run = 0; run < runs; run++) {
             make_true(&s, kind);
             const int found = rows_left_out(&s, &warned);
