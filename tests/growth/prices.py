@@ -85,8 +85,8 @@ SHORT = [
     ("scene spring; method verlet; run 10 s", 1.5),
     ("scene spring; method rk4 dt=1ms; run 10 s", 1.2),
     ("scene driven; method rk4; run 10 s", 1.1),
-    ("scene drag; method rk4; run 10 s", 1.45),
-    ("scene pendulum; method verlet; run 10 s", 1.85),
+    ("scene drag; method rk4; run 10 s", 2.1),
+    ("scene pendulum; method verlet; run 10 s", 3.3),
     ("scene robertson; method rodas5p tol=1e-6; run", 1.9),
 ]
 QUIET = ["spring", "damped", "drag", "driven", "pendulum", "duffing"]

@@ -9,8 +9,8 @@
 /* evaluations of a run for each row that is looked at, which takes what 12 take in a step */
 #define EVALS_A_ROW 600
 #define ROWS_LOOKED_MIN 512
-/* of those that are picked among all where steps take less than a look does */
-#define ROWS_PICKED_MIN 32
+/* of those that are picked among more where steps take less than a look does */
+#define ROWS_PICKED_MIN 128
 /* rows of a run from which picking takes longer than ROWS_LOOKED_MIN looks */
 #define ROWS_TO_PICK_FROM 30000
 #define LOOK_SHARE 16   /* rows for each step of the accurate method where a step looks strange */
@@ -218,10 +218,10 @@ bool run_picks_rows(const struct system *system, const struct method *method, do
     return has_dear_steps(method) || system->model->typed || rows < ROWS_TO_PICK_FROM;
 }
 
-size_t run_rows_looked_max(const struct method *method, double evals, bool picks)
+size_t run_rows_looked_max(const struct method *method, double evals, double rows, bool picks)
 {
-    const double min = picks && !has_dear_steps(method) ? ROWS_PICKED_MIN : ROWS_LOOKED_MIN;
-    return (size_t)fmax(evals / EVALS_A_ROW, min);
+    const bool few = picks && rows > ROWS_LOOKED_MIN && !has_dear_steps(method);
+    return (size_t)fmax(evals / EVALS_A_ROW, few ? ROWS_PICKED_MIN : ROWS_LOOKED_MIN);
 }
 
 /* Looks at the rows since the last call: at so few that it takes 2 % of the evaluations of a long
@@ -233,9 +233,9 @@ bool run_went_across(struct run *run)
     if (p->looked >= rows) /* it went back */
         p->looked = p->across = p->unchecked = p->checks = 0;
     size_t i = p->looked > first ? p->looked : first, passed = rows;
-    const bool picks = run_picks_rows(&run->system, run->method, (double)(rows - i));
-    const size_t by =
-        1 + (rows - i) / run_rows_looked_max(run->method, (double)run->cost.evals, picks);
+    const double new_rows = (double)(rows - i), evals = (double)run->cost.evals;
+    const bool picks = run_picks_rows(&run->system, run->method, new_rows);
+    const size_t by = 1 + (rows - i) / run_rows_looked_max(run->method, evals, new_rows, picks);
     p->looked = rows - 1;
     for (size_t block = i; block + 1 < rows; block += by) {
         if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {

@@ -36,7 +36,7 @@ bool run_went_across(struct run *run);
  * the largest changes among all. */
 bool run_picks_rows(const struct system *system, const struct method *method, double rows);
 /* Returns how many they are at most. */
-size_t run_rows_looked_max(const struct method *method, double evals, bool picks);
+size_t run_rows_looked_max(const struct method *method, double evals, double rows, bool picks);
 
 /* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. Returns false if
  * it does not get there, would take too long, or is cancelled. */

@@ -63,7 +63,8 @@ static double rows_looked_at(const struct run_scenario *s, const struct run_work
         return 0;
     const double rows = fmin(work->steps, LIMIT_SAMPLES);
     const bool picks = run_picks_rows(s->system, s->method, rows);
-    return rows / (1 + floor(rows / (double)run_rows_looked_max(s->method, work->evals, picks)));
+    return rows /
+           (1 + floor(rows / (double)run_rows_looked_max(s->method, work->evals, rows, picks)));
 }
 
 static double singular_price(const struct run_scenario *s, const struct run_work *work)
