@@ -341,25 +341,12 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
 
 /* ---- long recordings ---- */
 
-/* Means of so many neighbours each. False: no memory. */
-static bool average(const struct samples *x, size_t of, struct arena *arena, struct samples *out)
+/* Makes samples of the means of so many neighbours each. Returns false if out of memory. */
+static bool average(const struct samples *x, size_t each, struct arena *arena, struct samples *out)
 {
-    const size_t n = x->n / of;
-    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    if (!t || !y) {
-        return false;
-    }
-    for (size_t k = 0; k < n; k++) {
-        double sum = 0, time = 0;
-        for (size_t i = k * of; i < (k + 1) * of; i++) {
-            sum += x->y[i];
-            time += x->t[i];
-        }
-        t[k] = time / (double)of;
-        y[k] = sum / (double)of;
-    }
-    const struct series series = {.t = t, .y = y, .n = n};
-    return samples_init(out, &series, arena);
+    const struct samples all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
+    struct series means;
+    return samples_average(&all, each, arena, &means) && samples_init(out, &means, arena);
 }
 
 static double power(const struct track *track, const struct samples *x)
