@@ -208,7 +208,7 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
 static bool doubt_rows(const struct series *series, const struct period *p, struct arena *arena,
                        struct series *rows)
 {
-    enum { ROWS_A_CYCLE = 64 };
+    enum { ROWS_A_CYCLE = 64, ROWS_MIN = 16 };
     static const double whole = 0.8;
     struct series part = *series;
     if (p->last > p->first && p->last - p->first < whole * (part.t[part.n - 1] - part.t[0]))
@@ -218,7 +218,8 @@ static bool doubt_rows(const struct series *series, const struct period *p, stru
     const double cycles = (part.t[part.n - 1] - part.t[0]) / p->period.value,
                  each = (double)part.n / cycles, by = floor(fmax(each / ROWS_A_CYCLE, 1)),
                  used = fmin(each / by * (CYCLES_USED - 1), (double)part.n);
-    return cycles >= CYCLES_MIN && series_lively_part(&part, (size_t)by, (size_t)used, arena, rows);
+    return cycles >= CYCLES_MIN &&
+           series_lively_part(&part, (size_t)by, (size_t)used, arena, rows) && rows->n >= ROWS_MIN;
 }
 
 /* Widens a period by what the times of its cycles leave open, and warns where that is most of it.

@@ -346,7 +346,8 @@ static bool average(const struct samples *x, size_t each, struct arena *arena, s
 {
     const struct samples all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
     struct series means;
-    return samples_average(&all, each, arena, &means) && samples_init(out, &means, arena);
+    return samples_average(&all, each, arena, &means) && !cancelled(x->cancel) &&
+           samples_init(out, &means, arena);
 }
 
 static double power(const struct track *track, const struct samples *x)
