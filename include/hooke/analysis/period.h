@@ -18,7 +18,8 @@ struct overview {
 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview);
 /* Sets use [n] to 0 for the samples that the fit of a damped sine leaves out. Returns false where
- * no damped sine describes the series, if it is too long to be fitted for that, or if out of memory.
+ * no damped sine describes the series, if it is too long to be fitted for that, or if out of
+ * memory.
  */
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use);
 /* Whether it is two damped sines, of which one alone is far from it: their beats are no start and

@@ -7,7 +7,7 @@
 #include <string.h>
 
 enum {
-    BINS_MIN = 16,  /* of the mean cycle */
+    BINS_MIN = 16, /* of the mean cycle */
     BINS_MAX = 256,
     ALIGN_PASSES = 4,
 };

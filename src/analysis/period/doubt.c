@@ -299,8 +299,8 @@ void period_doubt(const struct series *series, struct arena *arena, struct perio
         longer = false;
         if (!cycles_find(&c, &x, period->period.value, arena) || c.count > CYCLES_USED)
             break;
-        const bool alike = cycles_left(&c) >= 0 &&
-                           cycles_explained_share(&c) >= cycles_share_needed(c.count);
+        const bool alike =
+            cycles_left(&c) >= 0 && cycles_explained_share(&c) >= cycles_share_needed(c.count);
         if (alike && pass == 0)
             widen_by_times(&c, noise, value, period);
         if (alike)

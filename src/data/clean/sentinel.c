@@ -102,8 +102,9 @@ static bool is_scattered(const struct sentinel_search *s)
            (double)count <= share_max * (double)(count + s->others);
 }
 
-/* Returns true if most of the rows that are the candidate lie in runs that are too long for a sensor
- * that sees nothing now and then: as before a trigger, at a value that the motion meets again. */
+/* Returns true if most of the rows that are the candidate lie in runs that are too long for a
+ * sensor that sees nothing now and then: as before a trigger, at a value that the motion meets
+ * again. */
 static bool is_mostly_rest(const struct sentinel_search *s)
 {
     size_t count = 0, resting = 0;
