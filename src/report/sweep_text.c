@@ -54,8 +54,8 @@ static const struct unit *unit_of_values(const double *value, size_t count, int 
 /* Of a parameter over the points of this sweep: the largest is at an end. */
 static const struct unit *unit_of_axis(const struct sweep *sweep, int axis)
 {
-    const double max = size_max(fabs(position_at(sweep, axis, 0)),
-                                position_at(sweep, axis, sweep->count - 1));
+    const double max =
+        size_max(fabs(position_at(sweep, axis, 0)), position_at(sweep, axis, sweep->count - 1));
     return unit_of(max, sweep->axis[axis].quantity);
 }
 
@@ -90,9 +90,9 @@ static struct sweep_column column_of(const struct swept *swept, int index)
         return (struct sweep_column){sweep->axis[index].name, sweep->axis[index].quantity,
                                      unit_of_axis(sweep, index)};
     const enum quantity quantity = quantity_of(swept, measure);
-    return (struct sweep_column){sweep_measure_name(&swept->measure[measure]), quantity,
-                                 unit_of_values(sweep->value + measure, (size_t)sweep->count,
-                                                sweep->measures, quantity)};
+    return (struct sweep_column){
+        sweep_measure_name(&swept->measure[measure]), quantity,
+        unit_of_values(sweep->value + measure, (size_t)sweep->count, sweep->measures, quantity)};
 }
 
 /* Every so many points, so that the table can be read. */

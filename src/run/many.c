@@ -7,9 +7,9 @@
 #include <stdlib.h>
 
 /*
- * Are all numbers within the bound, which is repeated FOUR times? Magnitudes of doubles are ordered like
- * their bits, NaN above all: where one is too large, the difference to the bound is negative, and
- * that survives in a sum of bits.
+ * Are all numbers within the bound, which is repeated FOUR times? Magnitudes of doubles are ordered
+ * like their bits, NaN above all: where one is too large, the difference to the bound is negative,
+ * and that survives in a sum of bits.
  */
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {

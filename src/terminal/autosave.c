@@ -23,7 +23,7 @@
 
 #define COMPACT_BYTES ((uint64_t)4 << 20) /* so much may be left over before it is written anew */
 #define SYNC_NS 1000000000
-#define PART_NS 5000000 /* rows are written for so long, then keys are looked at */
+#define PART_NS 5000000              /* rows are written for so long, then keys are looked at */
 #define EMPTY_SECONDS 60             /* a session that has written nothing by then is no more */
 #define SYNC_STACK ((size_t)1 << 17) /* [byte] more than one call takes */
 

@@ -20,7 +20,8 @@ bool run_force_unresolved(const struct run *run, double *dt);
 
 /* Returns true if a force that was typed depends on time: a scene's own drive is a cosine. */
 bool run_force_may_pulse(const struct system *system);
-/* Returns true if no force depends on time, or only a drive by less than a radian in a step of h. */
+/* Returns true if no force depends on time, or only a drive by less than a radian in a step of h.
+ */
 bool run_force_is_slow(const struct system *system, double h);
 
 /* Returns how many steps of a run are looked at for pulses, each by 3 evaluations and *probes. */
