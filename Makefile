@@ -115,7 +115,7 @@ ALONE  := $(wildcard src/terminal/alone/*.c)
 STATIC := build/static$(if $(filter release,$(CONFIG)),,-$(CONFIG))/hooke
 
 # What is compiled with the lists of modules that are in: $(D)/lists/*.def, written by scripts/modules.
-LIST_SOURCES := src/session/modules.c src/command/commands.c
+LIST_SOURCES := src/session/modules.c src/command/commands.c src/language/choices.c src/plot/plots.c
 ABSENT := $(wildcard $(foreach m,$(LEFT_OUT),src/modules/$(m)/*.c src/modules/$(m)/*/*.c))
 $(shell scripts/modules $(D)/lists $(MODULES))
 ifneq ($(.SHELLSTATUS),0)
@@ -216,7 +216,7 @@ static: ## one static program that needs nothing of the system it runs on: build
 
 # What goes once through a command, a table, a picture or a screen, and not once through each step: a quarter shorter.
 # What studies evaluate at each step is not among it.
-EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o study/dynamics/matrix.o) $(call objects,study/sweep)
+EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o modules/dynamics/orbits/matrix.o) $(call objects,study/sweep)
 ONCE := $(filter-out $(EACH),$(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l)))) $(B)/main.o
 # Loops over many steps: unrolled and vectorised.
 LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o)

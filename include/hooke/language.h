@@ -278,12 +278,15 @@ enum listed {
     LIST_LIMITS,
     LIST_MEASUREMENTS,
     LIST_EVENTS,
-    LIST_EQUILIBRIA,
-    LIST_ORBITS,
-    LIST_BRANCHES,
-    LIST_POINTS,
     LIST_RUNS,
     LIST_RECORDINGS
+};
+
+/* What `list` lists; kinds of modules stand behind those of the enum. */
+struct list_kind {
+    struct row row;
+    /* Of a module: lists it. Returns false where there was no memory. NULL: list.c does. */
+    bool (*list)(struct session *session, struct arena *arena, struct reply *reply);
 };
 
 #endif

@@ -8,9 +8,13 @@
 #define HOOKE_MODULE_H
 
 #include <hooke/session.h>
+#include <hooke/study/attractor.h>
 
 struct arguments;
+struct completion;
+struct reader; /* hooke/session/read.h */
 struct reply;
+struct stored; /* hooke/session/stored.h */
 
 /* Reads scenes of another program, for `load scene FILE`. */
 struct scene_reader {
@@ -33,6 +37,26 @@ struct scene_writer {
                   struct buffer *out, struct error *error);
 };
 
+/* How its part is kept in the session's file; functions that are NULL do nothing. */
+struct module_store {
+    /* Appends its fields to the record of the session's state. */
+    void (*put)(const void *part, struct buffer *to);
+    /* Writes the next of its own records that the file does not have yet, from *next on. Returns
+     * false where there is none. */
+    bool (*put_next)(const void *part, struct stored *stored, int *next);
+    /* Counts records of what is gone as live no more. */
+    void (*forget)(const void *part, struct stored *stored);
+    void (*read)(struct reader *reader);
+};
+
+/* Labels of what it has found, which `use LABEL` goes to. */
+struct module_labels {
+    bool (*is_label)(struct text word); /* may the word be one? NULL: the module has none */
+    void (*complete)(struct completion *completion);
+    bool (*use)(struct session *session, const struct arguments *arguments, struct reply *reply,
+                struct error *error);
+};
+
 struct module {
     struct row row;    /* its name, that of its folder, and what it is for */
     const char *needs; /* the modules without which it is not built: names with blanks between */
@@ -41,6 +65,11 @@ struct module {
     /* What it keeps in a session: so many bytes, which are 0 at first. */
     size_t part_size;
     void (*part_free)(void *part); /* frees what the part points to; NULL: nothing */
+    /* Whether the part needs a typed model; NULL: it needs none. */
+    bool (*part_uses)(const void *part, const struct model *model);
+    struct module_store store;
+    struct module_labels labels;
+    find_attractor *attractor; /* what a motion ends in, for `sweep measure=attractor`; NULL */
 };
 
 /* The modules of this build, in the order of their names, then NULL. */

@@ -23,10 +23,7 @@ enum plot_kind {
     PLOT_ENVELOPE,  /* amplitudes read window by window */
     PLOT_PERIOD,    /* against the amplitude, window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
-    PLOT_PORTRAIT,  /* of the scene: where two of its variables go */
     PLOT_SWEEP,     /* the last sweep: what was measured over the parameter */
-    PLOT_BASINS,    /* the last map of basins */
-    PLOT_BRANCHES,  /* of equilibria and orbits, over a parameter */
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
@@ -35,7 +32,27 @@ enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
 /* What a recording may hold that such a plot shows as it is. */
 enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
 
+struct reply;
 struct drawing; /* a figure while it is built up: src/plot/figure/drawing.h */
+
+/* The plane of a plot whose points are states of the scene. */
+struct plot_plane {
+    const struct scene *scene; /* that was drawn */
+    int variable[2];           /* across, up */
+    double box[2][2];
+    double state[LIMIT_VARIABLES]; /* of the variables that are not shown */
+};
+
+/* What the cursors' point needs of such a plot. */
+struct plane_row {
+    /* The plane as it was drawn last; false: it was not drawn of the present scene. */
+    bool (*drawn)(const struct session *session, struct plot_plane *plane);
+    /* Moves the point to the next, or the previous, special state. */
+    bool (*next)(const struct session *session, const struct plot_plane *plane, bool forward,
+                 double point[2], struct error *error);
+    /* Appends what is special where the point stands. */
+    void (*say)(const struct session *session, const struct plot_plane *plane, struct buffer *text);
+};
 
 /* A plot, which is a pane of the screen, too: all about it stands here (src/plot/plots.c). */
 struct plot_row {
@@ -63,10 +80,15 @@ struct plot_row {
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
     void (*note)(const struct drawing *d, struct buffer *text); /* of its own; NULL: none */
-    bool coordinates; /* all of one quantity, on one axis */
-    bool energy;      /* of what all runs have: the kinetic one, where some have no potential */
-    bool scaled;      /* 'set phase-axes': v over omega0 */
-    bool equal;       /* axes of the same scale */
+    const struct plane_row *plane;                              /* NULL: its points are no states */
+    /* Adds what it holds in numbers to the reply; NULL: nothing. */
+    void (*reply)(const struct session *session, struct reply *reply);
+    const char *planned; /* a line of `plan` while its pane has the focus; NULL: none */
+    bool takes_column;   /* a column may follow its name: what is drawn of it */
+    bool coordinates;    /* all of one quantity, on one axis */
+    bool energy;         /* of what all runs have: the kinetic one, where some have no potential */
+    bool scaled;         /* 'set phase-axes': v over omega0 */
+    bool equal;          /* axes of the same scale */
     /* Its limits. */
     bool periods; /* each period has to be seen: the window is limited to what the width can show */
     bool positive;   /* never below zero: curves of different size get a logarithmic axis */
@@ -210,11 +232,12 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
 /* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
 void session_cursor_lines(const struct session *session, struct buffer *text);
 
-/* What the point of the cursors moves on: the portrait that was drawn last, where its pane has the
- * focus; NULL: there is none. */
-const struct portrait_request *cursor_plane(const struct session *session);
-/* The state there: of variables that are not shown as the portrait has them. */
-void cursor_plane_state(const struct session *session, double *state);
+/* What the point of the cursors moves on: the plane of the plot that has the focus. Returns false
+ * where that has none, or it was not drawn yet. */
+bool cursor_plane(const struct session *session, struct plot_plane *plane);
+/* The state there: of variables that are not shown as the plane has them. */
+void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
+                        double *state);
 /* "start x=1,y=0.5": the command that begins a trajectory there. */
 void cursor_plane_start(const struct session *session, struct buffer *line);
 /* Two lines for people: where it stands, and what is there. */

@@ -364,8 +364,6 @@ struct session {
     const char *studied;         /* kind of the last study; NULL: none */
     int studied_runs; /* next_run at that time: after a later run its table is the latest */
 
-    struct dynamics *dynamics; /* hooke/session/dynamics.h; NULL: nothing was found */
-
     struct references references; /* of the scenes that were studied last */
 
     struct snapshot *state[LIMIT_UNDO]; /* the first `undos` go back, the others forward again */
@@ -398,8 +396,7 @@ struct session {
     struct arena leftover; /* of statements: what Ctrl-C left to be given back */
     bool restoring;        /* a session that saved itself is read: nothing but what recreates it */
 
-    struct stored_portrait *portrait; /* what 'plot portrait' and its pane show */
-    struct lesson *lesson;            /* NULL: none */
+    struct lesson *lesson; /* NULL: none */
     struct view view;
     struct log log;
     struct live live;

@@ -10,8 +10,5 @@
 #include <hooke/study/stability.h>
 #include <hooke/study/fit.h>
 #include <hooke/study/sweep.h>
-#include <hooke/study/dynamics.h>
-#include <hooke/study/chaos.h>
-#include <hooke/study/portrait.h>
 
 #endif

@@ -5,7 +5,7 @@
 #include <hooke/plot.h>
 #include <hooke/report.h>
 #include <hooke/command/handler.h>
-#include "command/output/figure_arguments.h"
+#include <hooke/command/figure_arguments.h>
 
 #include "command/commands.def"
 #include "lists/commands.def"

@@ -42,17 +42,26 @@ static const struct row shows[] = {
 };
 const struct catalog show_catalog = CATALOG("group", shows);
 
-static const struct row lists[] = {
-    [LIST_COMMANDS] = ROW("commands", ""),     [LIST_SCENES] = ROW("scenes", ""),
-    [LIST_METHODS] = ROW("methods", ""),       [LIST_PARAMETERS] = ROW("parameters", ""),
-    [LIST_DERIVED] = ROW("derived", ""),       [LIST_OBSERVABLES] = ROW("observables", ""),
-    [LIST_SETTINGS] = ROW("settings", ""),     [LIST_UNITS] = ROW("units", ""),
-    [LIST_FUNCTIONS] = ROW("functions", ""),   [LIST_FORMATS] = ROW("formats", ""),
-    [LIST_LIMITS] = ROW("limits", ""),         [LIST_MEASUREMENTS] = ROW("measurements", ""),
-    [LIST_EVENTS] = ROW("events", ""),         [LIST_EQUILIBRIA] = ROW("equilibria", ""),
-    [LIST_ORBITS] = ROW("orbits", ""),         [LIST_BRANCHES] = ROW("branches", ""),
-    [LIST_POINTS] = ROW("points", ""),         [LIST_RUNS] = ROW("runs", ""),
-    [LIST_RECORDINGS] = ROW("recordings", ""),
+#define LISTED_FUNCTIONS
+#include "lists/listed.def"
+#undef LISTED_FUNCTIONS
+static const struct list_kind lists[] = {
+    [LIST_COMMANDS] = {.row = ROW("commands", "")},
+    [LIST_SCENES] = {.row = ROW("scenes", "")},
+    [LIST_METHODS] = {.row = ROW("methods", "")},
+    [LIST_PARAMETERS] = {.row = ROW("parameters", "")},
+    [LIST_DERIVED] = {.row = ROW("derived", "")},
+    [LIST_OBSERVABLES] = {.row = ROW("observables", "")},
+    [LIST_SETTINGS] = {.row = ROW("settings", "")},
+    [LIST_UNITS] = {.row = ROW("units", "")},
+    [LIST_FUNCTIONS] = {.row = ROW("functions", "")},
+    [LIST_FORMATS] = {.row = ROW("formats", "")},
+    [LIST_LIMITS] = {.row = ROW("limits", "")},
+    [LIST_MEASUREMENTS] = {.row = ROW("measurements", "")},
+    [LIST_EVENTS] = {.row = ROW("events", "")},
+    [LIST_RUNS] = {.row = ROW("runs", "")},
+    [LIST_RECORDINGS] = {.row = ROW("recordings", "")},
+#include "lists/listed.def"
 };
 const struct catalog list_catalog = CATALOG("list", lists);
 

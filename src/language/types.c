@@ -2,7 +2,7 @@
 /* The types of arguments: how each is read and completed. */
 #include <hooke/language/complete.h>
 #include <hooke/scene/formula.h>
-#include <hooke/session/dynamics.h>
+#include <hooke/module.h>
 #include <hooke/study/stability.h>
 
 #include <stdio.h>
@@ -121,15 +121,13 @@ READ_ITEM(read_run)
     return error_hint(error, "'runs' lists them");
 }
 
-/* Labels are two letters and a number. */
-static bool looks_like_label(struct text word)
+/* A label of something that a module has found. */
+static bool is_label(struct text word)
 {
-    const struct row *row = NULL;
-    double number;
-    for (size_t i = 0; i < special_catalog.count && word.len > 2 && !row; i++)
-        if (strncasecmp(word.at, catalog_row(&special_catalog, i)->name, 2) == 0)
-            row = catalog_row(&special_catalog, i);
-    return row && real_parse((struct text){word.at + 2, word.len - 2}, &number) == REAL_OK;
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->labels.is_label && module_list[i]->labels.is_label(word))
+            return true;
+    return false;
 }
 
 READ_ITEM(read_kept)
@@ -137,7 +135,7 @@ READ_ITEM(read_kept)
     struct parser ahead = *parser;
     struct error ignored;
     if (parse_word(&ahead, ",", item, &ignored) &&
-        session_find_run(parser->session, item->text) < 0 && looks_like_label(item->text)) {
+        session_find_run(parser->session, item->text) < 0 && is_label(item->text)) {
         *parser = ahead;
         item->index = -1;
         return true;
@@ -459,16 +457,10 @@ COMPLETE_ITEM(complete_run)
 
 COMPLETE_ITEM(complete_kept)
 {
-    const struct dynamics *d = session_dynamics(c->session);
     complete_run(c, argument, before);
-    for (int b = 0; d && b < d->branches; b++)
-        for (int k = 0; k < d->branch[b]->specials; k++) {
-            const struct kept_point *point = &d->branch[b]->special[k];
-            char label[KEPT_LABEL];
-            kept_point_label(point, label);
-            complete_offer(c, label,
-                           catalog_row(&special_catalog, (size_t)point->special - 1)->brief);
-        }
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->labels.complete)
+            module_list[i]->labels.complete(c);
 }
 
 COMPLETE_ITEM(complete_recording)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A recording beside a run: which observable of the run it holds, in which scale, and how far they
  * are apart. */
-#include "plot/figure/curves.h"
+#include <hooke/plot/curves.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>

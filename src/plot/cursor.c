@@ -375,7 +375,8 @@ void cursors_refresh(struct session *session)
     struct arena arena = {0};
     struct ground ground;
     struct error ignored;
-    if (cursors->plane && !cursor_plane(session))
+    struct plot_plane plane;
+    if (cursors->plane && !cursor_plane(session, &plane))
         cursors->plane = cursors->shown = false;
     if (!cursors->shown || cursors->plane)
         return;

@@ -1,23 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The point on the plane of a portrait: where it stands, and the trajectory from there. */
+/* The point on the plane of a plot of states, as a portrait is: where it stands, and the trajectory
+ * from there. */
 #include <hooke/plot.h>
-#include <hooke/session/portrait.h>
 
 #include <math.h>
 #include <string.h>
 
-#define ON 0.01 /* of the box: the point stands on an equilibrium */
-
-const struct portrait_request *cursor_plane(const struct session *session)
+bool cursor_plane(const struct session *session, struct plot_plane *plane)
 {
-    const struct stored_portrait *stored = session->portrait;
-    const bool drawn = stored->request.scene && stored->scene.model == session->setup.scene.model;
-    return drawn && view_focus(&session->view) == PLOT_PORTRAIT ? &stored->request : NULL;
+    const struct plane_row *row = plot_row(view_focus(&session->view))->plane;
+    return row && row->drawn(session, plane);
 }
 
-void cursor_plane_state(const struct session *session, double *state)
+void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
+                        double *state)
 {
-    const struct portrait_request *plane = &session->portrait->request;
     memcpy(state, plane->state, sizeof plane->state);
     for (int k = 0; k < 2; k++)
         state[plane->variable[k]] = session->view.cursors.point[k];
@@ -25,42 +22,27 @@ void cursor_plane_state(const struct session *session, double *state)
 
 void cursor_plane_start(const struct session *session, struct buffer *line)
 {
-    const struct portrait_request *plane = cursor_plane(session);
+    struct plot_plane plane;
     const struct variable *variable = session->setup.scene.model->variable;
-    for (int k = 0; plane && k < 2; k++) {
-        buffer_format(line, "%s%s=", k ? "," : "start ", variable[plane->variable[k]].name);
+    const int sides = cursor_plane(session, &plane) ? 2 : 0;
+    for (int k = 0; k < sides; k++) {
+        buffer_format(line, "%s%s=", k ? "," : "start ", variable[plane.variable[k]].name);
         buffer_short(line, session->view.cursors.point[k], 6);
     }
 }
 
-/* The place of the equilibrium that it stands on; -1: on none. */
-static int equilibrium_there(const struct session *session, const struct portrait_request *plane)
-{
-    const struct equilibria *found = &session->portrait->portrait.found;
-    for (int e = 0; e < found->count; e++) {
-        double off = 0;
-        for (int k = 0; k < 2; k++)
-            off = fmax(
-                off, fabs(found->of[e].state[plane->variable[k]] - session->view.cursors.point[k]) /
-                         (plane->box[k][1] - plane->box[k][0]));
-        if (off < ON)
-            return e;
-    }
-    return -1;
-}
-
 void cursor_plane_lines(const struct session *session, struct buffer *text)
 {
-    const struct portrait_request *plane = cursor_plane(session);
+    struct plot_plane plane;
     const struct view *view = &session->view;
     struct system system;
     struct error ignored;
     double state[LIMIT_VARIABLES];
-    if (!plane || !scene_bind(&session->portrait->scene, &system, &ignored))
+    if (!cursor_plane(session, &plane) || !scene_bind(plane.scene, &system, &ignored))
         return;
-    cursor_plane_state(session, state);
+    cursor_plane_state(session, &plane, state);
     for (int k = 0; k < 2; k++) {
-        const struct variable variable = system_variable(&system, plane->variable[k]);
+        const struct variable variable = system_variable(&system, plane.variable[k]);
         buffer_format(text, "%s%s = ", k ? "   " : "", variable.name);
         buffer_quantity(text, view->cursors.point[k], variable.quantity, 5);
     }
@@ -71,10 +53,5 @@ void cursor_plane_lines(const struct session *session, struct buffer *text)
     }
     buffer_format(text, "\nstarts: %d of %d", view->start_n == system.n ? view->starts : 0,
                   LIMIT_STARTS);
-    const int there = equilibrium_there(session, plane);
-    if (there >= 0)
-        buffer_format(
-            text, "   on equilibrium %d, %s", there + 1,
-            catalog_row(&equilibrium_catalog, session->portrait->portrait.found.form[there].type)
-                ->name);
+    plot_row(view_focus(view))->plane->say(session, &plane, text);
 }

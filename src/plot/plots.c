@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plots, which are the panes of the screen, too: all that is known of one stands in its row. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/names.h>
@@ -38,11 +38,6 @@ static bool precision_known(const struct session *session)
     return session->precision;
 }
 
-static bool scene_has_two(const struct session *session)
-{
-    return session->setup.scene.model->n > 1 && session->setup.scene.model->n <= STARTS_VARIABLES;
-}
-
 /* ---- the rows ---- */
 
 #define ROW(name, brief)                                                                           \
@@ -51,6 +46,10 @@ static bool scene_has_two(const struct session *session)
     }
 #define MOTION_NEEDED "that needs positions and velocities"
 
+/* Those of modules: their functions, then their rows behind ours. */
+#define PLOT_FUNCTIONS
+#include "lists/plots.def"
+#undef PLOT_FUNCTIONS
 static const struct plot_row rows[] = {
     [PLOT_POSITION] = {.row = ROW("position", "y against t, or all coordinates"),
                        .label = "y",
@@ -153,36 +152,14 @@ static const struct plot_row rows[] = {
                         .study = true,
                         .figure = drawing_precision,
                         .offered = precision_known},
-    [PLOT_PORTRAIT] = {.row = ROW("portrait",
-                                  "phase portrait of the scene: directions, nullclines, equilibria "
-                                  "by kind, separatrices"),
-                       .across = ACROSS_OTHER,
-                       .title = "portrait",
-                       .of_scene = true,
-                       .figure = portrait_figure,
-                       .fits = has_two,
-                       .needs = "that needs two variables",
-                       .offered = scene_has_two},
     [PLOT_SWEEP] = {.row = ROW("sweep", "the last sweep over its parameter: what was measured, or "
                                         "an orbit diagram"),
                     .across = ACROSS_OTHER,
                     .title = "sweep",
+                    .takes_column = true,
                     .figure = sweep_figure,
                     .offered = sweep_known},
-    [PLOT_BASINS] = {.row = ROW("basins", "where starts end, after basins: a letter for each "
-                                          "attractor, lines between them"),
-                     .across = ACROSS_OTHER,
-                     .title = "basins",
-                     .of_scene = true,
-                     .figure = basins_figure,
-                     .offered = basins_known},
-    [PLOT_BRANCHES] = {.row = ROW("branches", "branches over their parameter: stable lines, "
-                                              "unstable dots, letters of special points"),
-                       .across = ACROSS_OTHER,
-                       .title = "branches",
-                       .of_scene = true,
-                       .figure = branches_figure,
-                       .offered = branches_known},
+#include "lists/plots.def"
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 

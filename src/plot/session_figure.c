@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of a session as figures: which curves, over which time, in which units. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>

@@ -352,3 +352,29 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     system->energy = system->order == 2 && (!scene->model->typed || typed_has_energy(system));
     return true;
 }
+
+bool variable_is_angle(const struct system *system, int variable)
+{
+    const int n = system->n;
+    uint64_t seed = 17;
+    bool matters = false;
+    for (int k = 0; k < 8; k++) {
+        double y[LIMIT_VARIABLES], rate[2][LIMIT_VARIABLES], size = 0;
+        for (int i = 0; i < n; i++)
+            y[i] = system->start[i] + system->scale[i] * (2 * random_fraction(&seed) - 1);
+        const double t = system->t0 + random_fraction(&seed), at = y[variable];
+        system_derivative(system, t, y, rate[0]);
+        y[variable] = at + TWO_PI;
+        system_derivative(system, t, y, rate[1]);
+        for (int i = 0; i < n; i++)
+            size = fmax(size, fabs(rate[0][i]));
+        for (int i = 0; i < n; i++)
+            if (!(fabs(rate[1][i] - rate[0][i]) <= 1e-12 * (size + DBL_MIN)))
+                return false;
+        y[variable] = at + 1;
+        system_derivative(system, t, y, rate[1]);
+        for (int i = 0; i < n; i++)
+            matters = matters || fabs(rate[1][i] - rate[0][i]) > 1e-9 * size;
+    }
+    return matters;
+}

@@ -2,7 +2,6 @@
 /* Where in the space of states one looks, if nobody says where. */
 #include <hooke/base/numeric.h>
 #include <hooke/session/subject.h>
-#include <hooke/study/dynamics.h>
 
 #include <math.h>
 

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
 #include <hooke/base/numeric.h>
-#include <hooke/session/dynamics.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
-#include <hooke/session/portrait.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 
@@ -21,10 +19,8 @@ struct session *session_create(const struct front *front)
         return NULL;
     session->front = *front;
     session->parts = calloc(1, sizeof *session->parts);
-    session->portrait = calloc(1, sizeof *session->portrait);
-    if (!session->parts || !session->portrait || !(session->models = typed_create(&ignored))) {
+    if (!session->parts || !(session->models = typed_create(&ignored))) {
         free(session->parts);
-        free(session->portrait);
         free(session);
         return NULL;
     }
@@ -61,8 +57,6 @@ void session_destroy(struct session *session)
     session_forget_sweep(session);
     session_free_parts(session);
     free(session->meant);
-    stored_portrait_clear(session->portrait);
-    free(session->portrait);
     undo_clear(session);
     arena_reset(&session->leftover);
     for (int i = 0; i < session->checkpoints; i++)
@@ -84,7 +78,6 @@ void session_destroy(struct session *session)
         precision_free(session->precision);
     free(session->precision);
     table_store_free(&session->found);
-    dynamics_free(session->dynamics);
     references_free(&session->references);
     log_clear(&session->log);
     typed_destroy(session->models);

@@ -2,7 +2,7 @@
 /* What was typed and nothing uses any more: neither the set-up, a run, a result, nor what undo and
  * checkpoints go back to. */
 #include <hooke/session/events.h>
-#include <hooke/session/portrait.h>
+#include <hooke/module.h>
 #include <hooke/scene/typed.h>
 
 static bool scene_uses(const struct scene *scene, const struct model *model)
@@ -49,10 +49,13 @@ static bool model_is_used(const void *context, const struct model *model)
     bool used = is_used(session, model, NULL) || scene_uses(&session->fit_scene, model) ||
                 scene_uses(&session->adopted.scene, model) ||
                 scene_uses(&session->band.of.scene, model) ||
-                (session->portrait->known && scene_uses(&session->portrait->scene, model)) ||
                 (session->precision && scene_uses(&session->precision->scene, model));
     for (int i = 0; i < REFERENCES && !used; i++)
         used = scene_uses(&session->references.stored[i].scene, model);
+    for (int i = 0; i < session->parts->count && !used; i++) {
+        const struct session_part *part = &session->parts->item[i];
+        used = part->module->part_uses && part->module->part_uses(part->state, model);
+    }
     return used;
 }
 

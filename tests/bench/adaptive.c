@@ -5,7 +5,7 @@
  * asked for.
  */
 #include "bench/bench.h"
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* What is not asked for costs nothing; what recording, watching, decimating and compensated sums
  * cost. */
 #include "bench/bench.h"
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <stdio.h>
 #include <stdlib.h>

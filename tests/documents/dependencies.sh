@@ -16,7 +16,9 @@ is() { # name got wanted
 }
 
 mkdir -p "$work"/tree/src/{base,figure/surface,terminal,method/rows} "$work/bin"
+mkdir "$work/tree/scripts"
 cp Makefile "$work/tree"
+cp scripts/modules "$work/tree/scripts"
 for file in src/main.c src/base/{arena,error}.c src/figure/surface/cairo_surface.c src/terminal/screen.c src/method/rows/catalog.c; do
     cp "$file" "$work/tree/$file"
 done

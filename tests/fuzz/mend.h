@@ -3,7 +3,7 @@
 #ifndef HOOKE_TESTS_FUZZ_MEND_H
 #define HOOKE_TESTS_FUZZ_MEND_H
 
-#include "session/store/store.h"
+#include <hooke/session/stored.h>
 
 #include <stddef.h>
 #include <string.h>

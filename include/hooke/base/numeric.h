@@ -65,4 +65,8 @@ double matrix_norm(int n, const double *a);
  * (Moler, Van Loan 2003, SIAM Rev. 45:3, method 3). work has 2 n^2 doubles. */
 double matrix_exponential(int n, double *a, double *work);
 
+struct eigenvalue {
+    double re, im;
+};
+
 #endif

@@ -269,6 +269,12 @@ void system_turn_at_kinks(struct system *system);
 void system_acceleration(const struct system *system, double t, const double *y, double *a);
 /* [n] */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt);
+/* Gives a parameter a value without an uncertainty; one that has it already stays as it is. */
+void scene_take_value(struct scene *scene, int i, double value);
+/* Lets the scene start at that state [n]. False: it cannot, or the value is out of its range. */
+bool scene_start_at(struct scene *scene, const double *state, struct error *error);
+/* Whether everything repeats when this variable goes on by 2 pi, as far as some places tell. */
+bool variable_is_angle(const struct system *system, int variable);
 /* Only the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */

@@ -5,7 +5,7 @@
 
 #include <hooke/figure.h>
 #include <hooke/run.h>
-#include <hooke/study/chaos.h>
+#include <hooke/study/attractor.h>
 
 /* ---- sweep: one or two quantities varied, a trajectory each ----
  *
@@ -42,7 +42,8 @@ enum sweep_kind {
     SWEEP_STEPS,
     SWEEP_EVALS,
     SWEEP_REACHED,   /* [s] time reached: of what diverges, when */
-    SWEEP_ATTRACTOR, /* attractor_of(): of the point's start, whatever the method and duration */
+    SWEEP_ATTRACTOR, /* by measure->attractor: of the point's start, whatever the method and
+                        duration */
     SWEEP_VARIABLE,
     SWEEP_OBSERVED, /* a typed quantity */
     SWEEP_OBSERVABLE,
@@ -79,6 +80,7 @@ struct sweep_measure {
     const struct sweep_expression *of;   /* column SWEEP_FORMULA */
     const struct sweep_formula *formula; /* kind SWEEP_FORMULA */
     char name[LIMIT_SYMBOL + 16];        /* max(z) */
+    find_attractor *attractor;           /* of SWEEP_ATTRACTOR */
 };
 
 static inline bool sweep_watches(const struct sweep_measure *measure)

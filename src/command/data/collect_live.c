@@ -5,7 +5,6 @@
 #include "command/data/fit_text.h"
 
 #include <hooke/base/numeric.h>
-#include <hooke/session/dynamics.h>
 #include <hooke/session/subject.h>
 
 #include <math.h>

@@ -2,7 +2,6 @@
 /* cursor */
 #ifndef COMMAND_ROWS
 #include <hooke/plot/cursor.h>
-#include <hooke/session/portrait.h>
 #include <hooke/command/handler.h>
 
 #include <math.h>
@@ -134,45 +133,14 @@ static bool act(struct session *session, const struct arguments *args, struct gr
 /* ---- the point on a portrait ---- */
 
 /* Along an axis by so much, or by a hundredth of it; not out of the box. */
-static void move_point(struct cursors *c, const struct portrait_request *plane, int axis, double by)
+static void move_point(struct cursors *c, const struct plot_plane *plane, int axis, double by)
 {
     const double *box = plane->box[axis];
     c->point[axis] = fmin(fmax(c->point[axis] + by, box[0]), box[1]);
 }
 
-/* The equilibria in their order, once around, from the one that comes next across. */
-static bool next_equilibrium(const struct session *session, struct cursors *c,
-                             const struct portrait_request *plane, bool forward,
-                             struct error *error)
-{
-    const struct equilibria *found = &session->portrait->portrait.found;
-    const int sign = forward ? 1 : -1;
-    int best = -1;
-    double nearest[2] = {HUGE_VAL, HUGE_VAL};
-    for (int e = 0; e < found->count; e++) {
-        const double *state = found->of[e].state;
-        double by[2];
-        for (int k = 0; k < 2; k++)
-            by[k] = sign * (state[plane->variable[k]] - c->point[k]);
-        const double width = plane->box[0][1] - plane->box[0][0];
-        const bool on = fabs(by[0]) < 1e-9 * width;
-        if (on && !(by[1] > 1e-9 * (plane->box[1][1] - plane->box[1][0])))
-            by[0] = width;
-        else if (!on && by[0] < 0)
-            by[0] += width;
-        if (by[0] < nearest[0] || (by[0] == nearest[0] && by[1] < nearest[1])) {
-            memcpy(nearest, by, sizeof by);
-            best = e;
-        }
-    }
-    for (int k = 0; k < 2 && best >= 0; k++)
-        c->point[k] = found->of[best].state[plane->variable[k]];
-    return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
-}
-
 static bool act_on_plane(const struct session *session, const struct arguments *args,
-                         struct cursors *c, const struct portrait_request *plane,
-                         struct error *error)
+                         struct cursors *c, const struct plot_plane *plane, struct error *error)
 {
     const struct argument_value *by = argument_value(args, "TIME");
     const int what = argument_value(args, "WHAT")->item->index;
@@ -190,7 +158,8 @@ static bool act_on_plane(const struct session *session, const struct arguments *
         return true;
     case GO_NEXT:
     case GO_PREVIOUS:
-        return next_equilibrium(session, c, plane, what == GO_NEXT, error);
+        return plot_row(view_focus(&session->view))
+            ->plane->next(session, plane, what == GO_NEXT, c->point, error);
     case GO_OFF:
         c->shown = c->plane = false;
         return true;
@@ -206,29 +175,36 @@ static bool act_on_plane(const struct session *session, const struct arguments *
 /* A screen has drawn it already. */
 static bool draw_plane(const struct session *session, struct arena *arena, struct error *error)
 {
-    const struct figure_request request = {
-        .kind = PLOT_PORTRAIT, .recording = -1, .window = {NAN, NAN}, .width = 80, .follow = true};
+    const struct figure_request request = {.kind = view_focus(&session->view),
+                                           .recording = -1,
+                                           .window = {NAN, NAN},
+                                           .width = 80,
+                                           .follow = true};
+    struct plot_plane plane;
     struct figure figure;
-    return cursor_plane(session) || session_figure(session, &request, arena, &figure, error);
+    return cursor_plane(session, &plane) ||
+           session_figure(session, &request, arena, &figure, error);
 }
 
 /* Where nothing is said the point appears, or goes; first where the motion is. */
 static bool point(struct session *session, const struct arguments *args, bool any,
                   struct reply *reply, struct error *error)
 {
-    const struct portrait_request *plane = cursor_plane(session);
+    struct plot_plane plane;
     struct cursors *c = &session->view.cursors, before = *c;
     struct buffer text = {0};
     const struct run *run = session_run(session);
+    if (!cursor_plane(session, &plane))
+        return error_memory(error);
     const bool present = run && run->scene.model == session->setup.scene.model;
     for (int k = 0; k < 2 && !c->plane; k++) {
-        const double *box = plane->box[k],
-                     at = present ? run->y[plane->variable[k]] : 0.5 * (box[0] + box[1]);
+        const double *box = plane.box[k],
+                     at = present ? run->y[plane.variable[k]] : 0.5 * (box[0] + box[1]);
         c->point[k] = fmin(fmax(at, box[0]), box[1]);
     }
     c->shown = any || !c->plane;
     c->plane = c->shown;
-    if (any && !act_on_plane(session, args, c, plane, error)) {
+    if (any && !act_on_plane(session, args, c, &plane, error)) {
         *c = before;
         return false;
     }
@@ -325,7 +301,7 @@ HANDLER(cursor)
         any |= has(args, i);
     session->live.pausing = session->live.state == LIVE_RUNNING;
     const bool timed = any && !has_argument(args, "WHAT");
-    if (!timed && view_focus(&session->view) == PLOT_PORTRAIT && (c->plane || !c->shown))
+    if (!timed && plot_row(view_focus(&session->view))->plane && (c->plane || !c->shown))
         return draw_plane(session, args->arena, error) && point(session, args, any, reply, error);
     c->plane = false;
     const bool hide =

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* describe */
 #ifndef COMMAND_ROWS
-#include "command/output/figure_arguments.h"
+#include <hooke/command/figure_arguments.h>
 
 #include <hooke/figure/describe.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which figure is meant: the arguments that plot and describe share. */
-#include "command/output/figure_arguments.h"
+#include <hooke/command/figure_arguments.h>
 
 #include <hooke/report.h>
 
@@ -60,8 +60,8 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
     /* of branches a variable may follow, of a sweep a column */
-    const bool branches =
-        what->count == 2 && (what->item->index == PLOT_BRANCHES || what->item->index == PLOT_SWEEP);
+    const bool branches = what->count == 2 && what->item->index >= 0 &&
+                          plot_row((enum plot_kind)what->item->index)->takes_column;
     if ((what->count == 1 || branches) && what->item->index >= 0 && !against->count && !at->count) {
         request->column = branches ? &what->item[1].text : NULL;
         request->columns = branches;

@@ -5,7 +5,7 @@
 #include <hooke/plot.h>
 #include <hooke/command/handler.h>
 #include "command/data/measuring.h"
-#include "command/output/figure_arguments.h"
+#include <hooke/command/figure_arguments.h>
 
 #include <math.h>
 #include <string.h>
@@ -194,8 +194,8 @@ static bool shows_pixels(const struct session *session, const struct arguments *
 static void reply_numbers(const struct session *session, const struct figure_request *request,
                           const struct figure *figure, struct reply *reply)
 {
-    if (request->kind == PLOT_PORTRAIT)
-        reply_portrait(session, reply);
+    if (plot_row(request->kind)->reply)
+        plot_row(request->kind)->reply(session, reply);
     spectrum_report(request->peaks, request->runs + (request->recording >= 0), reply);
     report_band(figure, reply);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* runs, use, rename, drop, note */
 #ifndef COMMAND_ROWS
-#include "command/dynamics/dynamics.h"
+#include <hooke/command/handler.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,11 +47,21 @@ HANDLER(runs)
     return true;
 }
 
+/* What is no run is something that a module has found. */
+static bool use_label(HANDLER_PARAMETERS)
+{
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->labels.use)
+            return module_list[i]->labels.use(session, args, reply, error);
+    error_set(error, ERROR_COMMAND, "use takes a run: this program has no module with labels");
+    return error_hint(error, "'hooke --version' names the modules that are in");
+}
+
 HANDLER(use)
 {
     const struct argument_value *run = argument_value(args, "N|LABEL");
     if (!run->count || run->item->index < 0)
-        return use_kept(session, args, reply, error);
+        return use_label(session, args, reply, error);
     session->current_run = run->item->index;
     session->data_is_latest = false;
     session_changed(session);

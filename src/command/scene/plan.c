@@ -49,9 +49,9 @@ HANDLER(plan)
     }
     events_plan(setup->events, &text);
     band_plan(session, &system, &text);
-    if (view_focus(&session->view) == PLOT_PORTRAIT && plot_offered(session, PLOT_PORTRAIT))
-        buffer_put(&text, TEXT("portrait  arrows in each frame, its lines again only when a value "
-                               "or the box changes\n"));
+    const enum plot_kind focus = view_focus(&session->view);
+    if (plot_row(focus)->planned && plot_offered(session, focus))
+        buffer_put(&text, text_of(plot_row(focus)->planned));
     plan_prices(session, &system, &settings, &plan, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);

@@ -64,7 +64,11 @@ static void help_command(const struct row *row, struct buffer *text)
     put_choices(command, text);
     buffer_put(text, TEXT("\nexamples:\n"));
     put_indented(text, command->examples);
-    buffer_format(text, "see also: %s", command->see);
+    buffer_put(text, TEXT("see also:"));
+    struct text see = text_of(command->see), word;
+    while (text_split(&see, ' ', &word))
+        if (catalog_find(&command_catalog, word)) /* not of a module that was left out */
+            buffer_format(text, " %.*s", (int)word.len, word.at);
 }
 
 /* ", a parameter of pendulum"; of the oscillator that goes without saying. */

@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
-#include "command/dynamics/dynamics.h"
+#include <hooke/command/handler.h>
 #include "command/session/list_methods.h"
 
 #include <math.h>
@@ -107,7 +107,9 @@ HANDLER(list)
         [LIST_UNITS] = &unit_catalog,       [LIST_FUNCTIONS] = &function_catalog,
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
-    const enum listed kind = (enum listed)argument_value(args, "KIND")->item->index;
+    const struct item *item = argument_value(args, "KIND")->item;
+    const struct list_kind *what = (const struct list_kind *)(const void *)item->row;
+    const enum listed kind = (enum listed)item->index;
     const struct argument_value *words = argument_value(args, "WORDS");
     if (words->count && kind != LIST_METHODS)
         return error_at(error, words->where, "only methods can be chosen from: list methods stiff");
@@ -120,8 +122,8 @@ HANDLER(list)
         list_measurements(session, reply);
     } else if (kind == LIST_EVENTS) {
         reply_event_records(session, reply);
-    } else if (kind >= LIST_EQUILIBRIA && kind <= LIST_POINTS) {
-        return list_dynamics(session, kind, args->arena, reply);
+    } else if (what->list) {
+        return what->list(session, args->arena, reply);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
         const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)

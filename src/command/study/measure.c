@@ -11,6 +11,19 @@
 
 /* ---- the measures that are computed ---- */
 
+/* As sweep_measure_find(); what motions end in is found by a module. */
+static bool find_measure(const struct model *model, struct text name, struct sweep_measure *measure,
+                         struct error *error)
+{
+    if (!sweep_measure_find(model, name, measure, error))
+        return false;
+    for (size_t i = 0; module_list[i] && measure->kind == SWEEP_ATTRACTOR; i++)
+        if (module_list[i]->attractor)
+            measure->attractor = module_list[i]->attractor;
+    return measure->kind != SWEEP_ATTRACTOR || measure->attractor ||
+           module_is_in("sweep measure=attractor", name, error);
+}
+
 static bool same_measure(const struct sweep_measure *a, const struct sweep_measure *b)
 {
     return a->kind == b->kind && a->column == b->column && a->variable == b->variable &&
@@ -164,10 +177,10 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
     const bool root = text_is(word, "rms");
     enum quantity quantity = QUANTITY_NUMBER;
     if (text_is(inner, "end")) {
-        if (!sweep_measure_find(model, word, &measure, r->error))
+        if (!find_measure(model, word, &measure, r->error))
             return false;
     } else if (is_plain(inner) && !root) {
-        if (!sweep_measure_find(model, whole, &measure, r->error))
+        if (!find_measure(model, whole, &measure, r->error))
             return false;
     } else {
         struct sweep_measure kind, column;
@@ -175,7 +188,7 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
         struct buffer square = {0};
         if (!read_column(r->parser, inner, r->error))
             return false;
-        if (root && is_plain(inner) && sweep_measure_find(model, inner, &column, &ignored))
+        if (root && is_plain(inner) && find_measure(model, inner, &column, &ignored))
             quantity = sweep_measure_quantity(&column, model);
         buffer_format(&square, root ? "(%.*s)^2" : "%.*s", (int)inner.len, inner.at);
         const char *text = arena_text(r->parser->arena, buffer_text(&square));
@@ -183,7 +196,7 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
         measure.of = text ? read_column(r->parser, text_of(text), r->error) : NULL;
         if (!measure.of)
             return text ? false : error_memory(r->error);
-        if (!root && sweep_measure_find(model, word, &kind, &ignored))
+        if (!root && find_measure(model, word, &kind, &ignored))
             measure.kind = kind.kind;
     }
     made->root = root;
@@ -257,7 +270,7 @@ static bool formula_find(const void *context, struct text name, int *slot)
             return true;
         }
     if (!is_own_parameter(r->request->scene, name) &&
-        sweep_measure_find(r->request->scene->model, name, &measure, &ignored)) {
+        find_measure(r->request->scene->model, name, &measure, &ignored)) {
         *slot = add_measure(r->request, &measure, name, r->error);
         if (*slot >= 0)
             take_quantity(r, *slot, false, QUANTITY_NUMBER);
@@ -394,7 +407,7 @@ static bool read_item(struct parser *parser, struct text item, struct sweep_requ
     struct error why = {0};
     if (request->columns == SWEEP_MEASURES)
         return error_at(error, item, "a sweep takes %d measures at once", SWEEP_MEASURES);
-    if (sweep_measure_find(request->scene->model, item, shown, &why)) {
+    if (find_measure(request->scene->model, item, shown, &why)) {
         request->place[request->columns++] = add_measure(request, shown, item, error);
         return request->place[request->columns - 1] >= 0;
     }

@@ -201,7 +201,7 @@ COMMAND(order,
                 "that is not smooth, stiffness, "
                 "drag=explicit), it "
                 "says so.",
-        .examples = "order\norder verlet\nduration = 2 s; order rk4 dt=1ms:100ms",
+        .examples = "order\nduration = 2 s; order rk4 dt=1ms:100ms",
         .see = "precision compare stability", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .choices = &method_catalog),
                   KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),

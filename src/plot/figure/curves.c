@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers behind the curves of a session's figures. */
-#include "plot/figure/curves.h"
+#include <hooke/plot/curves.h>
 
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The period against the amplitude: of windows of runs and recordings as points, a pendulum's
  * closed form as a line. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run.
  */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size:
  * a logarithmic axis where all is positive, else a second panel. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What lies between the rows of an adaptive run, which may be far apart, for the eye. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Spectra in figures: how far the axis goes, and the names of their lines. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 

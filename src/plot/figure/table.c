@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of a table against each other: points, a curve for each method, event or the like. */
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which members of a session its file keeps as they are. */
-#include "session/store/store.h"
+#include <hooke/session/stored.h>
 
 #include <float.h>
 #include <math.h>

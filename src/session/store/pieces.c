@@ -2,7 +2,7 @@
 /* Scenes, events, runs and recordings of a session file. */
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
-#include "session/store/read.h"
+#include <hooke/session/read.h>
 
 #include <limits.h>
 #include <math.h>

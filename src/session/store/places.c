@@ -3,7 +3,7 @@
  * Arrays of a session file whose items have places: parameters of a scene, members of a struct. The
  * file names them, so that a program that has more of them, or in another order, finds its own.
  */
-#include "session/store/read.h"
+#include <hooke/session/read.h>
 
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session from its file. */
-#include "session/store/read.h"
+#include <hooke/module.h>
+#include <hooke/session/read.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 
@@ -461,7 +462,9 @@ static void read_all(struct reader *reader)
     read_fits(reader); /* executes commands: after a run that is damaged was taken
                           out */
     read_tables(reader);
-    reader_dynamics(reader);
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->store.read)
+            module_list[i]->store.read(reader);
     read_view(reader);
     read_lesson(reader);
     undo_clear(session);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The records of a session file: what is whole counts, whatever is between. */
-#include "session/store/read.h"
+#include <hooke/session/read.h>
 
 #include <stdlib.h>
 #include <string.h>

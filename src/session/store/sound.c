@@ -4,8 +4,7 @@
  * all. Values may be any, but those that a command would refuse; counts, places, flags and choices
  * are what the rest of the program goes by.
  */
-#include <hooke/session/dynamics.h>
-#include "session/store/read.h"
+#include <hooke/session/read.h>
 
 #include <float.h>
 #include <limits.h>

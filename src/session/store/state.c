@@ -2,7 +2,8 @@
 /* What a session file has in its records of state, and scenes and events, which runs have, too. */
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
-#include "session/store/store.h"
+#include <hooke/module.h>
+#include <hooke/session/stored.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -174,7 +175,11 @@ void store_put_state(const struct session *session, struct buffer *to)
     put_arrays(session, to);
     put_fit(session, to);
     put_tables(session, to);
-    dynamics_put_head(session->dynamics, to);
+    for (int i = 0; i < session->parts->count; i++) {
+        const struct session_part *part = &session->parts->item[i];
+        if (part->module->store.put)
+            part->module->store.put(part->state, to);
+    }
     put_lesson(session->lesson, to);
     const size_t runs = field_begin(to, "runs");
     for (int i = 0; i < session->runs; i++)

@@ -3,7 +3,8 @@
 #include <hooke/run/store.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
-#include "session/store/store.h"
+#include <hooke/module.h>
+#include <hooke/session/stored.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -363,22 +364,32 @@ static bool put_curve(struct output *out, struct session *session)
 
 /* ---- what was found ---- */
 
-static bool put_found(struct output *out, const struct session *session)
+static bool put_part(struct output *out, const struct session_part *part)
 {
     struct stored *stored = out->stored;
-    const struct dynamics *dynamics = session->dynamics;
+    const struct module_store *store = &part->module->store;
     int next = 0;
-    dynamics_forget(dynamics, stored);
-    while (dynamics && !stops(out)) {
+    if (!store->put_next)
+        return true;
+    store->forget(part->state, stored);
+    while (!stops(out)) {
         record_begin(out);
-        if (!dynamics_put_next(dynamics, stored, &next))
+        if (!store->put_next(part->state, stored, &next))
             return true;
         const bool whole = !stored->record.failed;
         stored->found -= !whole; /* another time */
         if (!record_end(out, RECORD_FOUND, whole ? bytes_sum(content_of(out)) : 0))
             return false;
     }
-    return !dynamics;
+    return false;
+}
+
+static bool put_found(struct output *out, const struct session *session)
+{
+    bool ok = true;
+    for (int i = 0; i < session->parts->count && ok; i++)
+        ok = put_part(out, &session->parts->item[i]);
+    return ok;
 }
 
 /* ---- what was typed and said ---- */

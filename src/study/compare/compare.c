@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* compare: the same scene integrated by several methods and step sizes, with error, energy, cost
  * and a verdict in words. */
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <float.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* order: fixed steps from coarse to fine, and the slope of the errors where it means something. */
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 #include <float.h>
 #include <stdio.h>

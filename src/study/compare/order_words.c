@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a measured order means on its scene, in words. */
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 #include <math.h>
 #include <stdio.h>

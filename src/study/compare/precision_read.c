@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the points of a precision study say: slopes, the fastest for an error, predicted against
  * measured cost. */
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <hooke/base/numeric.h>
 

@@ -3,7 +3,7 @@
 #ifndef HOOKE_STUDY_COMPARE_REFERENCE_H
 #define HOOKE_STUDY_COMPARE_REFERENCE_H
 
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 /* Methods of one kind err alike: agreement counts between kinds only. */
 enum solver_kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* References that were computed before: a scene that is studied again has its own already. */
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <stdlib.h>
 #include <string.h>

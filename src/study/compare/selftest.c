@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* selftest: what a method's row claims, measured on the machine at hand in a few hundredths of a
  * second. */
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A solve without recording, and its errors on the common grid. */
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <float.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #ifndef HOOKE_STUDY_COMPARE_SUSPECT_H
 #define HOOKE_STUDY_COMPARE_SUSPECT_H
 
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 /* The finest run of one choice. */
 struct witness {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measures how long solves take: chained, batched, warmed up, interleaved at random. The clock is
  * the processor time of this thread, so that waiting for a processor does not count. */
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 #include <hooke/base/numeric.h>
 

@@ -4,7 +4,7 @@
 #ifndef HOOKE_STUDY_FIT_LINEAR_H
 #define HOOKE_STUDY_FIT_LINEAR_H
 
-#include "study/fit/variation.h"
+#include <hooke/study/variation.h>
 
 /*
  * y' = A y + b and S_j' = A S_j + B_j y + c_j advance by a time dt as y E + e and E S_j + F_j y +

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a fit of a scene leaves free unless somebody says so. */
-#include "study/fit/variation.h"
+#include <hooke/study/variation.h>
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
  * parameter changes, each term for itself: where these are linear in the parameter it is exact but
  * for rounding, and rounding of the other terms does not come in.
  */
-#include "study/fit/variation.h"
+#include <hooke/study/variation.h>
 
 #include <float.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Eigenvalues of a small real matrix. */
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* stability: growth a step and the largest stable step, from the method's own formulas, then
  * verified by running. */
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 #include <hooke/run/step_limit.h>
 

@@ -3,7 +3,7 @@
 #ifndef HOOKE_STUDY_STABILITY_STRESS_H
 #define HOOKE_STUDY_STABILITY_STRESS_H
 
-#include "study/compare/verify.h"
+#include <hooke/study/verify.h>
 
 /* Appends them. False: no memory, or more than STRESS_MAX. */
 bool stress_scene_cases(struct stress *stress, const struct stress_scene *of);

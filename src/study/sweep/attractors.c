@@ -35,7 +35,8 @@ int sweep_attractors(const struct sweep_request *request, const struct sweep *sw
         struct error ignored = {0};
         sweep_common(request, &scene, &settings);
         found[k].known = sweep_point(request, sweep, found[k].first, &scene, &settings, &ignored) &&
-                         attractor_of(&scene, request->cancel, &found[k].basin) == found[k].number;
+                         request->measure[measure].attractor(&scene, request->cancel,
+                                                             &found[k].basin) == found[k].number;
     }
     return count;
 }

@@ -2,7 +2,6 @@
 /* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
  * same bits. */
 #include <hooke/scene/typed.h>
-#include <hooke/study/chaos.h>
 #include "study/sweep/sweep.h"
 
 #include <stdio.h>
@@ -134,7 +133,7 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
         run_ledger(run, &ledger);
         return ledger.error_max;
     case SWEEP_ATTRACTOR:
-        return attractor_of(scene, run->cancel, NULL);
+        return measure->attractor(scene, run->cancel, NULL);
     case SWEEP_STEPS:
         return (double)run->steps;
     case SWEEP_EVALS:

@@ -2,7 +2,6 @@
 /* Points of a sweep where an event happens, each as a run of its own: its events are those that
  * 'event NAME when' records, its strobe the rows that are recorded at even times. */
 #include <hooke/base/numeric.h>
-#include <hooke/study/dynamics.h>
 #include "study/sweep/section.h"
 
 #include <float.h>

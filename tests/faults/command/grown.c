@@ -13,7 +13,7 @@
 
 #include "unit/command/testing.h"
 
-#include "session/store/read.h"
+#include <hooke/session/read.h>
 
 static const char *session_path = "session.hks", *answers_path = "session.txt";
 

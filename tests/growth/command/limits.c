@@ -87,9 +87,9 @@ static const char *const sliding[] = {"undo",    "log",     "measurements", "fit
 static const char *const elsewhere[] = {
     "samples",       /* the trace is thinned there: tests/unit/run */
     "event-records", /* a million events of a run take a minute */
-    "orbits",        /* tests/numerics/command/kept_dynamics.c */
+    "orbits",        /* tests/modules/dynamics/kept_dynamics.c */
     "branches",      /* the same */
-    "branch-points", /* tests/cli/branch.hk */
+    "branch-points", /* tests/modules/dynamics/cli/branch.hk */
 };
 
 static void put_line(struct buffer *line, const char *text, int number)

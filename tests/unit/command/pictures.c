@@ -16,7 +16,7 @@
 #include "unit/axes_testing.h"
 #include "unit/command/testing.h"
 #include "unit/svg_testing.h"
-#include "plot/figure/drawing.h"
+#include <hooke/plot/drawing.h>
 
 #define POINTS 60000
 /* [pt] a point of a path to the samples */

@@ -11,7 +11,7 @@
  * A line without `# error:` has to succeed, on a small stack.
  * Every line starts where the one before left the session. Files are written in a folder of their
  * own. A file with the line `# needs: NAME` is skipped where the build is without that method or
- * module. The scenarios of modules stand in tests/modules/MODULE.
+ * module. The scenarios of modules stand in tests/modules/MODULE/cli.
  */
 #include <hooke/command.h>
 #include <hooke/module.h>
@@ -276,7 +276,7 @@ static int folders_of(const char *tests, char *path[LIMIT_MODULES + 1])
         if (i == 0)
             buffer_format(&name, "%s/cli", tests);
         else
-            buffer_format(&name, "%s/modules/%s", tests, module_list[i - 1]->row.name);
+            buffer_format(&name, "%s/modules/%s/cli", tests, module_list[i - 1]->row.name);
         if ((path[folders] = realpath(buffer_view(&name), NULL)))
             folders++;
         else if (i == 0)

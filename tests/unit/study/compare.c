@@ -11,7 +11,7 @@
 
 #include <hooke/study.h>
 
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 static const struct method *method_named(const char *name)
 {

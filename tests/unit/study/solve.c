@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#include "study/compare/solve.h"
+#include <hooke/study/solve.h>
 
 static struct scene scene;
 static struct system spring;

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers behind the curves of a session's figures: rows of a run, values there, what is left
+ * of a recording, spectra. */
+#ifndef HOOKE_PLOT_CURVES_H
+#define HOOKE_PLOT_CURVES_H
+
+#include <hooke/plot.h>
+#include <hooke/session/subject.h>
+
+/* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those
+ * that look the same on so many columns. */
+struct row_request {
+    double from, to; /* [s] */
+    int columns;
+    double period; /* [s] NAN: not known */
+    bool screen;   /* then with the neighbours on both sides, so that a line reaches the ends */
+    /* The state variables [first, first + count) that are drawn against the time: of many rows only
+     * those where one of them is least or largest in its share of the time. A count of 0 takes all
+     * rows. */
+    int first, count;
+};
+
+struct chosen_rows {
+    size_t *row; /* ascending */
+    size_t n;
+};
+
+bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
+                 struct chosen_rows *rows, struct error *error);
+/* Whether the scene of the start has been in force all along, as far as can be seen from outside.
+ */
+bool run_never_changed(const struct run *run);
+
+/* The observable at these rows; one that sums up over the run, and a run whose parameters were
+ * changed, are walked through as a whole. */
+bool values_at_rows(const struct run *run, const struct observable *observable,
+                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    struct error *error);
+/* Likewise of a column. */
+bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
+                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    struct error *error);
+/* State variable i at these rows. */
+void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
+/* The first variable between recorded rows; NAN outside. */
+const struct observable *observable_named(const char *name); /* of the catalog; NULL: none */
+double run_position(const struct run *run, double t);
+/* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by
+ * Hermite interpolation; NAN: outside of the run, or a scene of first order has none. */
+double run_motion(const struct run *run, double t, int derivative);
+/* The position between two times, evenly, no finer than a spectrum of a few harmonics needs: the
+ * newest part where that is not all of it. */
+bool run_even_series(const struct run *run, double from, double to, double period,
+                     struct arena *arena, struct series *series, struct error *error);
+bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
+                   struct error *error);
+
+#endif

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A figure of the session while it is built up. */
+#ifndef HOOKE_PLOT_DRAWING_H
+#define HOOKE_PLOT_DRAWING_H
+
+#include <hooke/plot/curves.h>
+
+#include <hooke/plot.h>
+#include <hooke/session/subject.h>
+
+#define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
+#define PERIOD_COLUMNS_DOTS 5
+#define PERIOD_COLUMNS_PICTURE 2          /* of PICTURE_COLUMNS */
+#define DRAWN_COLUMNS (LIMIT_OVERLAY + 1) /* of one run, as many as have marks of their own */
+#define FRAME_COLUMNS 10                  /* [cell] of the width that labels and frame take */
+
+/* What is built up. */
+struct drawing {
+    const struct session *session;
+    const struct figure_request *request;
+    struct arena *arena;
+    struct error *error;
+    struct curve *curve;
+    int curves;
+    const struct model *model;                           /* of the runs; NULL: there are none */
+    int coordinates;                                     /* curves that one run has */
+    struct chosen_column column[DRAWN_COLUMNS], against; /* if the request names them */
+    double omega0;                                       /* [rad/s] that v is divided by; 1: not */
+    double period;                                       /* [s] of the first run, NAN: none */
+    double window[2];                                    /* [s] */
+    double shown, total;                                 /* [s] */
+    /* of a spectrum: the strongest, of several the highest; frequency 0: none */
+    struct spectrum_peak line;
+    struct data_motion motion; /* of the recording, where the plot needs it */
+};
+
+/* On the vertical axis: the first of the coordinates that are drawn. */
+const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
+
+static inline const struct plot_row *kind_of(const struct drawing *d)
+{
+    return plot_row(d->request->kind);
+}
+
+static inline const struct recording *recording_of(const struct drawing *d)
+{
+    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording
+                                      : NULL;
+}
+
+/* Finds what the request names, of one unit, since it shares the axis. */
+bool drawing_columns(struct drawing *d, const struct system *system);
+/* Name of what is drawn of one run, i of its coordinates. NULL: no memory. */
+const char *drawing_label(const struct drawing *d, int i);
+
+/* The columns where the event of the request happened. */
+bool drawing_event_records(struct drawing *d, const struct run_slot *slot);
+/* Of an adaptive run the state over time, or one part of it against another, also between its rows.
+ * *drawn: it was. */
+bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
+                    const char *label, bool *drawn);
+/* Name of the run in a legend; NULL: no memory. */
+const char *drawing_run_label(const struct drawing *d, const struct run *run);
+
+/* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
+/* Does this kind of plot show what the recording itself holds, without derivatives of it? run:
+ * NULL: none beside it. */
+bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
+/* Velocities or energies have to be found from the positions of the recording. */
+/* How much older the newest velocity of what is being collected is than its newest sample. */
+void drawing_put_delay(const struct drawing *d, struct buffer *text);
+bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
+bool drawing_recording(struct drawing *d, const struct recording *recording);
+bool drawing_residual(struct drawing *d, const struct recording *recording);
+
+/* The unit in which numbers of this size are short; without one the axis is left as it is. */
+void axis_suit(struct axis *axis, enum quantity quantity, double size);
+/* Of the vertical axis; NULL: no memory. */
+const char *drawing_y_label(const struct drawing *d, int panel);
+/* Of columns of the request's table (table.c). */
+bool drawing_table(struct drawing *d, struct figure *figure);
+/* QUANTITY_NUMBER: no unit of its own. */
+enum quantity column_quantity(const struct table_column *column);
+/* Ranges that were asked for; quantities of x and y. */
+bool drawing_ranges(const struct drawing *d, struct figure *figure,
+                    const enum quantity quantity[2]);
+/* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
+bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
+/* The spectrum of a series, or of the window of a run, and its lines (figure_spectrum.c). */
+bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
+bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
+struct axis spectrum_axis(const struct drawing *d);
+/* names the line; nothing: there is none */
+void spectrum_note(const struct drawing *d, struct buffer *text);
+
+/* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
+ * that fit. */
+bool drawing_band(struct drawing *d);
+/* The same from what the session keeps; false: no memory. */
+bool drawing_stored_band(struct drawing *d);
+
+/* v against y: about the equilibrium, in the units of the phase plot. */
+bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve);
+/* Amplitudes of successive windows against their times. */
+bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve);
+bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve);
+bool drawing_precision(struct drawing *d, struct figure *figure);
+bool sweep_figure(struct drawing *d, struct figure *figure);
+bool sweep_known(const struct session *session);
+/* The period against the amplitude (figure_period.c). */
+bool period_figure(struct drawing *d, struct figure *figure);
+
+/* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
+double run_rhythm(const struct run *run);
+bool run_goes_back(const struct run *run); /* time falls from row to row */
+/* In the unit that a value of this size is shown in; its range is automatic. */
+struct axis quantity_axis(const char *label, enum quantity quantity, double size);
+struct axis time_axis(const double window[2]); /* [s] fixed */
+/* Chooses the window of time; the model and the period are known. */
+void drawing_window(struct drawing *d);
+double drawing_trail(const struct drawing *d); /* periods */
+/* Returns which rows of a run are drawn in a window: where nothing but states over the time of the
+ * axis is, of many rows only the extremes. */
+struct row_request drawing_rows(const struct drawing *d, const double window[2]);
+
+#endif

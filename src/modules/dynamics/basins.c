@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* basins */
+#ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/scene/poles.h>
+#include "modules/dynamics/chaos.h"
+#include <hooke/study/sweep.h>
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#define MAP_ROWS 20    /* at most, and */
+#define MAP_ROWS_MIN 5 /* in a short answer */
+#define MAP_COLUMNS 64
+
+struct map {
+    const struct basins_request *request;
+    const struct basins *basins;
+    const struct system *system;
+    int answer, width; /* [row] [cell] of the short answer; 0: everything */
+};
+
+/* ---- the two axes ---- */
+
+static bool read_side(struct session *session, const struct arguments *args, struct text argument,
+                      const struct system *system, struct basins_request *request, int axis,
+                      struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, argument};
+    const struct text name = peek_name(argument);
+    const int i = name.len > 0 ? model_state(system->model, name) : -1;
+    if (text_starts(argument, TEXT("--")))
+        return error_at(error, argument, "basins has no option '%.*s'",
+                        (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
+    if (i < 0) {
+        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
+                 (int)(argument.len < 64 ? argument.len : 64), argument.at);
+        return error_hint(error, "starts differ in two variables, as in %s=-2:2:0.1",
+                          system->model->variable[0].name);
+    }
+    if (axis == 2)
+        return error_at(error, argument, "basins are over two variables");
+    if (axis == 1 && request->axis[0].variable == i)
+        return error_at(error, argument, "'%.*s' is given twice", (int)name.len, name.at);
+    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
+    if (!text_starts(parser.rest, TEXT("=")))
+        return error_at(error, argument, "%.*s needs a range, as in %.*s=-1:1:0.1", (int)name.len,
+                        name.at, (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const struct variable variable = system_variable(system, i);
+    struct sweep_axis range = {.quantity = variable.quantity};
+    snprintf(range.name, sizeof range.name, "%s", variable.name);
+    if (!read_axis_range(&parser, &range, error))
+        return false;
+    if (range.log)
+        return error_at(error, argument, "%s: starts lie in equal steps", variable.name);
+    request->axis[axis].variable = i;
+    request->axis[axis].from = range.from;
+    request->axis[axis].to = range.to;
+    request->axis[axis].count = range.count;
+    return true;
+}
+
+enum { CANCEL_ROWS = 65536 };
+
+/* Largest table of a search that was stopped: more rows would keep the user waiting. */
+static const int64_t stopped_table_rows_max = 400000;
+
+/* ---- what is said ---- */
+
+static char letter(int fate)
+{
+    return fate >= 0                 ? (char)('A' + fate)
+           : fate == BASIN_ESCAPES   ? '.'
+           : fate == BASIN_UNDECIDED ? '?'
+                                     : ' ';
+}
+
+static void put_map(struct buffer *out, const struct map *map, int max)
+{
+    const int across = map->request->axis[0].count, up = map->request->axis[1].count;
+    const int columns = across < MAP_COLUMNS ? across : MAP_COLUMNS, rows = up < max ? up : max;
+    for (int r = rows - 1; r >= 0; r--) {
+        const int64_t b = rows > 1 ? (int64_t)r * (up - 1) / (rows - 1) : 0;
+        buffer_format(out, "%10.4g ", basins_value(map->request, 1, b));
+        for (int c = 0; c < columns; c++) {
+            const int64_t a = columns > 1 ? (int64_t)c * (across - 1) / (columns - 1) : 0;
+            buffer_char(out, letter(map->basins->fate[a * up + b]));
+        }
+        buffer_char(out, '\n');
+    }
+    buffer_format(out, "%10s %-*.4g%.4g  %s, %s up\n", "", columns > 10 ? columns - 4 : 8,
+                  map->request->axis[0].from, map->request->axis[0].to,
+                  system_variable(map->system, map->request->axis[0].variable).name,
+                  system_variable(map->system, map->request->axis[1].variable).name);
+}
+
+static const char *const kind_name[] = {"equilibrium", "orbit", "response", "irregular"};
+
+static void put_basin(struct buffer *out, const struct map *map, int k)
+{
+    const struct basin *b = &map->basins->of[k];
+    const double share = 100.0 * (double)b->count / (double)map->basins->finished,
+                 error = 100 * basins_error(b->count, map->basins->finished);
+    buffer_format(out, "  %c  %.4g +- %.2g %%  %s", letter(k), share, error, kind_name[b->kind]);
+    if (b->multiple > 0)
+        buffer_format(out, " of %d period%s of the drive", b->multiple,
+                      b->multiple == 1 ? "" : "s");
+    else if (b->period > 0) {
+        buffer_put(out, TEXT(" of period "));
+        buffer_quantity(out, b->period, QUANTITY_TIME, 7);
+    }
+    buffer_put(out, b->kind == BASIN_EQUILIBRIUM ? TEXT(" at ") : TEXT(" through "));
+    for (int i = 0; i < map->system->n; i++) {
+        const struct variable variable = system_variable(map->system, i);
+        buffer_format(out, "%s%s = ", i > 0 ? ", " : "", variable.name);
+        buffer_quantity(out, b->state[i], variable.quantity, 6);
+    }
+    if (b->kind == BASIN_IRREGULAR)
+        buffer_put(out, TEXT(", does not repeat"));
+    else
+        buffer_format(out, ", %s", b->stable ? "stable" : "unstable: starts on the way into it");
+    buffer_char(out, '\n');
+}
+
+static void put_basins(struct buffer *out, const struct map *map)
+{
+    enum { BELOW = 3 /* [row] the axis, and how it was found */ };
+    const struct basins *b = map->basins;
+    buffer_format(out, "%d attractor%s of %lld starts\n", b->count, b->count == 1 ? "" : "s",
+                  (long long)b->finished);
+    for (int k = 0; k < b->count; k++)
+        put_basin(out, map, k);
+    if (b->escaping > 0)
+        buffer_format(out, "  .  %.4g %%  escapes\n",
+                      100.0 * (double)b->escaping / (double)b->finished);
+    if (b->undecided > 0)
+        buffer_format(out, "  ?  %.4g %%  not decided\n",
+                      100.0 * (double)b->undecided / (double)b->finished);
+    int max =
+        map->answer ? map->answer - text_rows(buffer_text(out), map->width) - BELOW : MAP_ROWS;
+    max = max < MAP_ROWS_MIN ? MAP_ROWS_MIN : max > MAP_ROWS ? MAP_ROWS : max;
+    put_map(out, map, max);
+    buffer_put(out, TEXT("looked at every "));
+    buffer_quantity(out, b->strobe, QUANTITY_TIME, 6);
+    if (b->steps > 0)
+        buffer_format(out, " by %d steps of rk4, %lld evaluations", b->steps,
+                      4 * b->steps * (long long)b->looks);
+    else
+        buffer_format(out, ", %lld looks", (long long)b->looks);
+    buffer_format(out, ", %d thread%s, %.3g s", b->threads, b->threads == 1 ? "" : "s", b->seconds);
+}
+
+static void reply_basin(struct reply *reply, const struct map *map, int k)
+{
+    const struct basin *b = &map->basins->of[k];
+    const char name[2] = {letter(k), 0};
+    reply_begin(reply, "basin");
+    reply_string(reply, "attractor", name);
+    reply_real(reply, "share", (double)b->count / (double)map->basins->finished);
+    reply_real(reply, "uncertainty", basins_error(b->count, map->basins->finished));
+    reply_int(reply, "count", b->count);
+    reply_string(reply, "type", kind_name[b->kind]);
+    reply_quantity(reply, "period", b->kind == BASIN_EQUILIBRIUM ? NAN : b->period, "s");
+    reply_bool(reply, "stable", b->stable);
+    reply_real(reply, "growth", b->growth);
+    reply_object(reply, "state");
+    for (int i = 0; i < map->system->n; i++)
+        reply_real(reply, system_variable(map->system, i).name, b->state[i]);
+    reply_close(reply);
+    reply_end(reply);
+}
+
+static void reply_rest(struct reply *reply, const struct basins *basins, const char *name,
+                       int64_t count)
+{
+    if (count == 0)
+        return;
+    reply_begin(reply, "basin");
+    reply_string(reply, "attractor", name);
+    reply_real(reply, "share", (double)count / (double)basins->finished);
+    reply_real(reply, "uncertainty", basins_error(count, basins->finished));
+    reply_int(reply, "count", count);
+    reply_end(reply);
+}
+
+/* Returns false if out of memory or if the user stops it: of very many starts it takes a while. */
+static bool make_table(const struct map *map, struct arena *arena, struct table *table)
+{
+    static const char *const names[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I",
+                                        "J", "K", "L", "M", "N", "O", "P", "Q", "R",
+                                        "S", "T", "U", "V", "W", "X", "Y", "Z"};
+    const size_t n = (size_t)map->basins->total;
+    const int64_t up = map->request->axis[1].count;
+    struct table_column *column = arena_array(arena, 3, sizeof *column);
+    double *value[] = {arena_array(arena, n, sizeof *value[0]),
+                       arena_array(arena, n, sizeof *value[0])};
+    const char **fate = arena_array(arena, n, sizeof *fate);
+    if (!column || !value[0] || !value[1] || !fate)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        if (i % CANCEL_ROWS == 0 && !map->basins->cancelled && cancelled(map->request->cancel))
+            return false;
+        const int f = map->basins->fate[i];
+        value[0][i] = basins_value(map->request, 0, (int64_t)i / up);
+        value[1][i] = basins_value(map->request, 1, (int64_t)i % up);
+        fate[i] = f >= 0                 ? names[f]
+                  : f == BASIN_ESCAPES   ? "escapes"
+                  : f == BASIN_UNDECIDED ? "not decided"
+                                         : "missing";
+    }
+    for (int a = 0; a < 2; a++) {
+        const struct variable v = system_variable(map->system, map->request->axis[a].variable);
+        const char *name = arena_text(arena, text_of(v.name));
+        if (!name)
+            return false;
+        column[a] = (struct table_column){
+            .name = name, .unit = quantity_unit(v.quantity), .value = value[a]};
+    }
+    column[2] = (struct table_column){.name = "attractor", .unit = "", .text = fate};
+    *table = (struct table){.column = column, .columns = 3, .rows = n};
+    return true;
+}
+
+static void reply_map(const struct map *map, struct reply *reply)
+{
+    struct buffer text = {0};
+    struct arena own = {0};
+    struct table table;
+    put_basins(&text, map);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    for (int k = 0; k < map->basins->count; k++)
+        reply_basin(reply, map, k);
+    reply_rest(reply, map->basins, "escapes", map->basins->escaping);
+    reply_rest(reply, map->basins, "not decided", map->basins->undecided);
+    if (reply->store && (!map->basins->cancelled || map->basins->total <= stopped_table_rows_max) &&
+        make_table(map, &own, &table))
+        table_store_put(reply->store, "basins", &own, &table);
+    arena_reset(&own);
+}
+
+HANDLER(basins)
+{
+    const struct argument_value *sides = argument_value(args, "NAME=FROM:TO:STEP");
+    struct scene scene = session->setup.scene;
+    struct basins_request request = {.scene = &scene,
+                                     .cancel = session->front.cancel,
+                                     .progress = report_fraction,
+                                     .context = &session->front};
+    struct system system = {.model = scene.model, .n = scene.model->n};
+    struct basins basins;
+    double box[LIMIT_VARIABLES][2];
+    int axes = 0;
+    struct text rest = sides->item->text;
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text side = next_key_argument(&rest);
+        if (!text_is(side, "--full") &&
+            !read_side(session, args, side, &system, &request, axes++, error))
+            return false;
+    }
+    if (axes < 2)
+        return error_set(error, ERROR_COMMAND, "basins are over two variables, as in %s=-2:2:0.1",
+                         system.model->variable[0].name);
+    for (int i = 0; i < system.n; i++)
+        box[i][0] = box[i][1] = NAN;
+    for (int a = 0; a < axes; a++) {
+        box[request.axis[a].variable][0] = request.axis[a].from;
+        box[request.axis[a].variable][1] = request.axis[a].to;
+    }
+    if (!scene_bind_inside(&scene, box, &system, error) || !basins_find(&request, &basins, error))
+        return false;
+    if (basins.finished > 0) {
+        int width, height;
+        session_size(session, &width, &height);
+        const struct map map = {&request, &basins, &system,
+                                asks_full(args) ? 0 : answer_rows(session), width};
+        reply_map(&map, reply);
+    }
+    const bool stopped = basins.cancelled || cancelled(request.cancel);
+    const long long finished = basins.finished, total = basins.total;
+    basins_free(&basins);
+    return !stopped || error_set(error, ERROR_CANCELLED, "stopped: %lld of %lld starts finished",
+                                 finished, total);
+}
+#endif
+
+COMMAND(
+    basins,
+    .row = {"basins", "", "which attractor each start of a grid reaches: a map, and shares", "",
+            NULL},
+    .group = "DYNAMICS",
+    .text =
+        "Starts differ in two variables, NAME=FROM:TO:STEP; the others are those of the scene. "
+        "What they end in is found\n"
+        "by itself: equilibria, closed orbits, responses of a drive with its period or up to "
+        "eight of them, motion that does\n"
+        "not repeat. Starts that leave every bound escape; what is not clear after 1000 looks "
+        "is 'not decided'. The map has a\n"
+        "letter for each attractor; 'plot basins > FILE' draws it, 'export FILE table of basins' "
+        "writes a row for each start "
+        "(after Ctrl-C only of up to 400000 starts).",
+    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
+                "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv; plot basins > basins.svg",
+    .see = "equilibria sweep lyapunov plot", .flags = COMMAND_TABLES,
+    ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED),
+              OPTION("full", TYPE_NONE)))

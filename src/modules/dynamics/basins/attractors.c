@@ -1,0 +1,393 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What motions end in: found where one of them repeats, known again where another comes near. */
+#include "modules/dynamics/basins/basins.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#include <hooke/study/verify.h>
+
+#define BEYOND 1e6   /* of sizes */
+#define SAME 1e-8    /* of sizes: a state has come again, */
+#define AGAINS 3     /* so many times on end */
+#define NEAR 1e-3    /* of sizes: a motion goes to that attractor, */
+#define NEARS 3      /* if so many times on end */
+#define ALIKE 1e-5   /* of sizes: two that were found are one */
+#define INSIDE 24    /* times on end in the cells of what does not repeat */
+#define CLOUD 6000   /* looks that cells are found by */
+#define ROUND 1000   /* steps of a turn around an orbit */
+#define TURNS 50     /* looks that a turn may take */
+#define NEUTRAL 1e-7 /* multipliers so near 1 attract nothing */
+#define CLOSED 1e-6  /* of sizes: an orbit has closed */
+
+/* ---- distances ---- */
+
+static double apart(const struct basin_walk *walk, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < walk->n; i++) {
+        const double turn = walk->field.turn[i], d = a[i] - b[i];
+        sum = fmax(sum, fabs(turn > 0 ? remainder(d, turn) : d) / walk->size[i]);
+    }
+    return sum;
+}
+
+/* To the straight line between two states. */
+static double apart_line(const struct basin_walk *walk, const double *y, const double *a,
+                         const double *b)
+{
+    double along = 0, length = 0, at[FIELD_VARIABLES];
+    for (int i = 0; i < walk->n; i++) {
+        const double d = (b[i] - a[i]) / walk->size[i], turn = walk->field.turn[i];
+        const double from = turn > 0 ? remainder(y[i] - a[i], turn) : y[i] - a[i];
+        along += from / walk->size[i] * d;
+        length += d * d;
+    }
+    const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
+    for (int i = 0; i < walk->n; i++)
+        at[i] = a[i] + share * (b[i] - a[i]);
+    return apart(walk, y, at);
+}
+
+static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; k < a->points; k++) {
+        const double *from = a->point + k * walk->n;
+        least = fmin(least, a->basin.kind == BASIN_ORBIT && k + 1 < a->points
+                                ? apart_line(walk, y, from, from + walk->n)
+                                : apart(walk, y, from));
+    }
+    return least;
+}
+
+/* ---- cells, of up to three variables ---- */
+
+static int cells_of(int n)
+{
+    return n <= 2 ? 128 : n == 3 ? 48 : 0;
+}
+
+/* -1: outside */
+static long cell_at(const struct basin_walk *walk, const double *y, const int *by)
+{
+    const int cells = cells_of(walk->n);
+    long at = 0;
+    for (int i = 0; i < walk->n; i++) {
+        /* twice what starts cover */
+        const double share = (y[i] - walk->centre[i]) / walk->size[i] / 4 + 0.5;
+        const int place = (int)floor(fmin(fmax(share * cells, -2), cells + 2)) + (by ? by[i] : 0);
+        if (place < 0 || place >= cells)
+            return -1;
+        at = at * cells + place;
+    }
+    return at;
+}
+
+static void visit(const struct basin_walk *walk, unsigned char *cell, const double *y)
+{
+    int by[3] = {-1, -1, -1};
+    for (int k = 0; k < 27; k++) {
+        by[0] = k % 3 - 1, by[1] = k / 3 % 3 - 1, by[2] = k / 9 - 1;
+        const long at = cell_at(walk, y, by);
+        if (at >= 0)
+            cell[at] = 1;
+    }
+}
+
+/* ---- one motion ---- */
+
+void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y)
+{
+    *walker = (struct walker){.at = -1};
+    memcpy(walker->y, y, (size_t)walk->n * sizeof *y);
+}
+
+static bool is_near(const struct basin_walk *walk, const struct attractor *a, const double *y)
+{
+    if (!a->cell)
+        return a->basin.stable && apart_from(walk, a, y) < NEAR;
+    const long at = cell_at(walk, y, NULL);
+    return at >= 0 && a->cell[at];
+}
+
+static int comes_to(const struct basin_walk *walk, struct walker *w)
+{
+    const bool stays = w->at >= 0 && is_near(walk, &walk->attractor[w->at], w->y);
+    w->near = stays ? w->near + 1 : 0;
+    for (int k = 0; k < walk->attractors && !stays; k++)
+        if (is_near(walk, &walk->attractor[k], w->y)) {
+            w->at = k;
+            w->near = 1;
+            break;
+        }
+    if (w->near == 0)
+        return BASIN_MISSING;
+    return w->near >= (walk->attractor[w->at].cell ? INSIDE : NEARS) ? w->at : BASIN_MISSING;
+}
+
+/* Is it where it was so many looks before? */
+static bool repeats(const struct basin_walk *walk, struct walker *w)
+{
+    for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
+        if (apart(walk, w->y, w->past[(w->looks - q) % WALK_PAST]) >= SAME)
+            continue;
+        w->again = q == w->period ? w->again + 1 : 1;
+        w->period = q;
+        return w->again >= AGAINS * q;
+    }
+    w->again = 0;
+    return false;
+}
+
+int walker_look(const struct basin_walk *walk, struct walker *w)
+{
+    for (int i = 0; i < walk->n; i++) {
+        const double turn = walk->field.turn[i];
+        if (turn > 0 && fabs(w->y[i]) > turn)
+            w->y[i] = remainder(w->y[i], turn);
+        if (!(fabs(w->y[i] - walk->centre[i]) < BEYOND * walk->size[i]))
+            return BASIN_ESCAPES;
+    }
+    w->looks++;
+    w->found = false;
+    const int fate = comes_to(walk, w);
+    if (fate >= 0)
+        return fate;
+    w->found = repeats(walk, w);
+    memcpy(w->past[w->looks % WALK_PAST], w->y, sizeof w->past[0]);
+    if (w->found)
+        return BASIN_UNDECIDED;
+    return w->looks >= WALK_LOOKS ? BASIN_UNDECIDED : BASIN_MISSING;
+}
+
+/* ---- what is new ---- */
+
+static bool is_equilibrium(struct basin_walk *walk, const double *y)
+{
+    double rate[FIELD_VARIABLES], most = 0;
+    field_rate(&walk->field, y, rate);
+    for (int i = 0; i < walk->n; i++)
+        most = fmax(most, fabs(rate[i]) / walk->size[i]);
+    return !walk->forced && most * walk->strobe < 1e-5;
+}
+
+/* Largest growth but, of an orbit, that along it; stable: it falls. */
+static void judge(struct basin_walk *walk, struct basin *basin)
+{
+    struct flow_slopes *slopes = malloc(sizeof *slopes);
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], end[FIELD_VARIABLES];
+    struct eigenvalue value[FIELD_VARIABLES];
+    const int n = walk->n;
+    bool known = slopes;
+    basin->growth = NAN;
+    if (basin->kind == BASIN_EQUILIBRIUM) {
+        field_jacobian(&walk->field, basin->state, jacobian);
+        known = matrix_eigenvalues(n, jacobian, value);
+    } else if (known) {
+        known = field_flow(&walk->field, walk->field.system.t0, basin->state, basin->period, end,
+                           slopes) &&
+                matrix_eigenvalues(n, slopes->by_start, value);
+    }
+    int trivial = -1;
+    for (int i = 0; known && i < n && basin->kind == BASIN_ORBIT; i++)
+        if (trivial < 0 ||
+            hypot(value[i].re - 1, value[i].im) < hypot(value[trivial].re - 1, value[trivial].im))
+            trivial = i;
+    for (int i = 0; known && i < n; i++) {
+        const double size =
+            basin->kind == BASIN_EQUILIBRIUM ? value[i].re : hypot(value[i].re, value[i].im);
+        if (i != trivial)
+            basin->growth = isnan(basin->growth) ? size : fmax(basin->growth, size);
+    }
+    const double most = basin->kind == BASIN_EQUILIBRIUM ? 0 : 1;
+    basin->stable = !known || isnan(basin->growth) || basin->growth < most * (1 - NEUTRAL);
+    free(slopes);
+}
+
+static int add(struct basin_walk *walk, struct attractor *a)
+{
+    if (walk->attractors == BASINS_MOST || !(a->point || a->cell)) {
+        free(a->point);
+        free(a->cell);
+        return BASIN_UNDECIDED;
+    }
+    if (a->basin.kind != BASIN_IRREGULAR)
+        judge(walk, &a->basin);
+    if (a->basin.kind == BASIN_ORBIT && !a->basin.stable) { /* one of a family */
+        free(a->point);
+        return BASIN_UNDECIDED;
+    }
+    walk->attractor[walk->attractors] = *a;
+    return walk->attractors++;
+}
+
+static int known_as(const struct basin_walk *walk, const double *y, double within)
+{
+    for (int k = 0; k < walk->attractors; k++)
+        if (!walk->attractor[k].cell && apart_from(walk, &walk->attractor[k], y) < within)
+            return k;
+    return BASIN_MISSING;
+}
+
+/* What looks leave of the way to rest is taken by Newton's steps. */
+static void settle(struct basin_walk *walk, double *y)
+{
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], by[FIELD_VARIABLES];
+    for (int pass = 0; pass < 3; pass++) {
+        bool small = true;
+        field_rate(&walk->field, y, by);
+        field_jacobian(&walk->field, y, jacobian);
+        if (!matrix_solve(walk->n, jacobian, by))
+            return;
+        for (int i = 0; i < walk->n; i++)
+            small = small && fabs(by[i]) < ALIKE * walk->size[i];
+        for (int i = 0; small && i < walk->n; i++)
+            y[i] -= by[i];
+    }
+}
+
+static int learn_points(struct basin_walk *walk, const struct walker *w)
+{
+    const int known = known_as(walk, w->y, ALIKE);
+    if (known >= 0)
+        return known;
+    const int n = walk->n;
+    struct attractor a = {.points = walk->forced ? w->period : 1,
+                          .basin = {.kind = walk->forced ? BASIN_RESPONSE : BASIN_EQUILIBRIUM,
+                                    .multiple = walk->forced ? w->period : 0,
+                                    .period = walk->forced ? w->period * walk->strobe : 0}};
+    memcpy(a.basin.state, w->y, (size_t)n * sizeof *w->y);
+    if (!walk->forced)
+        settle(walk, a.basin.state);
+    a.point = malloc((size_t)(a.points * n) * sizeof *a.point);
+    for (int k = 0; a.point && k < a.points; k++)
+        memcpy(a.point + k * n, w->past[(w->looks + WALK_PAST - k) % WALK_PAST],
+               (size_t)n * sizeof *w->y);
+    return add(walk, &a);
+}
+
+/* Once around: until it comes through the plane across its start in the same direction, near it.
+ * 0: it does not; *off: how far it is then. */
+static double go_round(struct basin_walk *walk, const double *start, double *off)
+{
+    const int n = walk->n;
+    double y[2][FIELD_VARIABLES], rate[FIELD_VARIABLES], far = 0, before = 0;
+    const double h = walk->strobe / (ROUND / TURNS), t0 = walk->field.system.t0;
+    field_rate(&walk->field, start, rate);
+    memcpy(y[0], start, sizeof y[0]);
+    for (int k = 0; k < ROUND; k++) {
+        double side = 0;
+        if (!field_flow(&walk->field, t0, y[k % 2], h, y[(k + 1) % 2], NULL))
+            return 0;
+        const double *now = y[(k + 1) % 2], gone = apart(walk, now, start);
+        far = fmax(far, gone);
+        for (int i = 0; i < n; i++) {
+            const double turn = walk->field.turn[i], d = now[i] - start[i];
+            side += rate[i] * (turn > 0 ? remainder(d, turn) : d) / (walk->size[i] * walk->size[i]);
+        }
+        if (before < 0 && side >= 0 && gone < far / 2) {
+            double low = 0, high = h, end[FIELD_VARIABLES];
+            for (int j = 0; j < 60; j++) { /* the time within the step */
+                const double middle = (low + high) / 2;
+                double at = 0;
+                if (!field_flow(&walk->field, t0, y[k % 2], middle, end, NULL))
+                    return 0;
+                for (int i = 0; i < n; i++) {
+                    const double turn = walk->field.turn[i], d = end[i] - start[i];
+                    at += rate[i] * (turn > 0 ? remainder(d, turn) : d) /
+                          (walk->size[i] * walk->size[i]);
+                }
+                *(at < 0 ? &low : &high) = middle;
+            }
+            *off = apart(walk, end, start);
+            if (*off < far / 20)
+                return k * h + high;
+        }
+        before = side;
+    }
+    return 0;
+}
+
+static int learn_orbit(struct basin_walk *walk, struct walker *w)
+{
+    const int n = walk->n;
+    const double tol = walk->field.tol;
+    double off = HUGE_VAL;
+    walk->field.tol = 1e-10;
+    const double period =
+        walk->forced || is_equilibrium(walk, w->y) ? 0 : go_round(walk, w->y, &off);
+    walk->field.tol = tol;
+    if (!(period > 0) || off > CLOSED)
+        return BASIN_MISSING;
+    const int known = known_as(walk, w->y, NEAR);
+    if (known >= 0)
+        return known;
+    struct attractor a = {.points = FIELD_TIMES, .basin = {.kind = BASIN_ORBIT, .period = period}};
+    memcpy(a.basin.state, w->y, (size_t)n * sizeof *w->y);
+    a.point = malloc((size_t)(a.points * n) * sizeof *a.point);
+    if (a.point && !field_follow(&walk->field, walk->field.system.t0, w->y, period, a.point)) {
+        free(a.point);
+        return BASIN_MISSING;
+    }
+    return add(walk, &a);
+}
+
+/* Returns true if the spread of a motion falls from each third of it to the next in every variable:
+ * it is still on its way. spread [3][n]: highest less lowest value. */
+static bool spread_shrinks(int n, double (*spread)[FIELD_VARIABLES])
+{
+    static const double shrinking = 0.98;
+    for (int i = 0; i < n; i++)
+        if (!(spread[1][i] < shrinking * spread[0][i] && spread[2][i] < shrinking * spread[1][i]))
+            return false;
+    return true;
+}
+
+/* A region that is not left, by the cells that a long motion visits. */
+static int learn_region(struct basin_walk *walk, struct walker *w)
+{
+    const int cells = cells_of(walk->n);
+    size_t size = 1;
+    for (int i = 0; i < walk->n; i++)
+        size *= (size_t)cells;
+    struct stepper *stepper = cells > 0 ? stepper_create(walk) : NULL;
+    struct attractor a = {
+        .cell = stepper ? calloc(size, 1) : NULL,
+        .basin = {.kind = BASIN_IRREGULAR, .period = NAN, .growth = NAN, .stable = true}};
+    int fate = BASIN_MISSING;
+    double spread[3][FIELD_VARIABLES] = {{0}}, low[FIELD_VARIABLES], high[FIELD_VARIABLES];
+    for (int k = 0; a.cell && k < CLOUD && fate == BASIN_MISSING; k++) {
+        stepper_advance(stepper, w, 1);
+        w->looks = 0; /* for as long as it takes */
+        fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
+        visit(walk, a.cell, w->y);
+        for (int i = 0; i < walk->n; i++) {
+            const bool begins = k % (CLOUD / 3) == 0;
+            low[i] = begins ? w->y[i] : fmin(low[i], w->y[i]);
+            high[i] = begins ? w->y[i] : fmax(high[i], w->y[i]);
+            spread[k / (CLOUD / 3)][i] = high[i] - low[i];
+        }
+    }
+    if (fate == BASIN_MISSING && spread_shrinks(walk->n, spread))
+        fate = BASIN_UNDECIDED;
+    stepper_free(stepper);
+    memcpy(a.basin.state, w->y, (size_t)walk->n * sizeof *w->y);
+    if (fate == BASIN_MISSING && a.cell)
+        return add(walk, &a);
+    free(a.cell);
+    return fate == BASIN_MISSING ? BASIN_UNDECIDED : fate;
+}
+
+int walk_learn(struct basin_walk *walk, struct walker *w)
+{
+    if (w->found && (walk->forced || is_equilibrium(walk, w->y)))
+        return learn_points(walk, w);
+    const int orbit = learn_orbit(walk, w);
+    if (orbit != BASIN_MISSING || w->looks < WALK_LOOKS)
+        return orbit;
+    return learn_region(walk, w);
+}

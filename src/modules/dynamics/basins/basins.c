@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Basins of attraction: first a few starts, from which most of the attractors are known; then all
+ * of them, over threads, by that list, which stays as it is; last, one after another, those that
+ * have come to something else. So nothing depends on who computes what.
+ */
+#include "modules/dynamics/basins/basins.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <hooke/base/numeric.h>
+
+#define POINTS_MOST 16000000
+#define FIRST 64   /* starts by which attractors are found */
+#define ATTEMPT 64 /* looks between attempts to find an orbit */
+#define SMALL 1e-3 /* of the largest size */
+#define LOOK_NS 50000000
+
+double basins_value(const struct basins_request *request, int axis, int64_t place)
+{
+    const int count = request->axis[axis].count;
+    const double from = request->axis[axis].from, to = request->axis[axis].to;
+    return count < 2 ? from : from + (to - from) * (double)place / (count - 1);
+}
+
+double basins_error(int64_t count, int64_t of)
+{
+    const double share = (double)count / (double)of;
+    return sqrt(share * (1 - share) / (double)of);
+}
+
+void basins_free(struct basins *basins)
+{
+    free(basins->fate);
+    *basins = (struct basins){.count = 0};
+}
+
+struct basins_job {
+    const struct basins_request *request;
+    const struct basin_walk *walk;
+    struct basins *basins;
+    atomic_llong next, finished, looks;
+    pthread_mutex_t lock;
+    struct late *late; /* [lates] those that have come to what is not known */
+    size_t lates, room;
+    bool failed;
+};
+
+struct late {
+    int64_t point;
+    struct walker walker;
+};
+
+static void start_at(const struct basins_request *request, const struct basin_walk *walk,
+                     int64_t point, struct walker *walker)
+{
+    double y[FIELD_VARIABLES];
+    memcpy(y, walk->field.system.start, sizeof y);
+    y[request->axis[0].variable] = basins_value(request, 0, point / request->axis[1].count);
+    y[request->axis[1].variable] = basins_value(request, 1, point % request->axis[1].count);
+    walker_start(walk, walker, y);
+}
+
+/* ---- what is looked at, and how often ---- */
+
+/* The middle of the rates at the starts, in their logarithms. */
+static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
+{
+    double speed[FIRST], rate[FIELD_VARIABLES];
+    for (int k = 0; k < FIRST; k++) {
+        field_rate(&walk->field, start[k], rate);
+        speed[k] = 0;
+        for (int i = 0; i < walk->n; i++)
+            speed[k] = fmax(speed[k], fabs(rate[i]) / walk->size[i]);
+    }
+    const double middle = quantile(speed, FIRST, 0.5);
+    return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
+}
+
+static bool refuse(const struct basin_walk *walk, const struct basins_request *request,
+                   struct error *error)
+{
+    const double total = (double)request->axis[0].count * request->axis[1].count;
+    if (total > POINTS_MOST)
+        return !error_set(error, ERROR_COMMAND, "%.0f starts: %d are the most", total, POINTS_MOST);
+    if (isnan(field_drive(&walk->field)))
+        return !error_set(error, ERROR_COMMAND,
+                          "what depends on time has no period: there is nothing to come back to");
+    return false;
+}
+
+/* Volumes stay as they are: nothing attracts. */
+static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
+{
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int k = 0; k < FIRST; k++) {
+        double trace = 0, size = 0;
+        field_jacobian(&walk->field, start[k], jacobian);
+        for (int i = 0; i < walk->n * walk->n; i++) {
+            size = fmax(size, fabs(jacobian[i]));
+            trace += i % (walk->n + 1) == 0 ? jacobian[i] : 0;
+        }
+        if (fabs(trace) > 1e-12 * size)
+            return false;
+    }
+    return true;
+}
+
+/* What the scene's start leaves at rest has no size of its own. */
+static void choose_sizes(struct basin_walk *walk, const struct basins_request *request)
+{
+    double most = 0;
+    for (int a = 0; a < 2; a++) {
+        const int i = request->axis[a].variable;
+        const double from = request->axis[a].from, to = request->axis[a].to;
+        walk->centre[i] = (from + to) / 2;
+        walk->size[i] = from != to ? fabs(to - from) / 2 : walk->field.size[i];
+        most = fmax(most, walk->size[i]);
+    }
+    for (int i = 0; i < walk->n; i++)
+        if (i != request->axis[0].variable && i != request->axis[1].variable)
+            walk->size[i] = walk->field.size[i] < SMALL * most ? most : walk->field.size[i];
+    memcpy(walk->field.size, walk->size, sizeof walk->size);
+}
+
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
+               struct error *error)
+{
+    double start[FIRST][FIELD_VARIABLES];
+    *walk = (struct basin_walk){.n = 0};
+    if (!field_init(&walk->field, request->scene, NULL, 0, error))
+        return false;
+    const double drive = field_drive(&walk->field);
+    walk->n = walk->field.n;
+    walk->forced = drive > 0;
+    walk->field.cancel = request->cancel;
+    if (refuse(walk, request, error)) {
+        field_free(&walk->field);
+        return false;
+    }
+    choose_sizes(walk, request);
+    for (int k = 0; k < FIRST; k++) {
+        memcpy(start[k], walk->field.system.start, sizeof start[k]);
+        for (int a = 0; a < 2; a++) {
+            const double share = ((a == 0 ? k / 8 : k % 8) + 0.5) / 8;
+            start[k][request->axis[a].variable] =
+                request->axis[a].from + share * (request->axis[a].to - request->axis[a].from);
+        }
+    }
+    if (keeps_volume(walk, start)) {
+        field_free(&walk->field);
+        return error_set(error, ERROR_COMMAND, "volumes are kept: nothing attracts");
+    }
+    walk->strobe = drive > 0 ? drive : natural_time(walk, start);
+    if (lanes)
+        stepper_choose(walk, start, FIRST);
+    return true;
+}
+
+void walk_free(struct basin_walk *walk)
+{
+    for (int k = 0; k < walk->attractors; k++) {
+        free(walk->attractor[k].point);
+        free(walk->attractor[k].cell);
+    }
+    field_free(&walk->field);
+}
+
+/* ---- first: attractors from a few starts ---- */
+
+static bool learn_first(struct basin_walk *walk, const struct basins_request *request,
+                        struct basins *basins)
+{
+    struct stepper *stepper = stepper_create(walk);
+    struct walker *walker = malloc(FIRST * sizeof *walker);
+    int active = stepper && walker ? FIRST : 0;
+    const bool fine = active > 0;
+    for (int k = 0; k < active; k++) {
+        const int64_t a = request->axis[0].count * (int64_t)(2 * (k / 8) + 1) / 16,
+                      b = request->axis[1].count * (int64_t)(2 * (k % 8) + 1) / 16;
+        start_at(request, walk, a * request->axis[1].count + b, &walker[k]);
+    }
+    for (int look = 1; active > 0 && !cancelled(request->cancel); look++) {
+        stepper_advance(stepper, walker, active);
+        if (cancelled(request->cancel)) /* it may have ended anywhere */
+            break;
+        basins->looks += active;
+        int left = 0;
+        for (int k = 0; k < active; k++) {
+            int fate = walker_look(walk, &walker[k]);
+            if (fate == BASIN_UNDECIDED || (fate == BASIN_MISSING && look % ATTEMPT == 0))
+                fate = walk_learn(walk, &walker[k]);
+            if (fate == BASIN_MISSING && walker[k].looks < WALK_LOOKS)
+                walker[left++] = walker[k];
+        }
+        active = left;
+        if (request->progress)
+            request->progress(request->context, 0.1 * fmin(1, 1.0 * look / WALK_LOOKS));
+    }
+    stepper_free(stepper);
+    free(walker);
+    return fine;
+}
+
+/* ---- all of them ---- */
+
+static void keep_late(struct basins_job *job, int64_t point, const struct walker *walker)
+{
+    pthread_mutex_lock(&job->lock);
+    if (job->lates == job->room) {
+        const size_t room = job->room > 0 ? 2 * job->room : 64;
+        struct late *late = realloc(job->late, room * sizeof *late);
+        if (late) {
+            job->late = late;
+            job->room = room;
+        } else {
+            job->failed = true;
+        }
+    }
+    if (job->lates < job->room)
+        job->late[job->lates++] = (struct late){point, *walker};
+    pthread_mutex_unlock(&job->lock);
+}
+
+static void *walk_all(void *context)
+{
+    struct basins_job *job = context;
+    struct stepper *stepper = stepper_create(job->walk);
+    struct walker *walker = malloc(LANES * sizeof *walker);
+    int64_t point[LANES];
+    int active = 0;
+    bool more = stepper && walker;
+    if (!more)
+        job->failed = true;
+    while ((more || active > 0) && !cancelled(job->request->cancel)) {
+        while (more && active < LANES) {
+            const int64_t next = atomic_fetch_add(&job->next, 1);
+            more = next < job->basins->total;
+            if (more) {
+                point[active] = next;
+                start_at(job->request, job->walk, next, &walker[active++]);
+            }
+        }
+        stepper_advance(stepper, walker, active);
+        if (cancelled(job->request->cancel)) /* it may have ended anywhere */
+            break;
+        atomic_fetch_add(&job->looks, active);
+        int left = 0;
+        for (int k = 0; k < active; k++) {
+            const int fate = walker_look(job->walk, &walker[k]);
+            if (fate == BASIN_MISSING) {
+                point[left] = point[k];
+                walker[left++] = walker[k];
+                continue;
+            }
+            job->basins->fate[point[k]] = (signed char)fate;
+            if (fate == BASIN_UNDECIDED)
+                keep_late(job, point[k], &walker[k]);
+            atomic_fetch_add(&job->finished, 1);
+        }
+        active = left;
+    }
+    stepper_free(stepper);
+    free(walker);
+    return NULL;
+}
+
+static void watch_over(struct basins_job *job)
+{
+    const struct basins_request *r = job->request;
+    int64_t shown = clock_ns();
+    while (atomic_load(&job->finished) < job->basins->total && !cancelled(r->cancel) &&
+           !job->failed) {
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+        if (r->progress && clock_ns() - shown > LOOK_NS) {
+            shown = clock_ns();
+            r->progress(r->context, 0.1 + 0.9 * (double)atomic_load(&job->finished) /
+                                              (double)job->basins->total);
+        }
+    }
+}
+
+#define THREADS 64
+#define STACK ((size_t)1 << 20)
+
+static void walk_by_threads(struct basins_job *job)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const int wanted = job->request->threads > 0 ? job->request->threads : (int)processors;
+    pthread_t thread[THREADS];
+    pthread_attr_t stack;
+    int running = 0;
+    pthread_attr_init(&stack);
+    pthread_attr_setstacksize(&stack, STACK);
+    while (running < wanted && running < THREADS && running * (int64_t)LANES < job->basins->total &&
+           pthread_create(&thread[running], &stack, walk_all, job) == 0)
+        running++;
+    pthread_attr_destroy(&stack);
+    if (running == 0) /* no threads to be had */
+        walk_all(job);
+    else
+        watch_over(job);
+    for (int i = 0; i < running; i++)
+        pthread_join(thread[i], NULL);
+    job->basins->threads = running > 0 ? running : 1;
+}
+
+static int by_point(const void *a, const void *b)
+{
+    const struct late *x = a, *y = b;
+    return (x->point > y->point) - (x->point < y->point);
+}
+
+/* What the first starts have not shown. */
+static void learn_late(struct basins_job *job, struct basin_walk *walk)
+{
+    if (job->lates > 0 && !cancelled(job->request->cancel))
+        qsort(job->late, job->lates, sizeof *job->late, by_point);
+    const int before = walk->attractors;
+    for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {
+        struct walker *w = &job->late[i].walker;
+        /* what does not repeat is looked at for a few of them only */
+        if (!w->found && i >= FIRST && walk->attractors == before)
+            continue;
+        int fate = BASIN_UNDECIDED;
+        if (w->found || i < FIRST || walk->attractors > before)
+            fate = walk_learn(walk, w);
+        job->basins->fate[job->late[i].point] =
+            (signed char)(fate == BASIN_MISSING ? BASIN_UNDECIDED : fate);
+    }
+}
+
+/* ---- what is handed out ---- */
+
+static void count_up(struct basins *basins, const struct basin_walk *walk)
+{
+    int order[BASINS_MOST] = {0}, place[BASINS_MOST] = {0};
+    int64_t count[BASINS_MOST] = {0};
+    for (int64_t i = 0; i < basins->total; i++) {
+        const int fate = basins->fate[i];
+        basins->finished += fate != BASIN_MISSING;
+        basins->escaping += fate == BASIN_ESCAPES;
+        basins->undecided += fate == BASIN_UNDECIDED;
+        if (fate >= 0)
+            count[fate]++;
+    }
+    for (int k = 0; k < walk->attractors; k++) {
+        if (count[k] == 0) {
+            continue;
+        }
+        int j = basins->count++;
+        for (; j > 0 && count[order[j - 1]] < count[k]; j--)
+            order[j] = order[j - 1];
+        order[j] = k;
+    }
+    for (int j = 0; j < basins->count; j++) {
+        place[order[j]] = j;
+        basins->of[j] = walk->attractor[order[j]].basin;
+        basins->of[j].count = count[order[j]];
+    }
+    for (int64_t i = 0; i < basins->total; i++)
+        if (basins->fate[i] >= 0)
+            basins->fate[i] = (signed char)place[basins->fate[i]];
+}
+
+bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error)
+{
+    const int64_t since = clock_ns();
+    struct basin_walk *walk = malloc(sizeof *walk);
+    *basins = (struct basins){.total = (int64_t)request->axis[0].count * request->axis[1].count};
+    if (!walk)
+        return error_memory(error);
+    if (!walk_init(walk, request, true, error)) {
+        free(walk);
+        return false;
+    }
+    struct basins_job job = {
+        .request = request, .walk = walk, .basins = basins, .lock = PTHREAD_MUTEX_INITIALIZER};
+    basins->strobe = walk->strobe;
+    basins->steps = walk->steps;
+    basins->fate = malloc((size_t)basins->total + 1);
+    if (basins->fate)
+        memset(basins->fate, BASIN_MISSING, (size_t)basins->total);
+    if (!basins->fate || !learn_first(walk, request, basins))
+        job.failed = true;
+    else
+        walk_by_threads(&job);
+    if (!job.failed)
+        learn_late(&job, walk);
+    basins->looks += atomic_load(&job.looks);
+    basins->cancelled = cancelled(request->cancel);
+    if (!job.failed)
+        count_up(basins, walk);
+    if (request->progress)
+        request->progress(request->context, 2);
+    free(job.late);
+    pthread_mutex_destroy(&job.lock);
+    walk_free(walk);
+    free(walk);
+    basins->seconds = clock_seconds(since);
+    if (job.failed)
+        basins_free(basins);
+    return !job.failed || error_memory(error);
+}

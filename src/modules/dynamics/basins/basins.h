@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What motions end in, and motions on their way there. */
+#ifndef HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
+#define HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
+
+#include "modules/dynamics/chaos.h"
+
+#include "modules/dynamics/orbits/field.h"
+
+#define WALK_PAST 9     /* looks that are remembered: periods up to one less */
+#define WALK_LOOKS 1000 /* then it is not decided */
+
+/* What is known of an attractor: one state, those of a period, a closed line, or cells. */
+struct attractor {
+    struct basin basin;
+    int points;
+    double *point;       /* [points][n] a closed line where it is an orbit */
+    unsigned char *cell; /* those that it visits and their neighbours; NULL: it repeats */
+};
+
+/* Motions are looked at in units of sizes, angles in their first turn. */
+struct basin_walk {
+    struct vector_field field;
+    int n;
+    double strobe; /* [s] */
+    bool forced;
+    int steps; /* of rk4 */
+    double size[FIELD_VARIABLES], centre[FIELD_VARIABLES];
+    int attractors;
+    struct attractor attractor[BASINS_MOST];
+};
+
+/* One motion. */
+struct walker {
+    double y[FIELD_VARIABLES]; /* SI */
+    double past[WALK_PAST][FIELD_VARIABLES];
+    int looks, near, at; /* how often near attractor `at` on end */
+    int again, period;   /* how often the same as so many looks before */
+    bool found;          /* repeats, but is none that is known */
+};
+
+/* lanes: there are enough starts to fill them. */
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
+               struct error *error);
+void walk_free(struct basin_walk *walk);
+void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y);
+/* After one more look: the place of an attractor, BASIN_ESCAPES, BASIN_UNDECIDED; BASIN_MISSING:
+ * on its way; found: repeats as none that is known. */
+int walker_look(const struct basin_walk *walk, struct walker *walker);
+/* The walker has come to what repeats, or has not for long: its attractor, which may be new. */
+int walk_learn(struct basin_walk *walk, struct walker *walker);
+
+/* Up to LANES states [count] of walkers go on by one look, side by side where that can be. */
+struct stepper;
+struct stepper *stepper_create(const struct basin_walk *walk);
+void stepper_free(struct stepper *stepper);
+void stepper_advance(struct stepper *stepper, struct walker *walker, int count);
+/* How many steps a look needs from these states; 0: they go alone, by adaptive steps. */
+int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count);
+
+#endif

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What one motion ends in. */
+#include "modules/dynamics/basins/basins.h"
+
+#include <math.h>
+
+#define ATTEMPT 64  /* looks between attempts to find an orbit */
+#define HALVED 1e-4 /* of sizes: points so near are on the way to one */
+
+/* From the scene's start alone; about it lie those that sizes and the time between looks follow
+ * from. */
+static struct basins_request request_of(const struct scene *scene, const struct system *system,
+                                        const struct cancel *cancel)
+{
+    struct basins_request request = {.scene = scene, .cancel = cancel};
+    for (int a = 0; a < 2; a++) {
+        const int i = a < system->n ? a : 0;
+        request.axis[a].variable = i;
+        request.axis[a].from = system->start[i] - system->scale[i];
+        request.axis[a].to = system->start[i] + system->scale[i];
+        request.axis[a].count = 2;
+    }
+    return request;
+}
+
+static int follow(struct basin_walk *walk, const struct cancel *cancel)
+{
+    struct stepper *stepper = stepper_create(walk);
+    struct walker walker;
+    int fate = BASIN_MISSING;
+    walker_start(walk, &walker, walk->field.system.start);
+    while (stepper && fate == BASIN_MISSING && !cancelled(cancel)) {
+        stepper_advance(stepper, &walker, 1);
+        if (cancelled(cancel)) /* it may have ended anywhere */
+            break;
+        fate = walker_look(walk, &walker);
+        const bool tries = fate == BASIN_MISSING && walker.looks % ATTEMPT == 0;
+        if (walker.looks < WALK_LOOKS && (tries || fate == BASIN_UNDECIDED))
+            fate = walk_learn(walk, &walker);
+    }
+    stepper_free(stepper);
+    return fate;
+}
+
+/* Near a period doubling a motion comes to half as many points slowly, from both sides: looks a few
+ * apart agree before those next to each other do. */
+static int periods_of(const struct basin_walk *walk, const struct attractor *a)
+{
+    int periods = a->basin.multiple;
+    for (bool halves = true; halves && periods % 2 == 0 && periods > 0;) {
+        const double *p = a->point, *q = a->point + periods / 2 * walk->n;
+        for (int i = 0; i < walk->n; i++) {
+            const double turn = walk->field.turn[i], d = p[i] - q[i];
+            halves = halves && fabs(turn > 0 ? remainder(d, turn) : d) < HALVED * walk->size[i];
+        }
+        periods = halves ? periods / 2 : periods;
+    }
+    return periods;
+}
+
+double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin)
+{
+    struct basin_walk walk;
+    struct system system;
+    struct error ignored = {0};
+    if (!scene_bind_motion(scene, &system, &ignored))
+        return NAN;
+    const struct basins_request request = request_of(scene, &system, cancel);
+    if (!walk_init(&walk, &request, false, &ignored))
+        return NAN;
+    const int fate = follow(&walk, cancel);
+    double value = fate == BASIN_UNDECIDED ? ATTRACTOR_IRREGULAR : NAN;
+    struct basin found = {.kind = BASIN_IRREGULAR};
+    if (fate >= 0) {
+        found = walk.attractor[fate].basin;
+        if (found.kind == BASIN_RESPONSE) {
+            found.multiple = periods_of(&walk, &walk.attractor[fate]);
+            found.period = found.multiple * walk.strobe;
+        }
+        value = found.kind == BASIN_EQUILIBRIUM ? 0
+                : found.kind == BASIN_RESPONSE  ? found.multiple
+                : found.kind == BASIN_IRREGULAR ? ATTRACTOR_IRREGULAR
+                                                : 1;
+    }
+    if (basin)
+        *basin = found;
+    walk_free(&walk);
+    return value;
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Motions from one look to the next: rk4 in lanes, else one by one. */
+#include "modules/dynamics/basins/basins.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#define ALONE_TOL 1e-9
+#define FEWEST 16
+#define MOST 2048
+#define LOOK_STEPS 256      /* of all lanes: after so many it asks whether to stop */
+#define CHANGE_TYPICAL 1e-5 /* change by twice the steps, in sizes, of nine starts of ten */
+#define CHANGE_WORST 1e-2   /* and of any start */
+
+struct stepper {
+    struct vector_field field; /* alone */
+    struct lanes *lanes;
+    struct system *system; /* [LANES] */
+    const struct method *method;
+    enum drag drag;
+    int n, steps;
+    double strobe;
+};
+
+struct stepper *stepper_create(const struct basin_walk *walk)
+{
+    struct stepper *s = calloc(1, sizeof *s);
+    struct error ignored = {0};
+    if (!s)
+        return NULL;
+    s->field = walk->field;
+    s->field.variation = NULL;
+    s->field.tol = ALONE_TOL;
+    s->n = walk->n;
+    s->strobe = walk->strobe;
+    s->method = method_find("rk4");
+    s->steps = walk->steps;
+    const struct system *system = &walk->field.system;
+    if (s->steps == 0 || !method_applies(s->method, system, &s->drag, &ignored) ||
+        !lanes_fit(s->method, system, s->drag, s->strobe / s->steps))
+        return s;
+    s->lanes = lanes_create();
+    s->system = malloc(LANES * sizeof *s->system);
+    for (int i = 0; s->system && i < LANES; i++)
+        s->system[i] = *system;
+    if (s->lanes && s->system)
+        return s;
+    stepper_free(s);
+    return NULL;
+}
+
+void stepper_free(struct stepper *s)
+{
+    if (s && s->lanes)
+        lanes_destroy(s->lanes);
+    if (s) {
+        free(s->system);
+        field_free(&s->field);
+    }
+    free(s);
+}
+
+void stepper_advance(struct stepper *s, struct walker *walker, int count)
+{
+    const size_t bytes = (size_t)s->n * sizeof(double);
+    double end[LIMIT_VARIABLES];
+    if (!s->lanes || !lanes_begin(s->lanes, s->method, s->drag, s->system, s->strobe / s->steps)) {
+        for (int i = 0; i < count; i++)
+            if (field_flow(&s->field, s->field.system.t0, walker[i].y, s->strobe, end, NULL))
+                memcpy(walker[i].y, end, bytes);
+            else
+                walker[i].y[0] = NAN;
+        return;
+    }
+    for (int i = 0; i < LANES; i++) {
+        memcpy(s->system[i].start, walker[i < count ? i : 0].y, bytes);
+        lanes_set(s->lanes, i, &s->system[i]);
+    }
+    for (int done = 0; done < s->steps && !cancelled(s->field.cancel); done += LOOK_STEPS)
+        lanes_march(s->lanes, s->steps - done < LOOK_STEPS ? s->steps - done : LOOK_STEPS, NULL);
+    for (int i = 0; i < count; i++) {
+        lanes_state(s->lanes, i, end);
+        memcpy(walker[i].y, end, bytes);
+    }
+}
+
+/* What `steps` leaves off twice as many; false: no memory. */
+static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
+                        double *off)
+{
+    struct walker *walker = calloc(2 * LANES, sizeof *walker);
+    bool fine = walker != NULL;
+    for (int pass = 0; fine && pass < 2; pass++, walk->steps *= 2) {
+        struct stepper *stepper = stepper_create(walk);
+        fine = stepper && stepper->lanes;
+        for (int i = 0; i < count; i++)
+            memcpy(walker[pass * LANES + i].y, start[i], sizeof start[i]);
+        if (fine)
+            stepper_advance(stepper, walker + pass * LANES, count);
+        stepper_free(stepper);
+    }
+    walk->steps /= 4;
+    for (int i = 0; fine && i < count; i++) {
+        off[i] = 0;
+        for (int k = 0; k < walk->n; k++) {
+            const double a = walker[i].y[k], b = walker[LANES + i].y[k];
+            /* what leaves does so either way */
+            const double by = fabs(a - b) / fmax(walk->size[k], 1e-2 * fabs(b));
+            off[i] = fmax(off[i], isfinite(b) ? (isfinite(a) ? by : HUGE_VAL) : 0);
+        }
+    }
+    free(walker);
+    return fine;
+}
+
+int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
+{
+    double off[LANES];
+    for (walk->steps = FEWEST; walk->steps < MOST; walk->steps *= 2) {
+        if (!differences(walk, start, count, off))
+            break;
+        double worst = 0;
+        for (int i = 0; i < count; i++)
+            worst = fmax(worst, off[i]);
+        if (worst < CHANGE_WORST && quantile(off, (size_t)count, 0.9) < CHANGE_TYPICAL)
+            return walk->steps;
+    }
+    return walk->steps = 0;
+}

@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* branch */
+#ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/scene/poles.h>
+#include <hooke/session/names.h>
+#include "modules/dynamics/handlers.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- reading NAME=FROM:TO … [of WHAT] [from LABEL] [max=N] [step=V] [--forward] ---- */
+
+struct branch_words {
+    int params, param[2];
+    double from[2], to[2];
+    struct text of, number, label;
+    double max, step;
+    bool forward;
+};
+
+static bool is_word(struct text text, const char *word)
+{
+    const size_t len = strlen(word);
+    return text_starts(text, text_of(word)) && (text.len == len || strchr(" \t", text.at[len]));
+}
+
+static struct text take_word(struct text *rest)
+{
+    size_t end = 0;
+    *rest = text_trim(*rest);
+    while (end < rest->len && !strchr(" \t", rest->at[end]))
+        end++;
+    const struct text word = {rest->at, end};
+    *rest = text_trim((struct text){rest->at + end, rest->len - end});
+    return word;
+}
+
+/* Up to the next NAME=, --option, of or from. */
+static struct text take_argument(struct text *rest)
+{
+    struct text all = *rest, argument = next_key_argument(&all);
+    for (size_t i = 1; i < argument.len; i++) {
+        const struct text behind = {argument.at + i, argument.len - i};
+        if (strchr(" \t", argument.at[i - 1]) && (is_word(behind, "of") || is_word(behind, "from")))
+            argument.len = i;
+    }
+    *rest = text_trim((struct text){rest->at + argument.len, rest->len - argument.len});
+    return text_trim(argument);
+}
+
+static bool read_range(struct session *session, const struct arguments *args, struct text argument,
+                       struct text name, struct branch_words *words, struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    struct parser parser = {session, args->scope, args->arena,
+                            text_trim((struct text){name.at + name.len, argument.len - name.len})};
+    struct item item = {0};
+    const int param = scene_param_at(scene, name);
+    if (param < 0)
+        return unknown_parameter(session, name, TEXT(""), error);
+    if (words->params == 2)
+        return error_at(error, argument, "a branch has one or two parameters");
+    for (int j = 0; j < words->params; j++)
+        if (words->param[j] == param)
+            return error_at(error, name, "'%.*s' is given twice", (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const struct param_row *row = param_at(scene, param);
+    if (!parse_range(&parser, row->row.name, row->quantity, &item, error) ||
+        !refuse_rest(&parser, NULL, error))
+        return false;
+    if (!(item.range[0] < item.range[1]))
+        return error_at(error, argument, "%s needs a range with both ends, as in %s=0:10",
+                        row->row.name, row->row.name);
+    const int j = words->params++;
+    words->param[j] = param;
+    words->from[j] = item.range[0];
+    words->to[j] = item.range[1];
+    return true;
+}
+
+static bool read_number(struct session *session, const struct arguments *args, struct text argument,
+                        struct text name, double most, double *number, struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena,
+                            text_trim((struct text){name.at + name.len, argument.len - name.len})};
+    struct item item = {0};
+    char what[8];
+    snprintf(what, sizeof what, "%.*s", (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    if (!read_value(&parser, what, QUANTITY_NUMBER, &item, error))
+        return false;
+    *number = item.value.value;
+    return (*number > 0 && *number <= most) ||
+           error_at(error, argument, "%s is more than 0 and at most %g", what, most);
+}
+
+static bool read_of(struct text *rest, struct branch_words *words, struct error *error)
+{
+    take_word(rest);
+    words->of = take_word(rest);
+    if (rest->len > 0 && rest->at[0] >= '0' && rest->at[0] <= '9')
+        words->number = take_word(rest);
+    return text_is(words->of, "equilibrium") || text_is(words->of, "orbit") ||
+           text_is(words->of, "response") ||
+           error_at(error, words->of, "a branch is of equilibrium N, of orbit N or of response");
+}
+
+static bool read_words(struct session *session, const struct arguments *args,
+                       struct branch_words *words, struct error *error)
+{
+    struct text rest = text_trim(argument_value(args, "NAME=FROM:TO")->item->text);
+    while (rest.len > 0) {
+        if (is_word(rest, "of")) {
+            if (!read_of(&rest, words, error))
+                return false;
+            continue;
+        }
+        if (is_word(rest, "from")) {
+            take_word(&rest);
+            words->label = take_word(&rest);
+            if (words->label.len == 0)
+                return error_set(error, ERROR_COMMAND,
+                                 "from which point? 'list points' has labels");
+            continue;
+        }
+        const struct text argument = take_argument(&rest), name = peek_name(argument),
+                          behind = text_trim(
+                              (struct text){argument.at + name.len, argument.len - name.len});
+        if (text_is(argument, "--forward")) {
+            words->forward = true;
+            continue;
+        }
+        if (text_is(argument, "--full"))
+            continue;
+        if (text_starts(argument, TEXT("--")))
+            return error_at(error, argument, "branch has no option '%.*s'",
+                            (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
+        if (name.len == 0 || !text_starts(behind, TEXT("="))) {
+            error_at(error, argument, "branch takes NAME=FROM:TO");
+            return error_hint(error, "for example: branch r=0:30 of equilibrium 1, then branch "
+                                     "r=0:30 from HB1");
+        }
+        if (!(text_is(name, "max") ? read_number(session, args, argument, name, LIMIT_BRANCH_POINTS,
+                                                 &words->max, error)
+              : text_is(name, "step")
+                  ? read_number(session, args, argument, name, 0.5, &words->step, error)
+                  : read_range(session, args, argument, name, words, error)))
+            return false;
+    }
+    return words->params > 0 ||
+           error_set(error, ERROR_COMMAND, "branch needs a parameter, as in branch r=0:30");
+}
+
+/* ---- where it begins ---- */
+
+/* The number that was typed behind `orbit` or `equilibrium`; NULL: none. */
+static const struct item *number_item(const struct branch_words *words, struct item *item)
+{
+    *item = (struct item){.text = words->number};
+    return words->number.len > 0 && real_parse(words->number, &item->value.value) == REAL_OK ? item
+                                                                                             : NULL;
+}
+
+/* The response that the motion settles on. */
+static bool find_response(struct session *session, struct kept_reference *found,
+                          struct error *error)
+{
+    struct orbit_request request = {.scene = &session->setup.scene,
+                                    .settles = true,
+                                    .cancel = session->front.cancel,
+                                    .progress = report_fraction,
+                                    .context = &session->front};
+    struct found_orbit orbit;
+    struct system system;
+    if (!scene_bind_motion(&session->setup.scene, &system, error))
+        return false;
+    if (system.n > DYNAMICS_VARIABLES)
+        return error_set(error, ERROR_COMMAND, "responses are followed of at most %d variables",
+                         DYNAMICS_VARIABLES);
+    orbit_begin(session, &system, &request);
+    if (system_drive(&system) == 0)
+        return error_set(error, ERROR_COMMAND, "a response is one to a drive: this scene has none");
+    const bool fine = orbit_find(&request, &orbit, error);
+    report_fraction(&session->front, 2);
+    found->solution = orbit.solution;
+    found->scene = session->setup.scene;
+    orbit_free(&orbit);
+    return fine;
+}
+
+/* The nearest to where the scene starts; looked for where none is kept. */
+static bool find_rest(struct session *session, struct kept_reference *found, struct error *error)
+{
+    const struct dynamics *d = session_dynamics(session);
+    struct item first = {.value = {1, 0}};
+    if (d && d->equilibria.count > 0)
+        return find_equilibrium(session, d, &first, found, error);
+    error_set(error, ERROR_COMMAND, "of what? No equilibrium is known yet");
+    return error_hint(error, "type: equilibria, or say 'of orbit' or 'of response'");
+}
+
+static bool find_start(struct session *session, const struct branch_words *words,
+                       struct kept_reference *found, char *of, struct error *error)
+{
+    const struct dynamics *d = session_dynamics(session);
+    struct item item;
+    const struct item *number = number_item(words, &item);
+    snprintf(of, LIMIT_NAME + 1, "%.*s%s%.*s", (int)words->of.len, words->of.at,
+             words->number.len > 0 ? " " : "", (int)fmin((double)words->number.len, 9),
+             words->number.at ? words->number.at : "");
+    if (words->label.len > 0) {
+        snprintf(of, LIMIT_NAME + 1, "%.*s", (int)fmin((double)words->label.len, 15),
+                 words->label.at);
+        return find_label(session, d, words->label, found, error);
+    }
+    if (text_is(words->of, "response"))
+        return find_response(session, found, error);
+    if (text_is(words->of, "orbit"))
+        return find_orbit(session, d, number, found, error);
+    if (words->of.len == 0) {
+        const bool rests = (d && d->equilibria.count > 0) || !d || d->orbits == 0;
+        snprintf(of, LIMIT_NAME + 1, "%s", rests ? "equilibrium 1" : "orbit");
+        return rests ? find_rest(session, found, error)
+                     : find_orbit(session, d, NULL, found, error);
+    }
+    return number ? find_equilibrium(session, d, number, found, error)
+                  : find_rest(session, found, error);
+}
+
+/* What is followed needs no start: where the scene's own has no derivatives, it is moved there. */
+static bool bind_start(struct kept_reference *start, struct error *error)
+{
+    struct system system;
+    double box[LIMIT_VARIABLES][2];
+    for (int i = 0; i < start->scene.model->n; i++)
+        box[i][0] = box[i][1] = start->solution.state[i];
+    return scene_bind_inside(&start->scene, box, &system, error);
+}
+
+/* ---- what is said ---- */
+
+/* The longest step in the direction of the parameter: what lies closer may be missed. */
+static double longest_step(const struct branch *branch)
+{
+    double longest = 0;
+    for (int i = 1; i < branch->count; i++)
+        longest = fmax(longest, fabs(branch->point[i].solution.param[0] -
+                                     branch->point[i - 1].solution.param[0]));
+    return longest;
+}
+
+static void put_branch(const struct session *session, const struct kept_branch *b,
+                       struct arena *arena, struct buffer *out)
+{
+    const struct branch *branch = &b->branch;
+    const struct param_row *row = param_at(&session->setup.scene, b->param[0]);
+    static const char *const kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibria",
+                                        [SOLUTION_ORBIT] = "orbits",
+                                        [SOLUTION_RESPONSE] = "responses"};
+    int stable = 0;
+    for (int i = 0; i < branch->count; i++)
+        stable += solution_stable(&branch->point[i].solution);
+    buffer_format(out, "branch %d: %d ", b->number, branch->count);
+    if (b->params == 2)
+        buffer_format(out, "points like %s", b->of);
+    else
+        buffer_format(out, "%s, %d of them stable", kinds[branch->kind], stable);
+    buffer_format(out, ", %s from ", row->row.name);
+    buffer_quantity(out, branch->point[0].solution.param[0], row->quantity, 8);
+    buffer_format(out, " (%s) to ", branch->ends[0][0] ? branch->ends[0] : "the start");
+    buffer_quantity(out, branch->point[branch->count - 1].solution.param[0], row->quantity, 8);
+    buffer_format(out, " (%s)\n", branch->ends[1][0] ? branch->ends[1] : "the start");
+    put_points(session, &b, 1, arena, out);
+    buffer_format(out, "%lld evaluations", (long long)branch->evals);
+    put_seconds(out, session, branch->seconds);
+    if (branch->count > 1) {
+        buffer_format(out, ", steps of %s up to ", row->row.name);
+        buffer_quantity(out, longest_step(branch), row->quantity, 2);
+        buffer_put(out, TEXT(" (special points closer together than that may be missed)"));
+    }
+    buffer_put(out, TEXT("; all points: 'export FILE table'"));
+}
+
+struct row_columns {
+    struct arena arena;
+    struct table_column *column;
+    size_t rows;
+    int count;
+    bool failed;
+};
+
+static double *add_column(struct row_columns *c, const char *name, const char *suffix,
+                          enum quantity quantity)
+{
+    double *value = arena_array(&c->arena, c->rows + 1, sizeof *value);
+    struct buffer full = {0};
+    buffer_format(&full, "%s%s", name, suffix);
+    const char *copy = full.failed ? NULL : arena_text(&c->arena, buffer_text(&full));
+    buffer_free(&full);
+    c->failed = c->failed || !value || !copy;
+    c->column[c->count++] =
+        (struct table_column){.name = copy, .unit = quantity_unit(quantity), .value = value};
+    return value;
+}
+
+static void add_words(struct row_columns *c, const struct kept_branch *b)
+{
+    const char **stable = arena_array(&c->arena, c->rows + 1, sizeof *stable),
+               **label = arena_array(&c->arena, c->rows + 1, sizeof *label);
+    c->failed = c->failed || !stable || !label;
+    for (size_t i = 0; !c->failed && i < c->rows; i++) {
+        stable[i] = solution_stable(&b->branch.point[i].solution) ? "stable" : "unstable";
+        label[i] = "";
+    }
+    for (int k = 0; !c->failed && k < b->specials; k++) {
+        char own[KEPT_LABEL];
+        kept_point_label(&b->special[k], own);
+        const char *copy = arena_text(&c->arena, text_of(own));
+        label[b->special[k].at] = copy ? copy : "";
+    }
+    c->column[c->count++] = (struct table_column){.name = "stability", .unit = "", .text = stable};
+    c->column[c->count++] = (struct table_column){.name = "label", .unit = "", .text = label};
+}
+
+/* A row for each point: the parameters, extrema of the states, the period, stability, label. */
+static void keep_rows(const struct session *session, const struct kept_branch *b,
+                      struct reply *reply)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct branch *branch = &b->branch;
+    struct row_columns c = {.rows = (size_t)branch->count};
+    const struct system system = {.model = scene->model, .n = scene->model->n};
+    if (!reply->store ||
+        !(c.column = arena_array(&c.arena, 2 * DYNAMICS_VARIABLES + 6, sizeof *c.column)))
+        return;
+    for (int j = 0; j < b->params; j++) {
+        const struct param_row *row = param_at(scene, b->param[j]);
+        double *value = add_column(&c, row->row.name, "", row->quantity);
+        for (int i = 0; value && i < branch->count; i++)
+            value[i] = branch->point[i].solution.param[j];
+    }
+    const bool rests = branch->kind == SOLUTION_EQUILIBRIUM;
+    for (int k = 0; k < system.n; k++)
+        for (int side = 0; side < (rests ? 1 : 2); side++) {
+            const struct variable variable = system_variable(&system, k);
+            double *value = add_column(&c, variable.name,
+                                       rests  ? ""
+                                       : side ? "_max"
+                                              : "_min",
+                                       variable.quantity);
+            for (int i = 0; value && i < branch->count; i++) {
+                const struct solution *s = &branch->point[i].solution;
+                value[i] = rests ? s->state[k] : side ? s->top[k] : s->bottom[k];
+            }
+        }
+    double *period = rests ? NULL : add_column(&c, "period", "", QUANTITY_TIME);
+    for (int i = 0; period && i < branch->count; i++)
+        period[i] = branch->point[i].solution.period;
+    add_words(&c, b);
+    const struct table table = {.column = c.column, .columns = c.count, .rows = c.rows};
+    if (!c.failed)
+        table_store_put(reply->store, "branch", &c.arena, &table);
+    arena_reset(&c.arena);
+}
+
+static void reply_branch(const struct session *session, const struct kept_branch *b,
+                         struct reply *reply)
+{
+    reply_points(session, b, reply);
+    reply_begin(reply, "branch");
+    reply_int(reply, "branch", b->number);
+    reply_string(reply, "of", b->of);
+    reply_int(reply, "rows", b->branch.count);
+    reply_real(reply, "from", b->branch.point[0].solution.param[0]);
+    reply_real(reply, "to", b->branch.point[b->branch.count - 1].solution.param[0]);
+    reply_real(reply, "step_max", longest_step(&b->branch));
+    reply_int(reply, "evals", b->branch.evals);
+    reply_real(reply, "time", b->branch.seconds);
+    reply_end(reply);
+}
+
+HANDLER(branch)
+{
+    struct branch_words words = {.params = 0};
+    struct kept_reference start = {.orbit = NULL};
+    struct kept_branch like = {.params = 1};
+    struct buffer text = {0};
+    if (!read_words(session, args, &words, error) ||
+        !find_start(session, &words, &start, like.of, error) || !bind_start(&start, error))
+        return false;
+    const bool two = words.params == 2;
+    if (two && !start.point)
+        return error_set(error, ERROR_COMMAND,
+                         "two parameters follow a special point: branch P=.. Q=.. from LP1");
+    const struct branch_axis second = {words.param[1], words.from[1], words.to[1]};
+    struct solution solution = start.solution;
+    solution.param[0] = start.scene.value[words.param[0]];
+    if (two)
+        solution.param[1] = start.scene.value[words.param[1]];
+    if (!(solution.param[0] >= words.from[0] && solution.param[0] <= words.to[0]))
+        return error_set(error, ERROR_COMMAND, "it begins at %s = %.6g, which is not in this range",
+                         param_at(&start.scene, words.param[0])->row.name, solution.param[0]);
+    struct branch_point point = {.special = SPECIAL_NONE};
+    if (start.point) {
+        point = *kept_point_at(start.branch, start.point);
+        point.solution = solution;
+    }
+    /* an end is a place on its branch like any other */
+    const bool leave = start.point && point.special != SPECIAL_END;
+    const struct branch_request request = {.scene = &start.scene,
+                                           .param = words.param[0],
+                                           .from = words.from[0],
+                                           .to = words.to[0],
+                                           .start = &solution,
+                                           .leave = leave ? &point : NULL,
+                                           .second = two ? &second : NULL,
+                                           .step = words.step,
+                                           .max = (int)words.max,
+                                           .forward = words.forward,
+                                           .cancel = session->front.cancel,
+                                           .progress = report_fraction,
+                                           .context = &session->front};
+    const bool followed = branch_follow(&request, &like.branch, error);
+    if (followed && !like.branch.cancelled)
+        branch_verify(&request, &like.branch);
+    report_fraction(&session->front, 2);
+    if (!followed)
+        return false;
+    const bool stopped = like.branch.cancelled || cancelled(session->front.cancel);
+    for (int j = 0; j < words.params; j++) {
+        like.param[j] = words.param[j];
+        like.from[j] = words.from[j];
+        like.to[j] = words.to[j];
+    }
+    like.params = words.params;
+    const struct kept_branch *kept =
+        like.branch.count > 0 ? dynamics_keep_branch(session, &like, start.scene.value, error)
+                              : NULL;
+    if (!kept)
+        return error->text[0] ? false : error_set(error, ERROR_CANCELLED, "cancelled");
+    put_branch(session, kept, args->arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_own_solver(
+        session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
+    reply_branch(session, kept, reply);
+    keep_rows(session, kept, reply);
+    return !stopped || error_set(error, ERROR_CANCELLED, "cancelled: what there is so far is kept");
+}
+#endif
+
+COMMAND(
+    branch,
+    .row = {"branch", "", "how equilibria, orbits and responses go with a parameter", "", NULL},
+    .group = "DYNAMICS",
+    .text =
+        "Follows an equilibrium (the first of 'equilibria', or N), an orbit or the response to "
+        "a drive around folds and\n"
+        "back, both ways from where the scene is, with its special points under labels: LP "
+        "fold, HB Hopf, BP branch\n"
+        "point, PD period doubling, NS Neimark-Sacker, EP end, and whether runs on both sides of "
+        "each do what it says. 'from HB1' (BP, PD) follows "
+        "the branch that leaves it\n"
+        "there; with a second NAME=FROM:TO the curve of such points. step is a part of the "
+        "range (at most 0.05 if it\n"
+        "is not given), max a number of points. Pairs of special points within a step are found "
+        "where their tests come\n"
+        "near 0 at its ends, too; shorter steps see more.",
+    .examples = "var x = 1; param r = -1; x' = r*x-x^3; equilibria; branch r=-1:1; branch "
+                "r=-1:1 from BP1\n"
+                "scene duffing-driven; branch omega=0.5:3 of response",
+    .see = "equilibria orbit use list", .flags = COMMAND_TABLES, .completes = COMPLETES_SWEEP,
+    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED,
+                    .more = "[NAME=FROM:TO] [of equilibrium [N]|of orbit [N]|of response] "
+                            "[from LABEL]"),
+              KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE),
+              OPTION("full", TYPE_NONE)))

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a branch begins. */
+#include <string.h>
+
+#include "modules/dynamics/branches/walk.h"
+
+#define TOGETHER 1e-6 /* the start, and what is found of it */
+#define FAR 0.3       /* from the start: another solution */
+/* Distance from a crossing at which a branch begins beside it, where the range is 1. */
+#define BESIDE 0.005
+
+/* At a fold another unknown is held; where branches cross the walk begins beside it, and passes it
+ * on one side. */
+static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
+                             const double *u, int side, struct curve_place *first)
+{
+    const int n = path->problem->n;
+    const double psize = r->to - r->from;
+    for (int i = 0; i < path->field.n; i++) {
+        double direction[CURVE_MAX] = {0};
+        direction[i] = side;
+        if (curve_correct(path->problem, u, direction, true, first) &&
+            curve_distance(n + 1, u, first->u) < TOGETHER)
+            return true;
+    }
+    for (int way = -1; way <= 1; way += 2) {
+        double beside[CURVE_MAX];
+        memcpy(beside, u, sizeof beside);
+        beside[n] += way * BESIDE;
+        if (beside[n] * psize >= r->from && beside[n] * psize <= r->to &&
+            solutions_correct_at(path, beside, side, first) &&
+            curve_distance(n + 1, u, first->u) < FAR)
+            return true;
+    }
+    return false;
+}
+
+static bool cannot_begin(const struct branch_request *r, struct solution_curve *path,
+                         struct error *error)
+{
+    struct vector_field *field = &path->field;
+    const double period = r->start->kind == SOLUTION_RESPONSE
+                              ? r->start->multiple * field_drive(field)
+                              : r->start->period;
+    if (path->kind != SOLUTION_EQUILIBRIUM) {
+        if (!field_jumps(field, field->system.t0, r->start->state, period))
+            return false;
+        error_set(error, ERROR_COMMAND, BRANCH_JUMP ": no branch goes through that");
+    } else if (!field->system.autonomous) {
+        error_set(error, ERROR_COMMAND, "with a drive nothing rests");
+        error_hint(error, "'of response' follows the motion that goes with the drive");
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool branch_starts_in_family(const struct branch_request *r)
+{
+    return r->start->kind == SOLUTION_ORBIT && solution_ones(r->start) > 0;
+}
+
+bool branch_refuse_family(struct error *error)
+{
+    error_set(error, ERROR_COMMAND,
+              "this orbit is one of a family (a multiplier is 1): at other values there are many "
+              "like it, of any energy in a range, and no branch says which");
+    return error_hint(error, "orbit period=T finds the one with that period there; with damping "
+                             "and a drive one is left, which a branch follows");
+}
+
+bool branch_begin(const struct branch_request *r, int side, double psize,
+                  struct solution_curve *path, struct curve_place *first, struct error *error)
+{
+    if (r->leave)
+        return solutions_leave(path, r->scene, r->param, psize, r->leave, side, r->cancel, first,
+                               error);
+    double u[CURVE_MAX];
+    if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
+        return false;
+    if (cannot_begin(r, path, error)) {
+        solutions_end(path);
+        return false;
+    }
+    if (solutions_correct_at(path, u, r->forward ? 1 : side, first) ||
+        begin_at_special(r, path, u, r->forward ? 1 : side, first))
+        return true;
+    solutions_end(path);
+    if (branch_starts_in_family(r))
+        return branch_refuse_family(error);
+    return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
+                     r->start->kind == SOLUTION_EQUILIBRIUM ? "equilibrium" : "orbit");
+}

@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A branch, step by step, with its special points. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/branches/walk.h"
+#include "modules/dynamics/branches/two_parameters.h"
+
+#define FIRST 0.01 /* arclength of the first step, where the range is 1 */
+#define LONGEST 0.05
+#define SHORTEST 1e-7 /* of the longest */
+#define UNRESOLVED                                                                                 \
+    1e-4              /* of the longest: what is shorter is not cut for pairs of special points    \
+                       */
+#define AHEAD 0.01    /* of the longest: what stops the shortest is nearer than this */
+#define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
+#define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
+#define SLOWEST 100   /* the same of a drive that stops within the range */
+#define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
+#define LEVEL 12      /* so many of these in a row */
+#define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
+#define POINTS 1000
+#define SHRUNK 2e-3   /* of its largest extent: an orbit that is nearly an equilibrium */
+#define STANDING 1e-9 /* relative, of the parameter of orbits: rounding */
+#define RESTING 1e-13 /* of equilibria */
+
+/* ---- the walk ---- */
+
+static bool inside(const struct branch_walk *w, const struct curve_place *p)
+{
+    const double value = p->u[w->path->problem->n] * w->psize;
+    return value >= w->request->from && value <= w->request->to;
+}
+
+/* The place between two where the parameter leaves its range. */
+static bool step_to_edge(struct branch_walk *w, const struct curve_place *a,
+                         const struct curve_place *b, struct curve_place *edge)
+{
+    const int n = w->path->problem->n;
+    const double value = b->u[n] * w->psize,
+                 bound = (value < w->request->from ? w->request->from : w->request->to) / w->psize;
+    const double share = (bound - a->u[n]) / (b->u[n] - a->u[n]);
+    double guess[CURVE_MAX];
+    for (int i = 0; i <= n; i++)
+        guess[i] = a->u[i] + share * (b->u[i] - a->u[i]);
+    guess[n] = bound;
+    double direction[CURVE_MAX] = {0};
+    direction[n] = a->tangent[n] < 0 ? -1 : 1; /* tests know which way the tangent goes */
+    if (!curve_correct(w->path->problem, guess, direction, true, edge))
+        return false;
+    edge->u[n] = bound;
+    return true;
+}
+
+static bool good_step(const struct branch_walk *w, const struct curve_place *from,
+                      const struct curve_place *to)
+{
+    double cosine = 0;
+    for (int i = 0; i <= w->path->problem->n; i++)
+        cosine += from->tangent[i] * to->tangent[i];
+    return cosine >= TURN && to->corrections <= 5;
+}
+
+/* As long as the parameter changes by no more than `longest` of its range, and the state by three
+ * times that of its size. */
+static double longest_at(const struct branch_walk *w, const struct curve_place *at, double longest)
+{
+    const int n = w->path->problem->n;
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += at->tangent[i] * at->tangent[i];
+    return fmin(longest / fabs(at->tangent[n]), 3 * longest * curve_unit(n, at->u) / sqrt(sum));
+}
+
+/* The next place, with as long a step as is safe; false: none can be found. */
+static bool next_place(struct branch_walk *w, const struct curve_place *from, double *by,
+                       double longest, struct curve_place *to)
+{
+    while (*by > SHORTEST * longest) {
+        if (cancelled(w->request->cancel))
+            return false;
+        if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
+            good_step(w, from, to) && (*by < UNRESOLVED * longest || step_is_resolved(w, from, to)))
+            return true;
+        *by /= 2;
+    }
+    return false;
+}
+
+/* A drive whose frequency is the parameter, in a range with 0. */
+static bool drive_stops(const struct branch_walk *w)
+{
+    return w->path->kind == SOLUTION_RESPONSE && !(w->path->orbit.drive > 0) &&
+           w->request->from <= 0 && w->request->to >= 0;
+}
+
+static bool too_slow(struct branch_walk *w, const struct curve_place *at)
+{
+    if (w->path->kind != SOLUTION_ORBIT && !drive_stops(w))
+        return false;
+    const double period = orbit_curve_period(&w->path->orbit, at->u);
+    if (!(w->period > 0))
+        w->period = period;
+    if (w->path->kind == SOLUTION_RESPONSE)
+        return period > SLOWEST * w->period;
+    return period > SLOW * w->period && fabs(at->tangent[w->path->problem->n]) < STILL;
+}
+
+/* Neither the parameter nor what differences do along the way changes: of conservative motion. */
+static bool in_family(const struct branch_walk *w, const struct curve_place *at)
+{
+    const struct solution *s = &w->out->point[w->out->count - 1].solution;
+    bool one = w->path->kind == SOLUTION_EQUILIBRIUM;
+    for (int i = 0; i < s->values; i++)
+        one = one || hypot(s->value[i].re - 1, s->value[i].im) < 1e-6;
+    return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL;
+}
+
+/* Orbits that differences grow along too much are cut into more segments. */
+static bool cut(struct branch_walk *w, struct curve_place *at)
+{
+    if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
+        return true;
+    double u[CURVE_MAX], direction[CURVE_MAX];
+    memcpy(u, at->u, sizeof u);
+    memcpy(direction, at->tangent, sizeof direction);
+    if (!orbit_curve_cut(&w->path->orbit, u, direction) ||
+        !curve_correct(w->path->problem, u, direction, false, at))
+        return false;
+    walk_go_on(w, at);
+    w->bends = false;
+    return true;
+}
+
+/* Not where a test is 0, nor where the parameter tells no direction. */
+static void stretch(struct branch_walk *w, struct curve_place *at)
+{
+    if (w->path->kind != SOLUTION_ORBIT || fabs(at->tangent[w->path->problem->n]) < STILL ||
+        !walk_is_clear(w, at) || !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
+        return;
+    walk_go_on(w, at);
+    w->bends = false;
+}
+
+static void ends(struct branch_walk *w, const char *why)
+{
+    snprintf(w->end, 96, "%s", why);
+}
+
+/* As far as a period's beginning, its length and the parameter show it. */
+static double apart(const struct branch_walk *w, const struct curve_place *a, int a_last,
+                    const struct curve_place *b, int b_last)
+{
+    const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
+    return hypot(hypot(a->u[a_last] - b->u[b_last], period),
+                 curve_distance(w->path->field.n, a->u, b->u));
+}
+
+/* Returns true if a step ends near the start of the branch, or passes it, after the walk has been
+ * elsewhere. A start half way along the step is nearer than half of it from neither end. */
+static bool comes_back(struct branch_walk *w, const struct curve_place *at,
+                       const struct curve_place *next, const struct curve_place *start)
+{
+    const int last = w->path->problem->n;
+    static const double detour = 1.1; /* of a step, by way of what lies on it: steps turn little */
+    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last),
+                 before = apart(w, at, last, start, w->start);
+    w->away = w->away || far > 2 * step;
+    return w->away && (far < step / 2 || before + far < detour * step);
+}
+
+/* The extent of the last orbit in units of natural sizes, relative to the largest so far. */
+static double extent(const struct branch_walk *w)
+{
+    const struct branch *b = w->out;
+    double last = 0, largest = 0;
+    for (int k = 0; k < b->count; k++) {
+        const struct solution *s = &b->point[k].solution;
+        last = 0;
+        for (int i = 0; i < s->n; i++)
+            last = fmax(last, (s->top[i] - s->bottom[i]) / w->path->field.size[i]);
+        largest = fmax(largest, last);
+    }
+    return last / largest;
+}
+
+static bool end_there(struct branch_walk *w, const char *why)
+{
+    w->out->point[w->out->count - 1].special = SPECIAL_END;
+    ends(w, why);
+    return true;
+}
+
+/* What fails because it is stopped ends with a label, to go on from; a special point is one. */
+static bool fails_there(struct branch_walk *w, const char *why)
+{
+    const bool stopped = cancelled(w->request->cancel);
+    struct branch_point *last = &w->out->point[w->out->count - 1];
+    if (stopped && last->special == SPECIAL_NONE)
+        last->special = SPECIAL_END;
+    ends(w, stopped ? "cancelled" : why);
+    return true;
+}
+
+/* Where the parameter stands still but for rounding, its turns are rounding, too: no folds. */
+static void forget_turns(struct branch_walk *w)
+{
+    struct branch_point *point = w->out->point;
+    const double there = point[w->out->count - 1].solution.param[0];
+    for (int i = w->out->count - 1; i >= 0; i--) {
+        if (fabs(point[i].solution.param[0] - there) > 1e-12 * w->psize)
+            return;
+        if (point[i].special == SPECIAL_FOLD || point[i].special == SPECIAL_CROSSING)
+            point[i].special = SPECIAL_NONE;
+    }
+}
+
+/* A fold behind which the parameter stands still to the branch's end is a turn of rounding (as on
+ * the way to a homoclinic orbit). Towards the first point: by -1. */
+static void forget_last_turns(struct branch *b, int by)
+{
+    const double there = b->count > 0 ? b->point[by > 0 ? 0 : b->count - 1].solution.param[0] : 0,
+                 apart = b->kind == SOLUTION_EQUILIBRIUM ? RESTING : STANDING;
+    for (int i = by > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += by) {
+        if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
+            return;
+        if (b->point[i].special == SPECIAL_FOLD)
+            b->point[i].special = SPECIAL_NONE;
+    }
+}
+
+/* Unmarks special points that the last step of a closed branch has found again beyond its start. */
+static void unmark_repeats(struct branch_walk *w)
+{
+    static const double same = 1e-6; /* natural sizes, and parts of the range */
+    struct branch *b = w->out;
+    const double psize = w->request->to - w->request->from;
+    for (int i = 1; i < b->count; i++)
+        for (int j = 0; j < i && b->point[i].special != SPECIAL_NONE; j++) {
+            const struct solution *p = &b->point[i].solution, *q = &b->point[j].solution;
+            double far = fabs(p->param[0] - q->param[0]) / psize;
+            for (int k = 0; k < w->path->field.n; k++)
+                far = fmax(far, fabs(p->state[k] - q->state[k]) / w->path->field.size[k]);
+            if (b->point[i].special == b->point[j].special && far < same)
+                b->point[i].special = SPECIAL_NONE;
+        }
+}
+
+/* Does the branch end with the point that has been recorded? */
+static bool is_over(struct branch_walk *w, const struct curve_place *at,
+                    const struct curve_place *next, const struct curve_place *start, bool leaves)
+{
+    const struct branch_request *r = w->request;
+    double *value = &w->out->point[w->out->count - 1].solution.param[0];
+    if (leaves) {
+        *value = fabs(*value - r->from) < fabs(*value - r->to) ? r->from : r->to;
+        return end_there(w, "end of the range");
+    }
+    w->level = in_family(w, next) ? w->level + 1 : 0;
+    if (w->level == LEVEL) {
+        forget_turns(w);
+        return end_there(w, "a family at one value of the parameter");
+    }
+    if (too_slow(w, next))
+        return end_there(w, "the period grows without bound");
+    if (!comes_back(w, at, next, start))
+        return false;
+    w->out->closed = true;
+    unmark_repeats(w);
+    ends(w, "it closes");
+    return true;
+}
+
+/* By the parameter's range, or the number of points. */
+static void tell(struct branch_walk *w, const struct curve_place *at,
+                 const struct curve_place *start, int points, int max)
+{
+    const struct branch_request *r = w->request;
+    const int p = w->path->problem->n;
+    const double from = start->u[p] * w->psize, by = at->u[p] * w->psize - from,
+                 ahead = by > 0 ? r->to - from : from - r->from;
+    const double part = fmin(fmax(ahead > 0 ? fabs(by) / ahead : 0, 1.0 * points / max), 1);
+    w->told = fmax(w->told, FOLLOWED * (w->side + part) / w->sides);
+    if (r->progress)
+        r->progress(r->context, w->told);
+}
+
+static bool jumps(struct branch_walk *w, const struct solution *s)
+{
+    struct vector_field *field = &w->path->field;
+    return w->path->kind != SOLUTION_EQUILIBRIUM &&
+           field_jumps(field, field->system.t0, s->state, s->period);
+}
+
+/* Where no step leads on: does the orbit come to a jump just beyond, in the direction of the
+ * branch? Whether a correction gets across it, or none does, are matters of rounding. */
+static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, double longest)
+{
+    if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)
+        return false;
+    double by = SHORTEST * longest;
+    while (by < AHEAD * longest) {
+        struct curve_place ahead = *at;
+        struct solution s;
+        for (int i = 0; i <= w->path->problem->n; i++)
+            ahead.u[i] += by * at->tangent[i];
+        if (!solutions_seen(w->path, &ahead, &s))
+            return false;
+        if (jumps(w, &s))
+            return true;
+        by *= 2;
+    }
+    return false;
+}
+
+/* From `at`, which is recorded already, until it ends; false: no memory. */
+static bool walk(struct branch_walk *w, struct curve_place at)
+{
+    const double longest = w->request->step > 0 ? w->request->step : LONGEST;
+    const int max = w->request->max > 0 ? w->request->max : POINTS;
+    const struct curve_place start = at;
+    w->level = 0;
+    w->bends = false;
+    w->moved = 1;
+    w->away = false;
+    w->start = w->path->problem->n;
+    double by = fmin(FIRST, longest);
+    walk_start(w, &at);
+    ends(w, w->request->max > 0 ? "as many points as were asked for"
+                                : "1000 points: max=N takes more");
+    for (int i = 0; i < max; i++) {
+        struct curve_place next;
+        const double far = longest_at(w, &at, longest);
+        tell(w, &at, &start, i, max);
+        by = fmin(by, far);
+        if (!next_place(w, &at, &by, far, &next))
+            return !cancelled(w->request->cancel) && jumps_ahead(w, &at, far)
+                       ? end_there(w, BRANCH_JUMP)
+                       : fails_there(w, "no step leads on");
+        const double upright =
+            w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
+        if (upright < 0) { /* beyond the equilibrium to which it shrinks, or of another phase */
+            by /= 2;
+            if (by > SHORTEST * far && extent(w) > SHRUNK) {
+                i--;
+                continue;
+            }
+            return end_there(w, extent(w) > SHRUNK ? "no step leads on"
+                                                   : "it shrinks to an equilibrium");
+        }
+        const bool leaves = !inside(w, &next);
+        if (leaves) { /* what lies between it and the edge is not looked for */
+            struct solution beyond;
+            const bool seen = solutions_seen(w->path, &next, &beyond);
+            if (!walk_record_specials(w, &next, seen ? &beyond : NULL))
+                return false;
+            if (!step_to_edge(w, &at, &next, &next))
+                return w->out->point[w->out->count - 1].special != SPECIAL_NONE ||
+                               cancelled(w->request->cancel)
+                           ? fails_there(w, "end of the range")
+                           : end_there(w, "no step leads to the end of the range");
+        }
+        const int p = w->path->problem->n;
+        if (i == 0) {
+            w->behind = next;
+            w->behinds = p;
+        }
+        w->moved = at.careful && next.careful
+                       ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
+                       : 0;
+        struct solution solution;
+        if (!solutions_seen(w->path, &next, &solution))
+            return fails_there(w, "what is there cannot be told");
+        if (i == 0)
+            w->behind_grows = walk_grows(w, &solution);
+        const int index = w->out->count - 1;
+        if (!leaves && (!walk_record_specials(w, &next, &solution) ||
+                        (w->bends && !walk_record_pairs(w, &w->before, &at, index, &next))))
+            return false;
+        if (cancelled(w->request->cancel)) /* one of these may not have been found */
+            return fails_there(w, "");
+        if (!walk_record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
+            return false;
+        if (is_over(w, &at, &next, &start, leaves))
+            return true;
+        if (jumps(w, &solution))
+            return end_there(w, BRANCH_JUMP);
+        w->before = at;
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
+        if (!w->bends)
+            orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
+        if (next.corrections <= 3)
+            by = fmin(1.5 * by, far);
+        at = next;
+        stretch(w, &at);
+        if (!cut(w, &at))
+            return fails_there(w, "differences grow along the orbit by too much");
+    }
+    return true;
+}
+
+void branch_reverse(struct branch *b)
+{
+    for (int i = 0; i < b->count / 2; i++) {
+        const struct branch_point swap = b->point[i];
+        b->point[i] = b->point[b->count - 1 - i];
+        b->point[b->count - 1 - i] = swap;
+    }
+}
+
+bool branch_follow(const struct branch_request *r, struct branch *branch, struct error *error)
+{
+    if (r->second)
+        return special_follow(r, branch, error);
+    const int64_t since = clock_ns();
+    const double psize = r->to - r->from;
+    *branch = (struct branch){.count = 0};
+    struct solution_curve *path = malloc(sizeof *path); /* it is large, and the walk goes deep */
+    if (!path)
+        return error_memory(error);
+    struct branch_walk w = {.request = r, .out = branch, .psize = psize};
+    const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
+    bool fine = true;
+    w.sides = r->forward || (r->leave && !crossing) ? 1 : 2;
+    for (int side = 0; fine && side < 2 && !branch->closed; side++) {
+        w.side = side;
+        struct curve_place first;
+        if (side == 1 && (r->forward || (r->leave && !crossing)))
+            break;
+        if (!branch_begin(r, side == 0 ? -1 : 1, psize, path, &first, error)) {
+            fine = side == 1 && branch->count > 0;
+            break;
+        }
+        branch->kind = path->kind;
+        w.path = path;
+        w.end = branch->ends[side == 0 && !r->forward && (!r->leave || crossing) ? 0 : 1];
+        w.period = 0;
+        struct solution solution;
+        fine = solutions_at(path, &first, true, &solution) &&
+               ((side == 1 && !crossing) || walk_record(&w, &first, SPECIAL_NONE, &solution));
+        fine = fine && walk(&w, first);
+        if (side == 0 && !r->forward && (!r->leave || crossing))
+            branch_reverse(branch);
+        branch->evals += path->field.evals;
+        solutions_end(path);
+    }
+    free(path);
+    branch->cancelled = cancelled(r->cancel);
+    branch->seconds = clock_seconds(since);
+    for (int by = -1; by <= 1 && !branch->closed; by += 2)
+        forget_last_turns(branch, by);
+    /* at the edge of the range what leads away from there is the family, at the same value */
+    const bool stays = branch->count == 1 && !branch->cancelled && branch_starts_in_family(r);
+    if ((fine || branch->count > 0) && !stays)
+        return true;
+    if (cancelled(r->cancel))
+        error_set(error, ERROR_CANCELLED, "cancelled");
+    else if (stays)
+        branch_refuse_family(error);
+    else if (!error->text[0])
+        error_memory(error);
+    branch_free(branch);
+    return false;
+}
+
+void branch_free(struct branch *branch)
+{
+    free(branch->point);
+    *branch = (struct branch){.count = 0};
+}

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The beginning of the branch that leaves a special point. */
+#include <math.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/orbits/solutions.h"
+
+#define ASIDE 1e-6 /* of units */
+
+static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
+
+static bool unit(int n, double *x)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += x[i] * x[i];
+    for (int i = 0; i < n; i++)
+        x[i] /= sqrt(sum);
+    return sum > 0 && isfinite(sum);
+}
+
+/* A place at one of those distances; what is found must not be the branch that was left. */
+static bool step_aside(struct solution_curve *path, const double *u, const double *direction,
+                       struct curve_place *first)
+{
+    const int n = path->problem->n;
+    for (size_t k = 0; k < COUNT_OF(distances); k++) {
+        double guess[CURVE_MAX];
+        for (int i = 0; i <= n; i++)
+            guess[i] = u[i] + distances[k] * direction[i];
+        if (curve_correct(path->problem, guess, direction, false, first))
+            return true;
+    }
+    return false;
+}
+
+/*
+ * A direction in the space of states [n] as one of unknowns: how all segments move with it. by
+ * [n + 2], of which the last two are those of period and parameter, all in their units. u: the
+ * unknowns there.
+ */
+static bool spread(struct solution_curve *path, const struct solution *at, double period,
+                   const double *by, double *u, double *direction)
+{
+    struct vector_field *field = &path->field;
+    struct orbit_curve *orbit = &path->orbit;
+    const int n = field->n, all = path->problem->n;
+    const double p = at->param[0], aside = p + ASIDE * by[n + 1] * orbit->psize;
+    double moved[CURVE_MAX], state[FIELD_VARIABLES];
+    for (int i = 0; i < n; i++)
+        state[i] = at->state[i] + ASIDE * by[i] * field->size[i];
+    if (!field_set(field, &aside) ||
+        !orbit_curve_unknowns(orbit, state, period + ASIDE * by[n] * orbit->tsize, moved) ||
+        !field_set(field, &p) || !orbit_curve_unknowns(orbit, at->state, period, u))
+        return false;
+    for (int i = 0; i <= all; i++)
+        direction[i] = moved[i] - u[i];
+    return unit(all + 1, direction);
+}
+
+bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
+                     double *direction)
+{
+    const struct solution *s = &at->solution;
+    if (path->kind != SOLUTION_EQUILIBRIUM)
+        return spread(path, s, orbit_curve_period(&path->orbit, u), at->tangent, u, direction);
+    memcpy(direction, at->tangent, (size_t)(path->problem->n + 1) * sizeof *direction);
+    return true;
+}
+
+static bool scaled_jacobian(struct vector_field *field, const double *state, double *jacobian)
+{
+    const int n = field->n;
+    field_jacobian(field, state, jacobian);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            jacobian[i * n + j] *= field->size[j] / field->size[i];
+    return true;
+}
+
+static double frequency(const struct solution *s)
+{
+    double best = HUGE_VAL, omega = 0;
+    for (int i = 0; i < s->values; i++)
+        if (s->value[i].im > 0 && fabs(s->value[i].re) < best) {
+            best = fabs(s->value[i].re);
+            omega = s->value[i].im;
+        }
+    return omega;
+}
+
+/* A small ellipse in the plane of the eigenvectors. */
+static bool leave_hopf(struct solution_curve *path, const struct scene *scene, int param,
+                       double psize, const struct solution *at, const struct cancel *cancel,
+                       struct curve_place *first, struct error *error)
+{
+    const double omega = frequency(at);
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], re[FIELD_VARIABLES], im[FIELD_VARIABLES],
+        u[CURVE_MAX], direction[CURVE_MAX] = {0};
+    struct solution orbit = *at;
+    struct vector_field field;
+    struct scene there = *scene;
+    there.value[param] = at->param[0];
+    orbit.kind = SOLUTION_ORBIT;
+    orbit.period = TWO_PI / omega;
+    if (!field_init(&field, &there, &param, 1, error))
+        return false;
+    for (int i = 0; i < field.n; i++)
+        field.size[i] = fmax(field.size[i], fabs(at->state[i]));
+    scaled_jacobian(&field, at->state, jacobian);
+    if (!matrix_eigenvector(field.n, jacobian, (struct eigenvalue){0, omega}, re, im) ||
+        !solutions_begin(path, scene, param, psize, &orbit, cancel, u, error))
+        return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
+    for (int k = 0; k < path->orbit.segments; k++)
+        for (int i = 0; i < field.n; i++) {
+            const double turned = TWO_PI * path->orbit.share[k];
+            direction[k * field.n + i] = re[i] * cos(turned) - im[i] * sin(turned);
+            u[k * field.n + i] = at->state[i] / path->field.size[i];
+        }
+    unit(path->problem->n + 1, direction);
+    /* the phase: across the orbit, which moves along -im */
+    memcpy(path->orbit.reference, u, sizeof path->orbit.reference);
+    for (int i = 0; i < field.n; i++)
+        path->orbit.along[i] = -im[i];
+    unit(field.n, path->orbit.along);
+    if (step_aside(path, u, direction, first))
+        return true;
+    solutions_end(path);
+    return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
+}
+
+/* Twice the period, along the eigenvector of the multiplier -1. */
+static bool leave_doubling(struct solution_curve *path, const struct scene *scene, int param,
+                           double psize, const struct solution *at, const struct cancel *cancel,
+                           struct curve_place *first, struct error *error)
+{
+    double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES],
+                                              direction[CURVE_MAX] = {0};
+    struct curve_place point = {.corrections = 0};
+    struct solution ignored, twice = *at;
+    if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))
+        return false;
+    memcpy(point.u, u, sizeof u);
+    bool fine = solutions_at(path, &point, false, &ignored);
+    if (fine) {
+        double map[FIELD_VARIABLES * FIELD_VARIABLES];
+        orbit_curve_map(&path->orbit, map);
+        fine = matrix_eigenvector(path->field.n, map, (struct eigenvalue){-1, 0}, re, im);
+    }
+    solutions_end(path);
+    twice.period *= 2;
+    twice.multiple *= 2;
+    if (fine && solutions_begin(path, scene, param, psize, &twice, cancel, u, error)) {
+        if (spread(path, &twice, twice.period, re, u, direction) &&
+            step_aside(path, u, direction, first))
+            return true;
+        solutions_end(path);
+    }
+    return error_set(error, ERROR_COMMAND, "no orbit of twice the period was found there");
+}
+
+static bool leave_nothing(struct solution_curve *path, struct error *error)
+{
+    solutions_end(path);
+    return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
+}
+
+static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
+                           double psize, const struct branch_point *at, int side,
+                           const struct cancel *cancel, struct curve_place *first,
+                           struct error *error)
+{
+    double u[CURVE_MAX], f[CURVE_MAX], direction[CURVE_MAX];
+    if (!solutions_begin(path, scene, param, psize, &at->solution, cancel, u, error))
+        return false;
+    double *jacobian = path->work->jacobian;
+    const int n = path->problem->n;
+    if (path->problem->residual(path->problem->context, u, f, jacobian)) {
+        double known[CURVE_MAX];
+        if (!solutions_along(path, at, u, known))
+            return leave_nothing(path, error);
+        if (matrix_second_null(n + 1, jacobian, known, direction)) {
+            for (int i = 0; i <= n; i++)
+                direction[i] *= side;
+            if (step_aside(path, u, direction, first))
+                return true;
+        }
+    }
+    return leave_nothing(path, error);
+}
+
+bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
+                     double psize, const struct branch_point *from, int side,
+                     const struct cancel *cancel, struct curve_place *first, struct error *error)
+{
+    switch (from->special) {
+    case SPECIAL_HOPF:
+        return leave_hopf(path, scene, param, psize, &from->solution, cancel, first, error);
+    case SPECIAL_DOUBLING:
+        return leave_doubling(path, scene, param, psize, &from->solution, cancel, first, error);
+    case SPECIAL_CROSSING:
+        return leave_crossing(path, scene, param, psize, from, side, cancel, first, error);
+    default:
+        return error_set(error, ERROR_COMMAND,
+                         "no branch leaves such a point: those of HB, BP and PD do");
+    }
+}

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Special points that come in pairs within a step: a test passes 0 and comes back. */
+#include <math.h>
+#include <string.h>
+
+#include "modules/dynamics/branches/walk.h"
+
+/* Shares of a step of equilibria at which tests are looked at, too. */
+static const double inner_share[] = {0.2, 0.4, 0.6, 0.8};
+enum { MINIMUM_STEPS_MAX = 16 };
+/* A minimum that is predicted at more than this part of the least value found is above 0. */
+static const double minimum_part = 0.5;
+/* Relative to its bracket: a minimum is looked for no nearer to the least value found. */
+static const double nearest_part = 0.1;
+/* Relative to the distance of both ends: a bracket this narrow has no two zeros that matter. */
+static const double bracket_min = 1e-7;
+
+bool step_is_resolved(struct branch_walk *w, const struct curve_place *from,
+                      const struct curve_place *to)
+{
+    int last[CURVE_TESTS], changes[CURVE_TESTS] = {0};
+    const int tests = w->path->problem->tests;
+    bool resolved = true;
+    if (w->path->kind != SOLUTION_EQUILIBRIUM)
+        return true;
+    for (int k = 0; k < tests; k++)
+        last[k] = walk_sign(w, from, k);
+    for (size_t i = 0; i <= COUNT_OF(inner_share); i++) {
+        struct curve_place inner;
+        const bool is_end = i == COUNT_OF(inner_share);
+        if (!is_end && !curve_between(w->path->problem, from, to, inner_share[i], &inner))
+            continue;
+        for (int k = 0; k < tests; k++) {
+            const int sign = walk_sign(w, is_end ? to : &inner, k);
+            changes[k] += sign * last[k] < 0;
+            last[k] = sign != 0 ? sign : last[k];
+        }
+    }
+    for (int k = 0; k < tests; k++)
+        resolved = resolved && changes[k] <= 1;
+    return resolved;
+}
+
+/* ---- the least value of a test ---- */
+
+/* A place, how far along it is, and how far its test is on the side where it was. */
+struct test_sample {
+    struct curve_place place;
+    double along, value;
+};
+
+struct test_minimum {
+    struct branch_walk *walk;
+    int test, sign;
+    struct test_sample *low, *middle, *high, *fresh; /* of four that change their places */
+};
+
+static double value_at(const struct test_minimum *m, const struct curve_place *at)
+{
+    return m->sign * at->test[m->test];
+}
+
+/* The vertex of the parabola through three samples, and its value there. */
+static double parabola_vertex(const struct test_minimum *m, double *value)
+{
+    const double h = m->high->along - m->middle->along, l = m->low->along - m->middle->along,
+                 dh = (m->high->value - m->middle->value) / h,
+                 dl = (m->low->value - m->middle->value) / l, bend = (dh - dl) / (h - l),
+                 slope = dl - bend * l;
+    const double by = bend > 0 ? -slope / (2 * bend) : 0;
+    *value = m->middle->value + by * (slope + bend * by);
+    return m->middle->along + by;
+}
+
+/* Puts a sample between the others; false: no place was found there. */
+static bool sample_at(const struct test_minimum *m, double along)
+{
+    const struct test_sample *a = along < m->middle->along ? m->low : m->middle,
+                             *b = along < m->middle->along ? m->middle : m->high;
+    const double share = (along - a->along) / (b->along - a->along);
+    if (!curve_between(m->walk->path->problem, &a->place, &b->place, share, &m->fresh->place))
+        return false;
+    m->fresh->along = along;
+    m->fresh->value = value_at(m, &m->fresh->place);
+    return isfinite(m->fresh->value);
+}
+
+/* Where to look next: at the vertex, but not where it is known already. */
+static double next_sample(const struct test_minimum *m, double vertex)
+{
+    const double low = m->low->along, middle = m->middle->along, high = m->high->along,
+                 least = nearest_part * (high - low);
+    const double further = high - middle > middle - low ? fmin(least, (high - middle) / 2)
+                                                        : -fmin(least, (middle - low) / 2);
+    if (fabs(vertex - middle) < fabs(further) || vertex <= low || vertex >= high)
+        return middle + further;
+    return vertex;
+}
+
+static void narrow(struct test_minimum *m)
+{
+    struct test_sample *fresh = m->fresh, **side;
+    const bool is_below = fresh->along < m->middle->along;
+    if (fresh->value < m->middle->value) {
+        side = is_below ? &m->high : &m->low;
+        m->fresh = *side;
+        *side = m->middle;
+        m->middle = fresh;
+    } else {
+        side = is_below ? &m->low : &m->high;
+        m->fresh = *side;
+        *side = fresh;
+    }
+}
+
+/* Looks for a place where the test has the other sign, in `fresh`, between `low` or `middle` and
+ * `middle` or `high`. */
+static bool find_other_sign(struct test_minimum *m)
+{
+    const double length = m->high->along - m->low->along;
+    for (int k = 0; k < MINIMUM_STEPS_MAX; k++) {
+        double least;
+        const double vertex = parabola_vertex(m, &least);
+        if (least > minimum_part * m->middle->value ||
+            m->high->along - m->low->along < bracket_min * length ||
+            cancelled(m->walk->request->cancel) || !sample_at(m, next_sample(m, vertex)))
+            return false;
+        if (walk_sign(m->walk, &m->fresh->place, m->test) == -m->sign)
+            return true;
+        narrow(m);
+    }
+    return false;
+}
+
+/* ---- pairs ---- */
+
+static bool record_at(struct branch_walk *w, const struct found_special *f, int *index)
+{
+    struct branch *b = w->out;
+    const int count = b->count;
+    if (!special_record(w, f))
+        return false;
+    if (b->count == count)
+        return true;
+    const struct branch_point point = b->point[count];
+    memmove(&b->point[*index + 1], &b->point[*index], (size_t)(count - *index) * sizeof *b->point);
+    b->point[(*index)++] = point;
+    w->fold_at = 0; /* what it counts has moved */
+    return true;
+}
+
+bool walk_record_pairs(struct branch_walk *w, const struct curve_place *before,
+                       const struct curve_place *at, int index, const struct curve_place *next)
+{
+    const int unknowns = w->path->problem->n + 1;
+    struct test_sample sample[4];
+    for (int k = 0; k < w->path->problem->tests; k++) {
+        const int sign = walk_sign(w, at, k);
+        struct test_minimum m = {w, k, sign, &sample[0], &sample[1], &sample[2], &sample[3]};
+        struct found_special pair[2];
+        if (sign == 0 || walk_sign(w, before, k) != sign || walk_sign(w, next, k) != sign)
+            continue;
+        sample[0] = (struct test_sample){*before, 0, value_at(&m, before)};
+        sample[1] =
+            (struct test_sample){*at, curve_distance(unknowns, before->u, at->u), value_at(&m, at)};
+        sample[2] = (struct test_sample){
+            *next, sample[1].along + curve_distance(unknowns, at->u, next->u), value_at(&m, next)};
+        if (sample[1].value > fmin(sample[0].value, sample[2].value) || !find_other_sign(&m))
+            continue;
+        const bool is_before = m.fresh->along < m.middle->along;
+        const struct curve_place *low = is_before ? &m.low->place : &m.middle->place,
+                                 *high = is_before ? &m.middle->place : &m.high->place;
+        int place = m.fresh->along < curve_distance(unknowns, before->u, at->u) ? index : index + 1;
+        if (special_locate(w, low, &m.fresh->place, k, &pair[0]) &&
+            special_locate(w, &m.fresh->place, high, k, &pair[1]) &&
+            !(record_at(w, &pair[0], &place) && record_at(w, &pair[1], &place)))
+            return false;
+    }
+    return true;
+}

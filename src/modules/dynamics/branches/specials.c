@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Special points of a branch: where tests change their signs between two places. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/branches/walk.h"
+
+#define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
+#define DOUBLE 1e-6   /* of a frequency: an eigenvalue that is 0 */
+#define TINY 1e-8     /* of the largest value so far: a test that is 0 */
+#define EDGE 1e-9     /* of the range: what is so near is on it */
+#define STILL 1e-13   /* of the range, or of the parameter: rounding */
+#define FLAT 1e-9     /* relative: folds of orbits that are nearer are seen by rounding */
+
+static struct branch_point *append(struct branch_walk *w)
+{
+    struct branch *b = w->out;
+    if (b->count == w->capacity) {
+        const int capacity = w->capacity > 0 ? 2 * w->capacity : 64;
+        struct branch_point *more = realloc(b->point, (size_t)capacity * sizeof *more);
+        if (!more)
+            return NULL;
+        b->point = more;
+        w->capacity = capacity;
+    }
+    b->point[b->count] = (struct branch_point){.criticality = NAN, .accuracy = NAN};
+    return &b->point[b->count++];
+}
+
+bool walk_record(struct branch_walk *w, const struct curve_place *at, enum special special,
+                 const struct solution *solution)
+{
+    struct branch_point *point = append(w);
+    if (!point)
+        return false;
+    point->solution = *solution;
+    point->special = special;
+    /* of an orbit its beginning and what holds for all of it: the rest follows */
+    const int n = w->path->field.n, all = w->path->problem->n;
+    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
+        point->tangent[n] = at->tangent[all];
+    } else {
+        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
+        point->tangent[n + 1] = at->tangent[all];
+    }
+    return true;
+}
+
+/* ---- special points between two places ---- */
+
+static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
+{
+    if (test > 0)
+        return fabs(p->test[test]) <= TINY * w->largest[test];
+    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
+     */
+    return fabs(p->test[test]) <= CURVE_LEVEL ||
+           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
+}
+
+bool is_in_range(const struct branch_request *r, double *param)
+{
+    const double by = EDGE * (r->to - r->from);
+    if (!(*param >= r->from - by && *param <= r->to + by))
+        return false;
+    *param = fmin(fmax(*param, r->from), r->to);
+    return true;
+}
+
+/* A fold of orbits that lies so flat that it is not located is at the better of both places. */
+static bool locate(const struct branch_walk *w, const struct curve_place *before,
+                   const struct curve_place *to, int test, struct found_special *f)
+{
+    const struct curve_problem *problem = w->path->problem;
+    const int n = problem->n;
+    if (curve_locate(problem, before, to, test, &f->at, &f->near))
+        return true;
+    if (w->path->kind == SOLUTION_EQUILIBRIUM || test != ORBIT_FOLD ||
+        !(fabs(before->u[n] - to->u[n]) < FLAT * fabs(to->u[n])))
+        return false;
+    f->at = fabs(before->test[test]) < fabs(to->test[test]) ? *before : *to;
+    f->near = fabs(before->u[n] - to->u[n]);
+    return true;
+}
+
+int special_passes(enum special special)
+{
+    return special == SPECIAL_HOPF || special == SPECIAL_TORUS ? 2 : special != SPECIAL_NONE;
+}
+
+int walk_sign(const struct branch_walk *w, const struct curve_place *at, int test)
+{
+    if (!isfinite(at->test[test]) || zero(w, at, test))
+        return 0;
+    return signbit(at->test[test]) ? -1 : 1;
+}
+
+/* A branch of equilibria turns back at a fold: unless rounding made it, the parameter changes to
+ * the same side on both arms. */
+static bool turns_back(const struct branch_walk *w, const struct curve_place *before,
+                       const struct curve_place *to, const struct curve_place *fold)
+{
+    const int n = w->path->problem->n;
+    const double a = before->u[n] - fold->u[n], b = to->u[n] - fold->u[n],
+                 rounding = STILL * fmax(fabs(fold->u[n]), 1);
+    return fmax(fabs(a), fabs(b)) > rounding &&
+           ((a > 0) == (b > 0) || fmin(fabs(a), fabs(b)) <= rounding);
+}
+
+bool special_locate(struct branch_walk *w, const struct curve_place *before,
+                    const struct curve_place *to, int test, struct found_special *f)
+{
+    if (!locate(w, before, to, test, f) || !solutions_at(w->path, &f->at, true, &f->solution))
+        return false;
+    f->special = solutions_special(w->path, test, &f->solution);
+    if (f->special == SPECIAL_FOLD && w->path->kind == SOLUTION_EQUILIBRIUM &&
+        !turns_back(w, before, to, &f->at))
+        return false;
+    f->distance = curve_distance(w->path->problem->n + 1, f->at.u, before->u);
+    return f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]);
+}
+
+int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
+                      const struct curve_place *b, struct found_special *found, int *count)
+{
+    int passes = 0;
+    for (int k = 0; k < w->path->problem->tests && *count < SPECIALS_MOST; k++)
+        if (!zero(w, a, k) && !zero(w, b, k) && signbit(a->test[k]) != signbit(b->test[k]) &&
+            special_locate(w, a, b, k, &found[*count]))
+            passes += special_passes(found[(*count)++].special);
+    return passes;
+}
+
+static void locate_all(struct branch_walk *w, const struct curve_place *to,
+                       struct found_special *found, int *count)
+{
+    const struct curve_problem *problem = w->path->problem;
+    for (int k = 0; k < problem->tests; k++) {
+        w->largest[k] = fmax(w->largest[k], fabs(to->test[k]));
+        w->any[k] = w->any[k] && (k == 0 || !zero(w, &w->known[k], k));
+        if (zero(w, to, k) || !isfinite(to->test[k]))
+            continue;
+        const struct curve_place before = w->known[k];
+        const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
+        w->known[k] = *to;
+        w->any[k] = true;
+        *count += changed && special_locate(w, &before, to, k, &found[*count]);
+    }
+}
+
+/* A branch that is followed through a crossing turns back there, or doubles; it is a crossing. */
+static void leave_doubles_out(struct found_special *found, int *count, int n)
+{
+    for (int i = 0; i < *count; i++)
+        for (int j = 0; j < *count; j++)
+            if (i != j && found[i].special == SPECIAL_CROSSING &&
+                (found[j].special == SPECIAL_FOLD || found[j].special == SPECIAL_TORUS) &&
+                curve_distance(n, found[i].at.u, found[j].at.u) < TOGETHER) {
+                found[j] = found[--*count];
+                i = -1;
+                break;
+            }
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    const struct found_special *x = a, *y = b;
+    return (x->distance > y->distance) - (x->distance < y->distance);
+}
+
+/* NAN: a real eigenvalue is 0, or another pair passes, too, and linear theory says nothing of one
+ * pair alone. */
+static double criticality(struct branch_walk *w, const struct solution *s)
+{
+    double omega = 0, best = HUGE_VAL, error;
+    int pairs = 0;
+    for (int k = 0; k < s->values; k++)
+        if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
+            best = fabs(s->value[k].re);
+            omega = s->value[k].im;
+        }
+    for (int k = 0; k < s->values; k++) {
+        if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
+            return NAN;
+        pairs += s->value[k].im > 0 && fabs(s->value[k].re) < DOUBLE * omega;
+    }
+    if (pairs > 1)
+        return NAN;
+    const double first = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
+    return fabs(first) <= 4 * error ? 0 : first;
+}
+
+/* Where orbits change and their parameter does not (canards) rounding turns it to and fro: of an
+ * even number of folds none is one, of an odd number that with the least or the largest value. */
+static bool is_fold(struct branch_walk *w, const struct found_special *f, double *accuracy)
+{
+    struct branch *b = w->out;
+    const double value = f->solution.param[0];
+    struct branch_point *best = w->fold_at < b->count ? &b->point[w->fold_at] : NULL;
+    const double before = b->point[b->count - 1].solution.param[0],
+                 at = best ? best->solution.param[0] : NAN, apart = fabs(value - at) / fabs(at);
+    const bool flat = w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FLAT;
+    if (flat && best && best->special == SPECIAL_FOLD) {
+        best->special = SPECIAL_NONE;
+        w->fold_spread = fmax(w->fold_spread, apart);
+        return false;
+    }
+    if (flat && best && (value < at) != w->fold_least) {
+        best->special = SPECIAL_FOLD;
+        best->accuracy = fmax(best->accuracy, w->fold_spread);
+        return false;
+    }
+    w->fold_spread = flat ? fmax(w->fold_spread, apart) : 0;
+    w->fold_least = flat ? w->fold_least : value < before;
+    w->fold_at = b->count;
+    *accuracy = fmax(*accuracy, w->fold_spread);
+    return true;
+}
+
+bool special_record(struct branch_walk *w, const struct found_special *f)
+{
+    double accuracy = f->near / fmax(fabs(f->at.u[w->path->problem->n]), 1e-3);
+    if (f->special == SPECIAL_FOLD && !is_fold(w, f, &accuracy))
+        return true;
+    if (!walk_record(w, &f->at, f->special, &f->solution))
+        return false;
+    struct branch_point *point = &w->out->point[w->out->count - 1];
+    point->accuracy = accuracy;
+    if (point->special == SPECIAL_HOPF)
+        point->criticality = criticality(w, &point->solution);
+    return true;
+}
+
+bool walk_record_specials(struct branch_walk *w, const struct curve_place *to,
+                          const struct solution *seen)
+{
+    struct found_special found[SPECIALS_MOST];
+    int count = 0;
+    const int n = w->path->problem->n;
+    locate_all(w, to, found, &count);
+    leave_doubles_out(found, &count, n + 1);
+    if (seen)
+        specials_unseen(w, to, seen, found, &count);
+    qsort(found, (size_t)count, sizeof *found, by_distance);
+    for (int i = 0; i < count; i++)
+        if (!special_record(w, &found[i]))
+            return false;
+    return true;
+}
+
+/* ---- tests go on ---- */
+
+static bool is_signed(const struct branch_walk *w, const struct curve_place *at, int test)
+{
+    return isfinite(at->test[test]) && at->test[test] != 0 && !zero(w, at, test);
+}
+
+void walk_start(struct branch_walk *w, const struct curve_place *at)
+{
+    const int n = w->path->problem->n;
+    struct curve_place *behind = w->behinds == n ? &w->behind : NULL;
+    w->fold_at = 0;
+    if (behind) { /* seen from the other side */
+        for (int i = 0; i <= n; i++)
+            behind->tangent[i] = -behind->tangent[i];
+        behind->test[EQUILIBRIUM_FOLD] *= -1;
+        behind->test[EQUILIBRIUM_CROSSING] *= -1;
+    }
+    for (int k = 0; k < w->path->problem->tests; k++) {
+        /* the first is part of a unit vector */
+        w->largest[k] = k == 0   ? 1
+                        : behind ? fmax(fabs(at->test[k]), fabs(behind->test[k]))
+                                 : fabs(at->test[k]);
+        const bool here = is_signed(w, at, k);
+        w->known[k] = here || !behind ? *at : *behind;
+        w->any[k] = here || (behind && is_signed(w, behind, k));
+    }
+    const int grows = walk_grows(w, &w->out->point[w->out->count - 1].solution);
+    specials_sure(w, grows < 0 && behind ? behind : at,
+                  grows < 0 && behind ? w->behind_grows : grows);
+    w->behinds = 0;
+}
+
+bool walk_is_clear(const struct branch_walk *w, const struct curve_place *at)
+{
+    bool clear = true;
+    for (int k = 0; k < w->path->problem->tests; k++)
+        clear = clear && !(w->any[k] && zero(w, at, k));
+    return clear;
+}
+
+void walk_go_on(struct branch_walk *w, const struct curve_place *at)
+{
+    specials_sure(w, at, walk_grows(w, &w->out->point[w->out->count - 1].solution));
+    for (int k = 0; k < w->path->problem->tests; k++) {
+        const double sign = copysign(DBL_MIN, w->known[k].test[k]);
+        w->largest[k] = k == 0 ? 1 : fabs(at->test[k]);
+        w->known[k] = *at;
+        if (is_signed(w, at, k))
+            w->any[k] = true;
+        else
+            w->known[k].test[k] = sign; /* there is none, if there was none */
+    }
+}

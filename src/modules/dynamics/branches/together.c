@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Special points that no test shows by its sign: eigenvalues or multipliers that pass together, as
+ * those of equal parts of a scene and of symmetric ones do, or one soon after the other. How many
+ * of them grow is counted; where it changes by more than the special points found say, smaller
+ * pieces are looked at, and in the end how fast those that pass grow, together.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/scene/formula.h>
+
+#include "modules/dynamics/branches/walk.h"
+
+#define CERTAIN                                                                                    \
+    1e-5        /* of the largest eigenvalue, or of the logarithm of a multiplier: it grows        \
+                 */
+#define WHOLE 4 /* halvings after which those that are left may pass together */
+#define DEEPEST 14
+#define NODES 8
+#define AT_ONCE 1e-7 /* as CERTAIN: so far from passing is none of those that pass together */
+#define PAIR 1e-5    /* imaginary part of one that is complex */
+
+/* How fast a difference grows: a rate, or the logarithm of a multiplier. */
+static double growth(const struct solution *s, int k)
+{
+    return s->kind == SOLUTION_EQUILIBRIUM ? s->value[k].re
+                                           : log(hypot(s->value[k].re, s->value[k].im));
+}
+
+static double unit_of(const struct solution *s)
+{
+    double most = DBL_MIN;
+    for (int k = 0; k < s->values; k++)
+        most = fmax(most, hypot(s->value[k].re, s->value[k].im));
+    return s->kind == SOLUTION_EQUILIBRIUM ? most : 1;
+}
+
+int walk_grows(struct branch_walk *w, const struct solution *s)
+{
+    int count = s->values > 0 ? 0 : -1;
+    w->unit = fmax(w->unit, unit_of(s));
+    for (int k = 0; k < s->values; k++) {
+        const double rate = growth(s, k);
+        if (!(fabs(rate) > CERTAIN * w->unit))
+            return -1;
+        count += rate > 0;
+    }
+    return count;
+}
+
+/* The places of those nearest to passing. */
+static void nearest(const struct solution *s, int count, int *place)
+{
+    bool taken[DYNAMICS_VARIABLES] = {false};
+    for (int i = 0; i < count; i++) {
+        place[i] = -1;
+        for (int k = 0; k < s->values; k++)
+            if (!taken[k] && (place[i] < 0 || fabs(growth(s, k)) < fabs(growth(s, place[i]))))
+                place[i] = k;
+        taken[place[i]] = true;
+    }
+}
+
+struct chord_piece {
+    struct branch_walk *w;
+    const struct curve_place *a, *b;
+    int count; /* that pass */
+};
+
+static bool place_at(const struct chord_piece *p, double share, struct curve_place *at,
+                     struct solution *s)
+{
+    const struct curve_problem *problem = p->w->path->problem;
+    const int n = problem->n;
+    const double length = curve_distance(n + 1, p->a->u, p->b->u);
+    double guess[CURVE_MAX], direction[CURVE_MAX];
+    for (int i = 0; i <= n; i++) {
+        direction[i] = (p->b->u[i] - p->a->u[i]) / length;
+        guess[i] = p->a->u[i] + share * (p->b->u[i] - p->a->u[i]);
+    }
+    return curve_correct(problem, guess, direction, true, at) &&
+           solutions_at(p->w->path, at, false, s) && s->values >= p->count;
+}
+
+struct rate_fit {
+    int count;
+    double node[NODES], rate[NODES];
+};
+
+static double rate_at(void *context, double share)
+{
+    const struct rate_fit *fit = context;
+    return curve_interpolated(fit->count, fit->node, fit->rate, share);
+}
+
+static double root_of(struct rate_fit *fit)
+{
+    const int last = fit->count - 1;
+    return root_between(rate_at, fit, fit->node[0], fit->rate[0], fit->node[last], fit->rate[last],
+                        4 * DBL_EPSILON);
+}
+
+static enum special kind_of(const struct solution *s, double unit, int count, const int *place)
+{
+    bool pair = false, turned = false;
+    for (int i = 0; i < count; i++) {
+        const struct eigenvalue v = s->value[place[i]];
+        pair = pair || fabs(v.im) > PAIR * unit;
+        turned = turned || v.re < 0;
+    }
+    return s->kind == SOLUTION_EQUILIBRIUM ? (pair ? SPECIAL_HOPF : SPECIAL_CROSSING)
+           : pair                          ? SPECIAL_TORUS
+           : turned                        ? SPECIAL_DOUBLING
+                                           : SPECIAL_CROSSING;
+}
+
+/* The sum of their rates is smooth where they meet; places are beside its zero, at Chebyshev's
+ * nodes, as the correction at a crossing is singular. Its memory is no part of between(), which
+ * goes DEEPEST deep. */
+static __attribute__((noinline)) bool pass_together(const struct chord_piece *p,
+                                                    struct found_special *found)
+{
+    const int n = p->w->path->problem->n;
+    struct curve_place at[NODES];
+    struct rate_fit fit = {.count = 0};
+    const double unit = p->w->unit;
+    int place[DYNAMICS_VARIABLES];
+    for (int k = 0; k < NODES; k++) {
+        const double share = (1 - cos((2 * k + 1) * PI / (2 * NODES))) / 2;
+        struct solution s;
+        if (!place_at(p, share, &at[fit.count], &s))
+            continue;
+        nearest(&s, p->count, place);
+        fit.node[fit.count] = share;
+        fit.rate[fit.count] = 0;
+        for (int i = 0; i < p->count; i++)
+            fit.rate[fit.count] += growth(&s, place[i]);
+        fit.count++;
+    }
+    if (fit.count < NODES - 2 || signbit(fit.rate[0]) == signbit(fit.rate[fit.count - 1]))
+        return false;
+    const double share = root_of(&fit);
+    double y[NODES];
+    found->at = at[0];
+    for (int i = 0; i <= n; i++) {
+        for (int k = 0; k < fit.count; k++)
+            y[k] = at[k].u[i];
+        found->at.u[i] = curve_interpolated(fit.count, fit.node, y, share);
+        for (int k = 0; k < fit.count; k++)
+            y[k] = at[k].tangent[i];
+        found->at.tangent[i] = curve_interpolated(fit.count, fit.node, y, share);
+    }
+    struct rate_fit fewer = fit;
+    fewer.count--;
+    const bool known = signbit(fewer.rate[0]) != signbit(fewer.rate[fewer.count - 1]);
+    found->near = curve_distance(n + 1, p->a->u, p->b->u) *
+                  fmax(known ? fabs(root_of(&fewer) - share) : 1, DBL_EPSILON);
+    if (!solutions_at(p->w->path, &found->at, true, &found->solution))
+        return false;
+    nearest(&found->solution, p->count, place);
+    for (int i = 0; i < p->count; i++)
+        if (fabs(growth(&found->solution, place[i])) > AT_ONCE * unit)
+            return false;
+    found->special = kind_of(&found->solution, unit, p->count, place);
+    return true;
+}
+
+static __attribute__((noinline)) bool middle_of(const struct chord_piece *p, struct curve_place *at,
+                                                int *grows)
+{
+    static const double share[] = {0.5, 0.4, 0.6, 0.3, 0.7};
+    struct solution s;
+    for (size_t k = 0; k < COUNT_OF(share); k++)
+        if (place_at(p, share[k], at, &s) && (*grows = walk_grows(p->w, &s)) >= 0)
+            return true;
+    return false;
+}
+
+static void between(struct branch_walk *w, const struct curve_place *a, int a_grows,
+                    const struct curve_place *b, int b_grows, int depth,
+                    struct found_special *found, int *count)
+{
+    const struct chord_piece p = {w, a, b, abs(a_grows - b_grows)};
+    const int before = *count;
+    if (p.count == 0 || (p.count == 1 && depth == 0) || cancelled(w->request->cancel))
+        return;
+    if (specials_by_signs(w, a, b, found, count) >= p.count)
+        return;
+    *count = before;
+    /* of one alone the sign of a test changes */
+    if (p.count > 1 && depth >= WHOLE && before < SPECIALS_MOST &&
+        pass_together(&p, &found[before])) {
+        *count += is_in_range(w->request, &found[before].solution.param[0]);
+        return;
+    }
+    struct curve_place middle;
+    int grows;
+    if (depth == DEEPEST || !middle_of(&p, &middle, &grows))
+        return;
+    between(w, a, a_grows, &middle, grows, depth + 1, found, count);
+    between(w, &middle, grows, b, b_grows, depth + 1, found, count);
+}
+
+static bool is_known(const struct branch_walk *w, const struct found_special *f)
+{
+    const struct branch *b = w->out;
+    for (int i = b->count - 1; i >= 0 && i >= w->sure_point; i--)
+        if (b->point[i].special == f->special &&
+            fabs(b->point[i].solution.param[0] - f->solution.param[0]) < SPECIALS_SAME * w->psize)
+            return true;
+    return false;
+}
+
+void specials_unseen(struct branch_walk *w, const struct curve_place *to, const struct solution *at,
+                     struct found_special *found, int *count)
+{
+    const int grows = walk_grows(w, at);
+    for (int i = 0; i < *count; i++)
+        w->explained += special_passes(found[i].special);
+    if (grows < 0)
+        return;
+    if (w->sure_grows >= 0 && abs(grows - w->sure_grows) > w->explained) {
+        struct found_special unseen[SPECIALS_MOST];
+        int more = 0;
+        between(w, &w->sure, w->sure_grows, to, grows, 0, unseen, &more);
+        if (more > 0)
+            *count = 0;
+        for (int i = 0; i < more; i++) {
+            unseen[i].distance = curve_distance(w->path->problem->n + 1, unseen[i].at.u, w->sure.u);
+            if (!is_known(w, &unseen[i]))
+                found[(*count)++] = unseen[i];
+        }
+    }
+    specials_sure(w, to, grows);
+}
+
+void specials_sure(struct branch_walk *w, const struct curve_place *at, int grows)
+{
+    w->sure = *at;
+    w->sure_grows = grows;
+    w->sure_point = w->out->count;
+    w->explained = 0;
+}

@@ -1,0 +1,501 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Folds, Hopf points, period doublings and Neimark-Sacker points as curves in two parameters: the
+ * equations of the solution, and one more that says that it is such a point; the unknowns are those
+ * of the solution, the first parameter among them, and the second one (Govaerts 2000, 4 and 8).
+ * Derivatives of that equation are differences: they only lead to the point, which is as exact as
+ * the equations are.
+ */
+#include "modules/dynamics/branches/two_parameters.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/orbits/solutions.h"
+
+#define DELTA 1e-6
+#define ASIDE 1e-4  /* of units: along a fold of orbits */
+#define MIXED 0.618 /* of the second parameter: their sum is in no special direction */
+#define FRESH 1e-4  /* farther away the condition of an orbit is derived anew */
+#define FIRST 0.01
+#define LONGEST 0.05
+#define SHORTEST 1e-6
+#define TURN 0.9
+#define POINTS 1000
+
+struct special_curve {
+    struct solution_curve base;
+    enum special kind;
+    int second; /* place of the second parameter */
+    double qsize;
+    double at[CURVE_MAX], slope[CURVE_MAX]; /* of the condition, derived there */
+    double by_second[CURVE_MAX];            /* of the equations */
+    bool derived;
+    double along[CURVE_MAX]; /* of a fold: the tangent at one parameter, or what is not across it */
+    struct curve_problem problem;
+};
+
+/* ---- the condition ---- */
+
+static void square_part(const struct special_curve *c, int n, double *square)
+{
+    const int all = c->base.problem->n + 1;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            square[i * n + j] = c->base.work->jacobian[i * all + j];
+}
+
+/* At the place looked at last; NAN: not known. */
+static double condition(const struct special_curve *c)
+{
+    const int n = c->base.field.n;
+    double square[FIELD_VARIABLES * FIELD_VARIABLES], sums[21 * 21];
+    struct multipliers m;
+    switch (c->kind) {
+    case SPECIAL_FOLD:
+        square_part(c, c->base.problem->n, c->base.work->matrix);
+        return plain_determinant(c->base.problem->n, c->base.work->matrix);
+    case SPECIAL_HOPF:
+        square_part(c, n, square);
+        matrix_pair_sums(n, square, sums);
+        return plain_determinant(n * (n - 1) / 2, sums);
+    default:
+        if (!orbit_curve_multipliers(&c->base.orbit, &m))
+            return NAN;
+        return c->kind == SPECIAL_DOUBLING ? multipliers_doubling(&m) : multipliers_torus(&m);
+    }
+}
+
+/* Equations and condition there, f [n + 1]. */
+static bool look(struct special_curve *c, const double *u, double *f)
+{
+    const int n = c->base.problem->n;
+    if (!field_hold(&c->base.field, c->second, u[n + 1] * c->qsize) ||
+        !c->base.problem->residual(c->base.problem->context, u, f, c->base.work->jacobian))
+        return false;
+    f[n] = condition(c);
+    return isfinite(f[n]);
+}
+
+static bool is_fresh(const struct special_curve *c, const double *u)
+{
+    return c->derived && c->base.kind != SOLUTION_EQUILIBRIUM &&
+           curve_distance(c->problem.n + 1, c->at, u) < FRESH;
+}
+
+/* Of equilibria to both sides, which costs nothing and tells where two folds meet. */
+static bool derive(struct special_curve *c, const double *u)
+{
+    const int n = c->base.problem->n;
+    const bool both = c->base.kind == SOLUTION_EQUILIBRIUM;
+    double side[2][CURVE_MAX], moved[CURVE_MAX];
+    if (!both && !look(c, u, side[0]))
+        return false;
+    for (int k = 0; k <= n + 1; k++) {
+        const double by = DELTA * fmax(1, fabs(u[k]));
+        memcpy(moved, u, sizeof moved);
+        moved[k] = u[k] - by;
+        if (both && !look(c, moved, side[0]))
+            return false;
+        moved[k] = u[k] + by;
+        if (!look(c, moved, side[1]))
+            return false;
+        c->slope[k] = (side[1][n] - side[0][n]) / (both ? 2 * by : by);
+        for (int i = 0; k == n + 1 && i < n; i++)
+            c->by_second[i] = (side[1][i] - side[0][i]) / (both ? 2 * by : by);
+    }
+    memcpy(c->at, u, sizeof c->at);
+    c->derived = true;
+    return true;
+}
+
+static bool residual(void *context, const double *u, double *f, double *jacobian)
+{
+    struct special_curve *c = context;
+    const int n = c->base.problem->n, all = n + 2;
+    if (cancelled(c->base.field.cancel) || (!is_fresh(c, u) && !derive(c, u)) || !look(c, u, f))
+        return false;
+    for (int i = 0; i < n; i++) {
+        memcpy(jacobian + i * all, c->base.work->jacobian + i * (n + 1),
+               (size_t)(n + 1) * sizeof *jacobian);
+        jacobian[i * all + n + 1] = c->by_second[i];
+    }
+    memcpy(jacobian + n * all, c->slope, (size_t)all * sizeof *jacobian);
+    return true;
+}
+
+/* ---- points of codimension two ---- */
+
+/* The pair whose sum is nearest to 0: its product. */
+static double pair_product(int n, const struct eigenvalue *v)
+{
+    double best = HUGE_VAL, product = NAN;
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++) {
+            const double sum = hypot(v[i].re + v[j].re, v[i].im + v[j].im);
+            if (sum < best) {
+                best = sum;
+                product = v[i].re * v[j].re - v[i].im * v[j].im;
+            }
+        }
+    return product;
+}
+
+/* Of all eigenvalues but one, summed over that one: 0 where two are 0. */
+static double products_of_others(int n, const struct eigenvalue *v)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        double re = 1, im = 0;
+        for (int j = 0; j < n; j++) {
+            const double old = re;
+            re = i == j ? re : re * v[j].re - im * v[j].im;
+            im = i == j ? im : old * v[j].im + im * v[j].re;
+        }
+        sum += re;
+    }
+    return sum;
+}
+
+/* Of orbits: how the condition changes along the tangent at one parameter; 0 where two folds meet.
+ */
+static void test_orbit_fold(void *context, const double *u, const double *jacobian,
+                            const double *tangent, double *value)
+{
+    struct special_curve *c = context;
+    const int n = c->base.problem->n;
+    double along[CURVE_MAX], f[CURVE_MAX], moved[CURVE_MAX], side[2];
+    (void)jacobian;
+    (void)tangent;
+    value[0] = NAN;
+    if (!look(c, u, f) || !curve_tangent(c->base.problem, c->along, along))
+        return;
+    for (int k = 0; k < 2; k++) {
+        memcpy(moved, u, sizeof moved);
+        for (int i = 0; i <= n; i++)
+            moved[i] += (k == 0 ? -ASIDE : ASIDE) * along[i];
+        if (!look(c, moved, f))
+            return;
+        side[k] = f[n];
+    }
+    memcpy(c->along, along, sizeof c->along);
+    value[0] = (side[1] - side[0]) / (2 * ASIDE);
+}
+
+static void test(void *context, const double *u, const double *jacobian, const double *tangent,
+                 double *value)
+{
+    struct special_curve *c = context;
+    struct solution_curve *base = &c->base;
+    const int n = base->field.n;
+    struct curve_place point;
+    struct solution s;
+    (void)jacobian;
+    (void)tangent;
+    value[0] = value[1] = NAN;
+    memcpy(point.u, u, sizeof point.u);
+    if (!solutions_at(base, &point, false, &s))
+        return;
+    if (c->kind == SPECIAL_HOPF) {
+        double error;
+        value[0] = pair_product(n, s.value);
+        value[1] = value[0] > 0
+                       ? lyapunov_coefficient(&base->field, s.state, sqrt(value[0]), &error)
+                       : NAN;
+        return;
+    }
+    /* what is not across the fold, also where the first parameter alone does not go across it */
+    double along[CURVE_MAX], *by_param = base->work->jacobian + n;
+    for (int i = 0; i < n; i++)
+        by_param[i * (n + 1)] += MIXED * c->by_second[i];
+    if (!curve_tangent(base->problem, c->along, along))
+        return;
+    memcpy(c->along, along, sizeof c->along);
+    value[0] = 0;
+    for (int i = 0; i < n; i++)
+        value[0] += c->slope[i] * along[i];
+    value[1] = n > 1 ? products_of_others(n, s.value) : NAN;
+}
+
+static enum special special_of(const struct special_curve *c, int test)
+{
+    return c->kind == SPECIAL_HOPF ? (test == 0 ? SPECIAL_DOUBLE : SPECIAL_BAUTIN)
+                                   : (test == 0 ? SPECIAL_CUSP : SPECIAL_DOUBLE);
+}
+
+/* ---- where it begins ---- */
+
+static void aim(void *context, bool fine)
+{
+    struct special_curve *c = context;
+    (void)fine; /* differences want all digits */
+    if (c->base.problem->aim)
+        c->base.problem->aim(c->base.problem->context, true);
+}
+
+static void end(struct special_curve *c)
+{
+    solutions_end(&c->base);
+    free(c->problem.work);
+}
+
+static bool begin(struct special_curve *c, const struct branch_request *r, int side,
+                  struct curve_place *first, struct error *error)
+{
+    double u[CURVE_MAX];
+    const double now = r->scene->value[r->second->param];
+    *c = (struct special_curve){.kind = r->leave->special,
+                                .second = r->second->param,
+                                .qsize = r->second->to - r->second->from};
+    if (!solutions_begin(&c->base, r->scene, r->param, r->to - r->from, &r->leave->solution,
+                         r->cancel, u, error))
+        return false;
+    const int n = c->base.problem->n, all = n + 1;
+    const bool still = c->base.kind == SOLUTION_EQUILIBRIUM &&
+                       (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF),
+               fold = !still && c->kind == SPECIAL_FOLD; /* of orbits */
+    memcpy(c->along, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->along);
+    c->problem = (struct curve_problem){.context = c,
+                                        .n = all,
+                                        .residual = residual,
+                                        .test = fold ? test_orbit_fold : test,
+                                        .tests = fold                  ? 1
+                                                 : !still              ? 0
+                                                 : c->base.field.n > 1 ? 2
+                                                                       : 1,
+                                        .aim = aim,
+                                        .work = malloc(sizeof *c->problem.work)};
+    if (!c->problem.work || all >= CURVE_MAX) {
+        end(c);
+        return c->problem.work ? error_set(error, ERROR_COMMAND, "the orbit is too long for that")
+                               : error_memory(error);
+    }
+    u[all] = now / c->qsize;
+    for (int k = 0; k < 2; k++) { /* towards either parameter: one of them is not across */
+        double direction[CURVE_MAX] = {0};
+        direction[k == 0 ? all : n] = side;
+        if (curve_correct(&c->problem, u, direction, true, first))
+            return true;
+    }
+    end(c);
+    return error_set(error, ERROR_COMMAND, "the curve of such points does not begin there");
+}
+
+/* ---- the walk ---- */
+
+struct special_walk {
+    const struct branch_request *request;
+    struct special_curve *curve;
+    struct branch *out;
+    char *end; /* [96] */
+};
+
+static void ends(struct special_walk *w, const char *why)
+{
+    snprintf(w->end, 96, "%s", why);
+}
+
+static bool record(struct special_walk *w, const struct curve_place *at, enum special special)
+{
+    struct branch *b = w->out;
+    struct special_curve *c = w->curve;
+    struct branch_point *more = realloc(b->point, (size_t)(b->count + 1) * sizeof *more);
+    if (!more)
+        return false;
+    b->point = more;
+    struct branch_point *point = &more[b->count];
+    *point = (struct branch_point){.special = special, .criticality = NAN, .accuracy = NAN};
+    const int n = c->base.problem->n;
+    if (!field_hold(&c->base.field, c->second, at->u[n + 1] * c->qsize) ||
+        !solutions_at(&c->base, at, true, &point->solution))
+        return false;
+    point->solution.param[1] = at->u[n + 1] * c->qsize;
+    b->count++;
+    return true;
+}
+
+static double part(const struct special_walk *w, const struct curve_place *at, int axis)
+{
+    const struct branch_request *r = w->request;
+    const int n = w->curve->base.problem->n;
+    return axis == 0 ? at->u[n] - r->from / (r->to - r->from)
+                     : at->u[n + 1] - r->second->from / (r->second->to - r->second->from);
+}
+
+/* To the edge of the parameters' ranges, where the step leads out of them. */
+static bool step_to_edge(struct special_walk *w, const struct curve_place *from,
+                         struct curve_place *to)
+{
+    const int n = w->curve->base.problem->n;
+    int axis = -1;
+    double share = 1, bound = 0;
+    for (int k = 0; k < 2; k++) {
+        const double a = part(w, from, k), b = part(w, to, k), edge = b < 0 ? 0 : 1;
+        if ((b < 0 || b > 1) && (edge - a) / (b - a) <= share) {
+            share = (edge - a) / (b - a);
+            axis = k;
+            bound = to->u[n + k] - b + edge;
+        }
+    }
+    double guess[CURVE_MAX], direction[CURVE_MAX] = {0};
+    for (int i = 0; i <= n + 1; i++)
+        guess[i] = from->u[i] + share * (to->u[i] - from->u[i]);
+    guess[n + axis] = bound;
+    direction[n + axis] = copysign(1, from->tangent[n + axis]);
+    return curve_correct(&w->curve->problem, guess, direction, true, to);
+}
+
+static bool is_inside(const struct special_walk *w, const struct curve_place *at)
+{
+    const double p = part(w, at, 0), q = part(w, at, 1);
+    return p >= 0 && p <= 1 && q >= 0 && q <= 1;
+}
+
+static bool next_place(struct special_walk *w, const struct curve_place *from, double *by,
+                       struct curve_place *to)
+{
+    const int all = w->curve->problem.n;
+    for (; *by > SHORTEST; *by /= 2) {
+        double cosine = 0;
+        if (cancelled(w->request->cancel))
+            return false;
+        if (!curve_step(&w->curve->problem, NULL, from, *by, to))
+            continue;
+        for (int i = 0; i <= all; i++)
+            cosine += from->tangent[i] * to->tangent[i];
+        if (cosine > TURN)
+            return true;
+    }
+    return false;
+}
+
+/* False: no memory, or it ends there. */
+static bool record_specials(struct special_walk *w, const struct curve_place *from,
+                            const struct curve_place *to)
+{
+    struct special_curve *c = w->curve;
+    for (int k = 0; k < c->problem.tests; k++) {
+        struct curve_place at;
+        double near;
+        if (!isfinite(from->test[k]) || !isfinite(to->test[k]) ||
+            signbit(from->test[k]) == signbit(to->test[k]) ||
+            !curve_locate(&c->problem, from, to, k, &at, &near))
+            continue;
+        if (!record(w, &at, special_of(c, k)))
+            return false;
+        w->out->point[w->out->count - 1].accuracy = near;
+        if (c->kind == SPECIAL_HOPF && k == 0) {
+            ends(w, "a Bogdanov-Takens point: beyond it the pair is a saddle's");
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Differences that grow too much along the orbit: it is cut anew, as far as there is room. */
+static bool prepare(struct special_walk *w, struct curve_place *at, double upright)
+{
+    struct special_curve *c = w->curve;
+    struct orbit_curve *orbit = &c->base.orbit;
+    if (c->base.kind == SOLUTION_EQUILIBRIUM)
+        return true;
+    if (upright < TURN)
+        orbit_curve_refer(orbit, at->u, NULL);
+    if (!orbit_curve_is_long(orbit) || c->problem.n + 1 + c->base.field.n > CURVE_MAX)
+        return true;
+    double u[CURVE_MAX], direction[CURVE_MAX];
+    const int before = c->base.problem->n;
+    const double q = at->u[before + 1], by = at->tangent[before + 1];
+    memcpy(u, at->u, sizeof u);
+    memcpy(direction, at->tangent, sizeof direction);
+    if (!orbit_curve_cut(orbit, u, direction) || c->base.problem->n + 2 > CURVE_MAX)
+        return false;
+    c->problem.n = c->base.problem->n + 1;
+    c->derived = false;
+    for (int i = c->base.field.n; i <= c->problem.n; i++)
+        c->along[i] = 0;
+    u[c->problem.n] = q;
+    direction[c->problem.n] = by;
+    return curve_correct(&c->problem, u, direction, false, at);
+}
+
+static void walk(struct special_walk *w, struct curve_place at)
+{
+    const struct cancel *cancel = w->request->cancel;
+    const double longest = w->request->step > 0 ? w->request->step : LONGEST;
+    const int max = w->request->max > 0 ? w->request->max : POINTS;
+    double by = fmin(FIRST, longest);
+    ends(w, "as many points as were asked for");
+    for (int i = 0; i < max; i++) {
+        struct curve_place next;
+        if (!next_place(w, &at, &by, &next)) {
+            ends(w, cancelled(cancel) ? "cancelled" : "no step leads on");
+            return;
+        }
+        const bool leaves = !is_inside(w, &next);
+        if (leaves && !step_to_edge(w, &at, &next)) {
+            ends(w, cancelled(cancel) ? "cancelled" : "the parameters' range");
+            return;
+        }
+        const double upright = w->curve->base.kind == SOLUTION_EQUILIBRIUM
+                                   ? 1
+                                   : orbit_curve_upright(&w->curve->base.orbit);
+        if (!record_specials(w, &at, &next) ||
+            !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
+            return;
+        if (leaves) {
+            ends(w, "the parameters' range");
+            return;
+        }
+        if (next.corrections <= 3)
+            by = fmin(1.5 * by, longest * curve_unit(w->curve->problem.n, next.u));
+        at = next;
+        if (!prepare(w, &at, upright)) {
+            ends(w,
+                 cancelled(cancel) ? "cancelled" : "differences grow along the orbit by too much");
+            return;
+        }
+    }
+}
+
+static bool can_follow(enum special kind)
+{
+    return kind == SPECIAL_FOLD || kind == SPECIAL_HOPF || kind == SPECIAL_DOUBLING ||
+           kind == SPECIAL_TORUS;
+}
+
+bool special_follow(const struct branch_request *r, struct branch *branch, struct error *error)
+{
+    const int64_t since = clock_ns();
+    *branch = (struct branch){.count = 0};
+    if (!r->leave || !can_follow(r->leave->special))
+        return error_set(error, ERROR_COMMAND,
+                         "a curve in two parameters begins at LP, HB, PD or NS");
+    struct special_curve *curve = malloc(sizeof *curve); /* too much for a stack */
+    for (int side = curve ? -1 : 2; side <= 1; side += 2) {
+        struct curve_place first;
+        if (r->forward && side < 0)
+            continue;
+        if (!begin(curve, r, side, &first, error)) {
+            free(curve);
+            branch->cancelled = cancelled(r->cancel);
+            return branch->count > 0;
+        }
+        struct special_walk w = {
+            .request = r, .curve = curve, .out = branch, .end = branch->ends[side > 0]};
+        branch->kind = curve->base.kind;
+        if (branch->count > 0 || record(&w, &first, r->leave->special))
+            walk(&w, first);
+        if (side < 0)
+            branch_reverse(branch);
+        branch->evals += curve->base.field.evals;
+        end(curve);
+    }
+    free(curve);
+    branch->cancelled = cancelled(r->cancel);
+    branch->seconds = clock_seconds(since);
+    return branch->count > 0 || error_memory(error);
+}

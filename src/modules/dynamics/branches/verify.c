@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a special point says, held against runs on both sides of it: the solution is moved a little
+ * along the eigenvector in question, and the run's distance from it, as the left eigenvector sees
+ * it, must grow or shrink as the eigenvalue or multiplier says; and solutions must be there, or not
+ * be there, as the label says.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/study/verdict.h>
+
+#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/branches/walk.h"
+#include "modules/dynamics/orbits/solutions.h"
+
+#define BESIDE 1e-3     /* of the range, */
+#define NEARER 9        /* distances, each a quarter of the one before; */
+#define NEARER_ORBITS 3 /* of orbits fewer, as each takes runs */
+#define FARTHEST 0.07   /* where nothing can be told so near */
+#define SAME 1e-9       /* two labels at one value */
+#define ARM 0.01        /* arclength from a fold along both its arms */
+#define FAR 0.5
+#define BEYOND 1e-9          /* relative, of the parameter */
+#define RANGE_ROUNDING 1e-13 /* of the range: the parameter stands still */
+#define MOVED 1e-6           /* units of size, but no more than */
+#define MOVED_PART 1e-3      /* of the distance from the special point */
+#define NEARLY 0.7
+#define AGREES 0.05 /* relative, of rates */
+#define UNEVEN 0.3  /* of a difference: two opposite ones that do not grow alike */
+#define STILL 1e-6  /* growth of a run that is none */
+#define FAST 5      /* logarithm of how much anything else may grow in it */
+#define LONG 50     /* times of the fastest motion that a run lasts at most */
+
+/* Which eigenvalue a label is about: the one nearest to where it passes; of two about as near the
+ * one that grows. */
+static int critical(const struct branch_point *at, const struct solution *s)
+{
+    const bool map = s->kind != SOLUTION_EQUILIBRIUM,
+               pair = at->special == SPECIAL_HOPF || at->special == SPECIAL_TORUS;
+    int best = -1;
+    double least = HUGE_VAL;
+    for (int i = 0; i < s->values; i++) {
+        const struct eigenvalue v = s->value[i];
+        const bool grows = map ? hypot(v.re, v.im) > 1 : v.re > 0;
+        const double size = hypot(v.re, v.im), turned = at->special == SPECIAL_DOUBLING
+                                                            ? atan2(v.im, -v.re)
+                                                            : atan2(v.im, v.re);
+        double off = pair && map ? fabs(log(size))
+                     : pair      ? fabs(v.re)
+                     : map       ? hypot(log(size), turned)
+                                 : size;
+        off *= grows ? NEARLY : 1;
+        /* real ones meet and leave the axis in conservative motion */
+        if ((pair ? v.im > 0 : v.im >= 0) && off < least) {
+            least = off;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* [1/s] or, over a period, of its logarithm */
+static double rate_of(const struct solution *s, struct eigenvalue v)
+{
+    return s->kind == SOLUTION_EQUILIBRIUM ? v.re : log(hypot(v.re, v.im)) / s->period;
+}
+
+static void matrix_of(struct solution_curve *path, double *a)
+{
+    const int n = path->field.n, all = path->problem->n + 1;
+    if (path->kind != SOLUTION_EQUILIBRIUM) {
+        orbit_curve_map(&path->orbit, a);
+        return;
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            a[i * n + j] = path->work->jacobian[i * all + j];
+}
+
+static double time_of(const struct solution *s, struct eigenvalue v)
+{
+    double fastest = 0, growth = DBL_MIN;
+    if (s->kind != SOLUTION_EQUILIBRIUM)
+        return s->period;
+    for (int i = 0; i < s->values; i++) {
+        fastest = fmax(fastest, hypot(s->value[i].re, s->value[i].im));
+        growth = fmax(growth, s->value[i].re);
+    }
+    return fmin(v.im > 0 ? TWO_PI / v.im : fmin(1 / fabs(v.re), LONG / fastest), FAST / growth);
+}
+
+/* Returns the rate at which runs leave or near the solution along that eigenvector, or NAN if a run
+ * fails or if what is not linear decides, as where rates are smaller than differences. */
+static double rate_of_run(struct solution_curve *path, const struct solution *s,
+                          struct eigenvalue v, double distance)
+{
+    struct vector_field *field = &path->field;
+    const int n = field->n;
+    double a[FIELD_VARIABLES * FIELD_VARIABLES], turned[FIELD_VARIABLES * FIELD_VARIABLES];
+    double right[2][FIELD_VARIABLES], left[2][FIELD_VARIABLES], begin[2][FIELD_VARIABLES],
+        end[2][FIELD_VARIABLES], seen[2][2] = {{0}}, uneven[2] = {0};
+    matrix_of(path, a);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            turned[i * n + j] = a[j * n + i];
+    const double span = time_of(s, v), t0 = field->system.t0,
+                 moved = fmin(MOVED, fmax(MOVED_PART * distance, MOVED * MOVED_PART));
+    if (!matrix_eigenvector(n, a, v, right[0], right[1]) ||
+        !matrix_eigenvector(n, turned, v, left[0], left[1]))
+        return NAN;
+    for (int i = 0; i < n; i++) {
+        /* to both sides, so that what is quadratic cancels: near a special point rates are small */
+        begin[0][i] = s->state[i] - moved * right[0][i] * field->size[i];
+        begin[1][i] = s->state[i] + moved * right[0][i] * field->size[i];
+    }
+    field->tol = 1e-13;
+    for (int k = 0; k < 2; k++)
+        if (!field_flow(field, t0, begin[k], span, end[k], NULL))
+            return NAN;
+    for (int part = 0; part < 2; part++)
+        for (int i = 0; i < n; i++) {
+            seen[0][part] += left[part][i] * (begin[1][i] - begin[0][i]) / field->size[i];
+            seen[1][part] += left[part][i] * (end[1][i] - end[0][i]) / field->size[i];
+            uneven[part] += left[part][i] * (end[1][i] - s->state[i] - (s->state[i] - end[0][i])) /
+                            field->size[i];
+        }
+    if (hypot(uneven[0], uneven[1]) > UNEVEN * hypot(seen[1][0], seen[1][1]))
+        return NAN;
+    return log(hypot(seen[1][0], seen[1][1]) / hypot(seen[0][0], seen[0][1])) / span;
+}
+
+/* What is found at that arclength along the branch. */
+struct side {
+    double param; /* in units of its range */
+    double rate;  /* > 0: a difference grows */
+    bool found, agrees;
+};
+
+static struct side side_at(struct solution_curve *path, const struct branch_point *at,
+                           const struct curve_place *point, double distance)
+{
+    struct side side = {.found = false};
+    struct solution s;
+    const int i = solutions_at(path, point, false, &s) ? critical(at, &s) : -1;
+    if (i < 0)
+        return side;
+    const double run = rate_of_run(path, &s, s.value[i], distance),
+                 still = STILL / time_of(&s, s.value[i]);
+    side.found = !isnan(run);
+    side.param = point->u[path->problem->n];
+    side.rate = rate_of(&s, s.value[i]);
+    side.agrees = fabs(run - side.rate) <= AGREES * fabs(side.rate) + still;
+    side.rate = fabs(side.rate) <= still ? 0 : side.rate;
+    return side;
+}
+
+static struct side look_at_side(const struct branch_request *r, const struct branch_point *at,
+                                double arm, double beside, int sign)
+{
+    struct side side = {.found = false};
+    struct solution_curve path;
+    struct curve_place point;
+    struct error ignored;
+    double u[CURVE_MAX], direction[CURVE_MAX], guess[CURVE_MAX];
+    if (!solutions_begin(&path, r->scene, r->param, r->to - r->from, &at->solution, r->cancel, u,
+                         &ignored))
+        return side;
+    const int n = path.problem->n;
+    bool fine = solutions_along(&path, at, u, direction);
+    const double by = sign * (at->special == SPECIAL_FOLD || !fine
+                                  ? arm
+                                  : beside / fmax(fabs(direction[n]), beside / arm));
+    for (int i = 0; i <= n && fine; i++)
+        guess[i] = u[i] + by * direction[i];
+    if (fine && curve_correct(path.problem, guess, direction, true, &point))
+        side = side_at(&path, at, &point, fabs(by));
+    solutions_end(&path);
+    return side;
+}
+
+/* Beyond a fold there is nothing as near as its arms are. */
+static bool is_empty(const struct branch_request *r, const struct branch_point *at, double param,
+                     double arm)
+{
+    struct solution_curve path;
+    struct curve_place point;
+    struct error ignored;
+    double u[CURVE_MAX];
+    struct solution guess = at->solution;
+    guess.param[0] = param * (r->to - r->from);
+    if (!solutions_begin(&path, r->scene, r->param, r->to - r->from, &guess, r->cancel, u,
+                         &ignored))
+        return true;
+    const bool near = solutions_correct_at(&path, u, 1, &point) &&
+                      curve_distance(path.problem->n, point.u, u) < 2 * arm;
+    solutions_end(&path);
+    return !near;
+}
+
+/* Is the orbit that is born at a Hopf point on the side that the criticality says? */
+static enum branch_verdict confirm_birth(const struct branch_request *r,
+                                         const struct branch_point *at, double unstable)
+{
+    struct solution_curve path;
+    struct curve_place first;
+    struct error ignored;
+    const double psize = r->to - r->from, here = at->solution.param[0] / psize;
+    if (at->criticality == 0 || !isfinite(at->criticality))
+        return VERDICT_CONFIRMED;
+    if (!solutions_leave(&path, r->scene, r->param, psize, at, 1, r->cancel, &first, &ignored))
+        return VERDICT_OPEN;
+    const double by = first.u[path.problem->n] - here;
+    solutions_end(&path);
+    return (by > 0) == ((at->criticality < 0) == (unstable > 0)) ? VERDICT_CONFIRMED
+                                                                 : VERDICT_OTHER_SIDE;
+}
+
+/* On the branch that crosses there, to one side. */
+static struct side look_across(const struct branch_request *r, const struct branch_point *at,
+                               int sign)
+{
+    struct side side = {.found = false};
+    struct solution_curve path;
+    struct curve_place first;
+    struct error ignored;
+    if (!solutions_leave(&path, r->scene, r->param, r->to - r->from, at, sign, r->cancel, &first,
+                         &ignored))
+        return side;
+    side = side_at(&path, at, &first, MOVED / MOVED_PART);
+    solutions_end(&path);
+    return side;
+}
+
+/* What growth on both sides says. */
+static enum branch_verdict growth_verdict(const struct side *before, const struct side *after)
+{
+    if (!before->found || !after->found || (before->rate == 0 && after->rate == 0))
+        return VERDICT_OPEN;
+    if (!before->agrees || !after->agrees)
+        return VERDICT_OTHER_GROWTH;
+    return (before->rate > 0) == (after->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
+}
+
+static enum branch_verdict confirm_fold(const struct branch_request *r,
+                                        const struct branch_point *at, double arm)
+{
+    const double here = at->solution.param[0] / (r->to - r->from);
+    const struct side before = look_at_side(r, at, arm, 0, -1),
+                      after = look_at_side(r, at, arm, 0, 1);
+    const double b = before.param - here, a = after.param - here;
+    if (!before.found || !after.found ||
+        fmin(fabs(a), fabs(b)) < fmax(BEYOND * fabs(here), RANGE_ROUNDING))
+        return VERDICT_OPEN; /* the parameter has hardly changed */
+    if ((a > 0) != (b > 0))
+        return VERDICT_NO_TURN;
+    const enum branch_verdict verdict = growth_verdict(&before, &after);
+    return verdict == VERDICT_CONFIRMED && !is_empty(r, at, here - a, arm) ? VERDICT_OTHER_SIDE
+                                                                           : verdict;
+}
+
+/* beside: how far in the parameter, part of its range. */
+static enum branch_verdict confirm(const struct branch_request *r, const struct branch_point *at,
+                                   double beside)
+{
+    if (at->special == SPECIAL_FOLD)
+        return confirm_fold(r, at, beside * (ARM / BESIDE));
+    struct side before = look_at_side(r, at, ARM, beside, -1),
+                after = look_at_side(r, at, ARM, beside, 1);
+    const double here = at->solution.param[0] / (r->to - r->from);
+    /* a branch that turns back there, as a pitchfork's, leaves its change to the one it crosses */
+    if (at->special == SPECIAL_CROSSING && before.found && after.found && before.agrees &&
+        after.agrees && (before.param > here) == (after.param > here)) {
+        before = look_across(r, at, -1);
+        after = look_across(r, at, 1);
+    }
+    const enum branch_verdict verdict = growth_verdict(&before, &after);
+    const double unstable = (before.rate > 0 ? before : after).param - here;
+    return verdict == VERDICT_CONFIRMED && at->special == SPECIAL_HOPF
+               ? confirm_birth(r, at, unstable)
+               : verdict;
+}
+
+/*
+ * Looks at several distances. A label is confirmed at one; what contradicts it has to do so at two,
+ * as one probe may fail: other special points are near, or something else grows faster. Nearer ones
+ * come first: what is farther away is asked only if nothing could be decided.
+ */
+static enum branch_verdict confirm_anywhere(const struct branch_request *r,
+                                            const struct branch_point *at, double farthest)
+{
+    const int nearer = at->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER : NEARER_ORBITS;
+    enum branch_verdict against = VERDICT_OPEN;
+    int contradictions = 0;
+    double beside = fmin(BESIDE, farthest);
+    for (int k = 0; k < nearer && !cancelled(r->cancel); k++, beside /= 4) {
+        const enum branch_verdict verdict = confirm(r, at, beside);
+        if (verdict == VERDICT_CONFIRMED)
+            return verdict;
+        if (verdict == VERDICT_OPEN && k > 0)
+            break;
+        against = verdict == VERDICT_OPEN ? against : verdict;
+        contradictions += verdict != VERDICT_OPEN;
+    }
+    for (beside = 4 * BESIDE; beside <= fmin(farthest, FARTHEST) && !cancelled(r->cancel);
+         beside *= 4) {
+        const enum branch_verdict verdict = confirm(r, at, beside);
+        if (verdict == VERDICT_CONFIRMED && against != VERDICT_SAME_GROWTH)
+            return verdict;
+        against = against == VERDICT_OPEN ? verdict : against;
+        contradictions += verdict != VERDICT_OPEN;
+    }
+    return contradictions > 1 ? against : VERDICT_OPEN;
+}
+
+const char *branch_contradiction(int verdict)
+{
+    switch (verdict) {
+    case VERDICT_SAME_GROWTH:
+        return "small differences grow, or shrink, on both sides of it";
+    case VERDICT_OTHER_GROWTH:
+        return "in runs beside it differences grow otherwise than its eigenvalues say";
+    case VERDICT_NO_TURN:
+        return "the parameter does not turn back there";
+    case VERDICT_OTHER_SIDE:
+        return "solutions are on the side where there should be none";
+    default:
+        return NULL;
+    }
+}
+
+/* Not beyond the next special point. */
+static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
+{
+    const double here = branch->point[place].solution.param[0];
+    double beside = FARTHEST;
+    for (int i = 0; i < branch->count; i++) {
+        const double far = fabs(branch->point[i].solution.param[0] - here) / (r->to - r->from);
+        if (branch->point[i].special != SPECIAL_NONE && far > SAME)
+            beside = fmin(beside, far / 4);
+    }
+    return beside;
+}
+
+/* Returns how far from a fold of equilibria the nearest other special point is along the curve, as
+ * the distance beside it at which arms remain well before that point. */
+static double beside_of_fold(const struct branch_request *r, const struct branch *branch, int place)
+{
+    struct solution_curve path;
+    struct error ignored;
+    double u[CURVE_MAX], beside = FARTHEST;
+    const struct solution *fold = &branch->point[place].solution;
+    if (fold->kind != SOLUTION_EQUILIBRIUM ||
+        !solutions_begin(&path, r->scene, r->param, r->to - r->from, fold, r->cancel, u, &ignored))
+        return FARTHEST;
+    for (int i = 0; i < branch->count; i++) {
+        const struct branch_point *other = &branch->point[i];
+        double far = fabs(other->solution.param[0] - fold->param[0]) / (r->to - r->from);
+        for (int k = 0; k < path.field.n; k++)
+            far = hypot(far, (other->solution.state[k] - fold->state[k]) / path.field.size[k]);
+        if (i != place && other->special != SPECIAL_NONE && other->special < SPECIAL_END)
+            beside = fmin(beside, far / 4 / (ARM / BESIDE));
+    }
+    solutions_end(&path);
+    return beside;
+}
+
+void branch_verify(const struct branch_request *r, struct branch *branch)
+{
+    const int64_t since = clock_ns();
+    for (int i = 0; i < branch->count && !cancelled(r->cancel); i++) {
+        struct branch_point *point = &branch->point[i];
+        if (point->special == SPECIAL_NONE || point->special >= SPECIAL_END || r->second)
+            continue;
+        if (r->progress)
+            r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
+        const enum branch_verdict verdict =
+            confirm_anywhere(r, point,
+                             point->special == SPECIAL_FOLD ? beside_of_fold(r, branch, i)
+                                                            : beside_of(r, branch, i));
+        if (!cancelled(r->cancel))
+            point->verified = verdict;
+    }
+    branch->seconds += clock_seconds(since);
+}

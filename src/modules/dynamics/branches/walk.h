@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A walk along a branch in one direction, and the special points on its way. */
+#ifndef HOOKE_MODULES_DYNAMICS_BRANCHES_WALK_H
+#define HOOKE_MODULES_DYNAMICS_BRANCHES_WALK_H
+
+#include "modules/dynamics/orbits/solutions.h"
+
+#define FOLLOWED 0.8 /* of the time; the rest goes to runs that hold labels against them */
+
+struct branch_walk {
+    const struct branch_request *request;
+    struct solution_curve *path;
+    struct branch *out; /* points of this direction are appended */
+    double psize, largest[CURVE_TESTS], period;
+    int capacity;
+    double moved; /* relative, the parameter in the last step */
+    int level;    /* places in a row at one value of the parameter */
+    bool away;    /* from where it began */
+    int start;    /* place of the parameter among the unknowns at the start */
+    struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
+    bool any[CURVE_TESTS];
+    struct curve_place behind; /* the first place on the other side of the start */
+    int behinds;               /* its unknowns; 0: there is none */
+    int behind_grows;          /* how many values grow there; -1: not certain */
+    struct curve_place sure;   /* the last place where that is certain, */
+    double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
+    int sure_grows;            /* -1: there was none; */
+    int sure_point;            /* how many points there were then, */
+    int explained;             /* and by how much special points since then have changed it */
+    int fold_at;               /* place of the last fold of orbits; 0: there was none */
+    bool fold_least;           /* the parameter is least there, or largest */
+    double fold_spread;        /* relative, of folds that are not told apart */
+    struct curve_place before; /* the last place but one, if its phase is that of the last: */
+    bool bends;
+    char *end;   /* [96] why it ends */
+    double told; /* how far it has been said to be */
+    int side, sides;
+};
+
+#define SPECIALS_MOST 8    /* between two places */
+#define SPECIALS_SAME 1e-6 /* of the range: of one kind they are one */
+
+struct found_special {
+    struct curve_place at;
+    struct solution solution;
+    enum special special;
+    double distance, near;
+};
+
+/* Appends a place with what it is; false: no memory. */
+bool walk_record(struct branch_walk *walk, const struct curve_place *at, enum special special,
+                 const struct solution *solution);
+/* The special points between the last place and this one that lie in the parameter's range, in
+ * their order; false: no memory. `seen`: what is there. */
+bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
+                          const struct solution *seen);
+/* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
+ */
+void walk_start(struct branch_walk *walk, const struct curve_place *at);
+/* Is no test 0 there that had a sign before? */
+bool walk_is_clear(const struct branch_walk *walk, const struct curve_place *at);
+/* The same place in other unknowns: signs stay what they are. */
+void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
+
+/* How many eigenvalues pass at such a point. */
+int special_passes(enum special special);
+/* What is nearly on an edge becomes so; false: it is beyond. */
+bool is_in_range(const struct branch_request *request, double *param);
+/* Those between two places whose tests have different signs; how many values pass at them. */
+int specials_by_signs(struct branch_walk *walk, const struct curve_place *a,
+                      const struct curve_place *b, struct found_special *found, int *count);
+
+/* Returns the sign of a test at a place: 0 where it is 0 but for rounding. */
+int walk_sign(const struct branch_walk *walk, const struct curve_place *at, int test);
+/* Finds what the zero of a test between two places is; false if it is none in the range. */
+bool special_locate(struct branch_walk *walk, const struct curve_place *before,
+                    const struct curve_place *to, int test, struct found_special *found);
+/* Appends a special point; false if out of memory. */
+bool special_record(struct branch_walk *walk, const struct found_special *found);
+
+/* ---- begin.c ---- */
+
+#define BRANCH_JUMP "the equations jump along the orbit, and multipliers with them"
+
+/* Finds the first place of a branch. Side -1 goes against growing values of the parameter, so that
+ * the branch is in order. False: there is none, and the error says why. */
+bool branch_begin(const struct branch_request *request, int side, double psize,
+                  struct solution_curve *path, struct curve_place *first, struct error *error);
+/* Returns true if the start is an orbit of a family, which has many at one value. */
+bool branch_starts_in_family(const struct branch_request *request);
+bool branch_refuse_family(struct error *error);
+
+/* ---- pairs.c ---- */
+
+/* Returns false if a test changes its sign more than once between two places of equilibria, so that
+ * a shorter step is wanted. */
+bool step_is_resolved(struct branch_walk *walk, const struct curve_place *from,
+                      const struct curve_place *to);
+/*
+ * Records pairs of special points that hide around the last place: of three places in a row a test
+ * may be nearest to 0 at the middle one, `at`, which is point number `index`, and have passed 0
+ * twice beside it. False if out of memory.
+ */
+bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *before,
+                       const struct curve_place *at, int index, const struct curve_place *next);
+
+/* ---- together.c ---- */
+
+/* How many values grow for certain, -1: of one it is not certain. */
+int walk_grows(struct branch_walk *walk, const struct solution *solution);
+/* Those since the last place of which that is known that the ones found do not explain. */
+void specials_unseen(struct branch_walk *walk, const struct curve_place *to,
+                     const struct solution *at, struct found_special *found, int *count);
+void specials_sure(struct branch_walk *walk, const struct curve_place *at, int grows);
+
+#endif

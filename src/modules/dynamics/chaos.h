@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How motions that begin near each other go apart: Lyapunov exponents; and where they end: basins
+ * of attraction. */
+#ifndef HOOKE_MODULES_DYNAMICS_CHAOS_H
+#define HOOKE_MODULES_DYNAMICS_CHAOS_H
+
+#include "modules/dynamics/dynamics.h"
+#include <hooke/study/attractor.h>
+
+/* ---- Lyapunov exponents ----
+ *
+ * Mean rates [1/s] at which tangents grow along a motion, by QR (Benettin, Galgani, Giorgilli,
+ * Strelcyn 1980) of the variational equations, which are integrated in the same steps as the motion
+ * (dop853, tolerance 1e-12). Means are over time, in bins of equal length; of a drive with a period
+ * in bins that begin where it does.
+ */
+struct lyapunov_request {
+    const struct scene *scene;
+    int count;       /* of the largest, 0: all */
+    double duration; /* [s] 0: about two million evaluations */
+    double skip;     /* [s] before, -1: a tenth of the duration, or about as many evaluations */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
+};
+
+struct exponent {
+    double value, error; /* [1/s] standard error, NAN: not determined */
+};
+
+struct lyapunov {
+    int n, count;
+    struct exponent exponent[DYNAMICS_VARIABLES]; /* falling */
+    double sum;                /* [1/s] of these; all: the rate at which volumes grow, which is */
+    double divergence;         /* [1/s] the mean of tr df/dy over the same time */
+    struct exponent dimension; /* Kaplan, Yorke 1979; NAN: too few exponents were asked for */
+    double time, skip;         /* [s] as they were */
+    double period;             /* [s] of the drive; 0: autonomous; NAN: there is none */
+    /* of the drive: largest difference [1/s] between exponents of the last periods by the flow and
+     * by derivatives of the stroboscopic map; NAN: not compared */
+    double strobe;
+    bool determined;
+    bool regular; /* not chaotic: means converge faster than any power of time */
+    bool rests;   /* has come to rest: no exponent of a flow has to be 0 */
+    bool conservative;
+    int batches;
+    double condition; /* largest of the tangents, between orthonormalisations */
+    bool cancelled;
+    const char *reason; /* why it is not determined, or ends early; NULL: it does not */
+    int64_t evals;
+    const char *method; /* by which the motion and its tangents were solved, */
+    double tol;         /* and the tolerance */
+    double seconds;
+};
+
+/* False: nothing can be said, and why; or out of memory. Cancelled: of the time so far. */
+bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
+                   struct error *error);
+
+/* ---- basins of attraction ----
+ *
+ * Where motions end that begin on a grid of two variables, the others at the scene's start. They
+ * are looked at once a period of the drive, else once a time that is natural to the scene. What
+ * they end in is found by itself: a state or a few that come again, a closed orbit, or, of up to
+ * three variables, a region that is not left. Steps are those of rk4, side by side in lanes where
+ * that can be.
+ */
+#define BASINS_MOST 26
+
+enum { BASIN_ESCAPES = -1, BASIN_UNDECIDED = -2, BASIN_MISSING = -3 };
+
+struct basins_request {
+    const struct scene *scene;
+    struct {
+        int variable;
+        double from, to; /* SI */
+        int count;
+    } axis[2];
+    int threads; /* 0: as many as there are processors */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
+};
+
+struct basins {
+    int count;
+    struct basin of[BASINS_MOST]; /* the largest first */
+    int64_t total, finished, escaping, undecided;
+    signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
+    double strobe;     /* [s] between looks */
+    int steps;         /* of a look; 0: adaptive, alone */
+    int64_t looks;     /* of all starts */
+    int threads;
+    double seconds;
+    bool cancelled;
+};
+
+/* False: no such basins, out of memory. Cancelled: what is finished. basins_free() after both. */
+bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error);
+void basins_free(struct basins *basins);
+/* The value of an axis at its place. */
+double basins_value(const struct basins_request *request, int axis, int64_t place);
+/* Of a share of so many starts, as if they were drawn: one standard error. */
+double basins_error(int64_t count, int64_t of);
+
+/* See <hooke/study/attractor.h>. */
+double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin);
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The module dynamics: equilibria, periodic orbits, branches of both over parameters, Lyapunov
+ * exponents, basins of attraction and phase portraits.
+ */
+#include <hooke/language/complete.h>
+#include "modules/dynamics/chaos.h"
+#include "modules/dynamics/handlers.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/* Labels are two letters and a number. */
+static bool is_label(struct text word)
+{
+    const struct row *row = NULL;
+    double number;
+    for (size_t i = 0; i < special_catalog.count && word.len > 2 && !row; i++)
+        if (strncasecmp(word.at, catalog_row(&special_catalog, i)->name, 2) == 0)
+            row = catalog_row(&special_catalog, i);
+    return row && real_parse((struct text){word.at + 2, word.len - 2}, &number) == REAL_OK;
+}
+
+static void complete_labels(struct completion *c)
+{
+    const struct dynamics *d = session_dynamics(c->session);
+    for (int b = 0; d && b < d->branches; b++)
+        for (int k = 0; k < d->branch[b]->specials; k++) {
+            const struct kept_point *point = &d->branch[b]->special[k];
+            char label[KEPT_LABEL];
+            kept_point_label(point, label);
+            complete_offer(c, label,
+                           catalog_row(&special_catalog, (size_t)point->special - 1)->brief);
+        }
+}
+
+static void free_part(void *state)
+{
+    struct dynamics_part *part = state;
+    dynamics_free(part->found);
+    stored_portrait_clear(&part->portrait);
+}
+
+static bool part_uses(const void *state, const struct model *model)
+{
+    const struct stored_portrait *portrait = &((const struct dynamics_part *)state)->portrait;
+    return portrait->known &&
+           (portrait->scene.model == model || portrait->scene.preset->model == model);
+}
+
+const struct module dynamics_module = {
+    .row = {"dynamics", "", "equilibria, orbits, branches, exponents, basins, portraits", "", NULL},
+    .needs = "",
+    .part_size = sizeof(struct dynamics_part),
+    .part_free = free_part,
+    .part_uses = part_uses,
+    .store =
+        {
+            .put = dynamics_put_head,
+            .put_next = dynamics_put_next,
+            .forget = dynamics_forget,
+            .read = dynamics_read,
+        },
+    .labels = {.is_label = is_label, .complete = complete_labels, .use = use_kept},
+    .attractor = attractor_of,
+};

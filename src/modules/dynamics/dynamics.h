@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a dynamical system does: equilibria, periodic orbits, how both go with a parameter and where
+ * they change their kind.
+ */
+#ifndef HOOKE_MODULES_DYNAMICS_DYNAMICS_H
+#define HOOKE_MODULES_DYNAMICS_DYNAMICS_H
+
+#include <hooke/scene/model.h>
+#include <hooke/base/numeric.h>
+#include <hooke/study/attractor.h>
+
+/* Of a scene that orbits are followed of. */
+#define DYNAMICS_VARIABLES ATTRACTOR_VARIABLES
+
+enum solution_kind {
+    SOLUTION_EQUILIBRIUM,
+    SOLUTION_ORBIT,   /* with a period of its own */
+    SOLUTION_RESPONSE /* with that of the drive, or a multiple of it */
+};
+
+/* An equilibrium or a periodic orbit, at the parameters' values. */
+struct solution {
+    enum solution_kind kind;
+    int n;
+    double param[2];                  /* SI */
+    double state[DYNAMICS_VARIABLES]; /* SI; of an orbit where it begins */
+    double period;                    /* [s] 0: equilibrium */
+    int multiple;                     /* of the drive's period; 0: there is none */
+    /* eigenvalues [1/s] of the Jacobian, or multipliers, but for the trivial one of an autonomous
+     * orbit */
+    int values;
+    struct eigenvalue value[DYNAMICS_VARIABLES];
+    int unstable;    /* how many of them grow */
+    double noise;    /* multipliers smaller than this are not known */
+    double trivial;  /* of an autonomous orbit: |M f - f| / |f|; NAN: there is none */
+    double residual; /* largest, in natural sizes */
+    double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
+};
+
+/* Not of an orbit on which the equations jump: it has no multipliers then. */
+static inline bool solution_is_known(const struct solution *solution)
+{
+    return solution->kind == SOLUTION_EQUILIBRIUM || solution->values > 0 ||
+           solution->trivial == solution->trivial;
+}
+
+static inline bool solution_stable(const struct solution *solution)
+{
+    return solution->unstable == 0;
+}
+
+#define SOLUTION_ONE 1e-5 /* how near to 1 a multiplier is that of a family */
+/* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
+int solution_ones(const struct solution *solution);
+
+/* ---- equilibria ---- */
+
+enum equilibrium_type {
+    EQUILIBRIUM_STABLE_NODE,
+    EQUILIBRIUM_STABLE_FOCUS,
+    EQUILIBRIUM_UNSTABLE_NODE,
+    EQUILIBRIUM_UNSTABLE_FOCUS,
+    EQUILIBRIUM_SADDLE,
+    EQUILIBRIUM_CENTRE,     /* Hamiltonian or reversible: linear theory alone does not say so */
+    EQUILIBRIUM_DEGENERATE, /* linear theory does not decide */
+    EQUILIBRIUM_STABLE,     /* of three variables or more */
+    EQUILIBRIUM_UNSTABLE,
+};
+
+extern const struct catalog equilibrium_catalog; /* struct row, at the enum's place */
+
+struct equilibrium_form {
+    enum equilibrium_type type;
+    int index; /* of Poincare and Hopf: the sign of det J; 0: not known */
+    /* [n] of each eigenvalue, real and imaginary part, of length 1 in SI units; of a conjugate pair
+     * the second is the conjugate. NAN: there is none */
+    double re[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES], im[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES];
+};
+
+struct equilibria_request {
+    const struct scene *scene;
+    double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
+};
+
+struct equilibria {
+    int count;
+    struct solution *of;           /* in the order of the first variable */
+    struct equilibrium_form *form; /* [count] of each */
+    bool forced;                   /* of the mean over the drive's period: they are no rest */
+    bool complete;                 /* proven that there are no others in the box */
+    char reason[192];              /* why not, and near where */
+    int boxes;
+    double seconds;
+};
+
+/* Of an angle whose range is one turn (2 pi) the two ends are one. */
+bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
+                     struct error *error);
+void equilibria_free(struct equilibria *found);
+
+/* ---- periodic orbits ---- */
+
+struct orbit_request {
+    const struct scene *scene;
+    double state[DYNAMICS_VARIABLES], t; /* SI: from there, [s] */
+    double period;                       /* [s] about; 0: as the motion shows it */
+    double span;                         /* [s] of the motion that is looked at first, > 0 */
+    bool settles; /* it may go on until it has settled: what attracts is wanted */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* fraction 0: nobody knows */
+    void *context;
+};
+
+struct found_orbit {
+    struct solution solution;
+    bool family; /* a multiplier is 1: others are beside it (or a fold of orbits is) */
+    /* [s] of the orbit from which it was followed to this one; 0: from none */
+    double family_from;
+    bool given_up;    /* it is unstable, and a stable one was not looked for any longer */
+    double error;     /* of states and period, relative to natural sizes; NAN: of a family */
+    double away;      /* from the state of the request, at its nearest, of its extent; NAN */
+    double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
+    int samples;      /* of one period */
+    double
+        *sample; /* [samples][n + 1] time since its beginning [s], state; denser where it jumps */
+    int64_t evals;
+    double seconds;
+};
+
+/* The smallest period first; with a drive, multiples of its. */
+bool orbit_find(const struct orbit_request *request, struct found_orbit *found,
+                struct error *error);
+void orbit_free(struct found_orbit *found);
+
+/* ---- branches ---- */
+
+enum special {
+    SPECIAL_NONE,
+    SPECIAL_FOLD,     /* LP: the branch turns back */
+    SPECIAL_HOPF,     /* HB: an orbit is born */
+    SPECIAL_CROSSING, /* BP: another branch crosses */
+    SPECIAL_DOUBLING, /* PD: an orbit of twice the period branches off */
+    SPECIAL_TORUS,    /* NS: Neimark-Sacker */
+    SPECIAL_END,      /* EP */
+    /* on curves of such points in two parameters: */
+    SPECIAL_CUSP,   /* CP: two folds meet */
+    SPECIAL_DOUBLE, /* BT: Bogdanov-Takens, two eigenvalues are 0 */
+    SPECIAL_BAUTIN, /* GH: generalised Hopf, the first Lyapunov coefficient is 0 */
+    SPECIAL_COUNT
+};
+
+extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP CP BT GH, from 1 on */
+
+struct branch_point {
+    struct solution solution;
+    enum special special;
+    double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
+    double accuracy;    /* relative, of the parameter */
+    int verified;       /* enum branch_verdict: what runs on both sides say of it */
+    double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
+};
+
+/* The second parameter of a curve of special points. */
+struct branch_axis {
+    int param;
+    double from, to; /* SI */
+};
+
+struct branch_request {
+    const struct scene *scene;
+    int param;       /* place in the scene's, which varies */
+    double from, to; /* SI */
+    const struct solution *start;
+    /* start on the branch that leaves it there: of a crossing, a doubling or a Hopf point */
+    const struct branch_point *leave;
+    /* not NULL: the curve of points like that one (LP, HB, PD, NS) in both parameters */
+    const struct branch_axis *second;
+    double step;  /* of the range, 0: chosen */
+    int max;      /* points in each direction, 0: 1000 */
+    bool forward; /* towards growing values only, at the start */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
+};
+
+struct branch {
+    enum solution_kind kind;
+    int count;
+    struct branch_point *point; /* [count] in the order along the branch */
+    int64_t evals;
+    double seconds;
+    bool closed; /* comes back to where it began */
+    bool cancelled;
+    char ends[2][96]; /* why it ends there */
+};
+
+/* False: the start is no solution, or out of memory. Cancelled: what there is so far. */
+bool branch_follow(const struct branch_request *request, struct branch *branch,
+                   struct error *error);
+/* Holds the special points against runs on both sides of them. Cancelled: those that are left stay
+ * as they are. */
+void branch_verify(const struct branch_request *request, struct branch *branch);
+void branch_free(struct branch *branch);
+
+#endif

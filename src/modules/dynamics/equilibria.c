@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* equilibria */
+#ifndef COMMAND_ROWS
+#include <hooke/base/numeric.h>
+#include <hooke/report.h>
+#include <hooke/scene/poles.h>
+#include "modules/dynamics/handlers.h"
+
+#include <float.h>
+#include <math.h>
+
+/* ---- the box ---- */
+
+static bool read_side(struct session *session, const struct arguments *args, struct text argument,
+                      const struct system *system, double box[][2], struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, argument};
+    const struct text name = peek_name(argument);
+    const int i = name.len > 0 ? model_state(system->model, name) : -1;
+    struct item item = {0};
+    if (text_starts(argument, TEXT("--")))
+        return error_at(error, argument, "equilibria has no option '%.*s'",
+                        (int)(argument.len < 64 ? argument.len : 64) - 2, argument.at + 2);
+    if (i < 0) {
+        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
+                 (int)argument.len, argument.at);
+        return error_hint(error, "a side of the box is NAME=FROM:TO, for example %s=-1:1",
+                          system->model->variable[0].name);
+    }
+    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
+    if (!text_starts(parser.rest, TEXT("=")))
+        return error_at(error, argument, "%.*s needs a range, as in %.*s=-1:1", (int)name.len,
+                        name.at, (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const struct variable variable = system_variable(system, i);
+    if (!parse_range(&parser, variable.name, variable.quantity, &item, error) ||
+        !refuse_rest(&parser, NULL, error))
+        return false;
+    for (int k = 0; k < 2; k++)
+        box[i][k] = isnan(item.range[k]) ? box[i][k] : item.range[k];
+    return box[i][0] < box[i][1] ||
+           error_at(error, argument, "%s: a range goes from a smaller to a larger value",
+                    variable.name);
+}
+
+/* ---- what they are ---- */
+
+static const char *type_name(enum equilibrium_type type)
+{
+    return catalog_row(&equilibrium_catalog, (size_t)type)->name;
+}
+
+static void put_eigenvalue(struct buffer *out, const struct eigenvalue *value, const char *sign)
+{
+    if (isnan(value->re))
+        buffer_put(out, TEXT("not known"));
+    else if (value->im == 0)
+        buffer_format(out, "%.5g", value->re);
+    else if (value->re == 0)
+        buffer_format(out, "%s%.5gi", sign, fabs(value->im));
+    else
+        buffer_format(out, "%.5g %s %.5gi", value->re, sign, fabs(value->im));
+}
+
+void put_eigenvalues(struct buffer *out, const struct solution *s)
+{
+    for (int i = 0; i < s->values; i++) {
+        const bool pair = s->value[i].im != 0 && i + 1 < s->values;
+        if (i > 0)
+            buffer_put(out, TEXT(", "));
+        put_eigenvalue(out, &s->value[i], "+-");
+        i += pair;
+    }
+}
+
+/* The digits by which states show that they differ: 7, or more where two are close. */
+static int digits_of(const struct equilibria *found, int n)
+{
+    int digits = 7;
+    for (int k = 1; k < found->count; k++) {
+        double apart = 0;
+        for (int i = 0; i < n; i++) {
+            const double a = found->of[k - 1].state[i], b = found->of[k].state[i];
+            apart = fmax(apart, fabs(b - a) / fmax(fmax(fabs(a), fabs(b)), DBL_MIN));
+        }
+        if (apart > 0)
+            digits = (int)fmax(digits, fmin(2 - floor(log10(apart)), 17));
+    }
+    return digits;
+}
+
+void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
+                    struct arena *arena)
+{
+    struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 3};
+    const int digits = digits_of(found, system->n);
+    cell_text(&table, "");
+    for (int i = 0; i < system->n; i++)
+        cell_text(&table, system_variable(system, i).name);
+    cell_text(&table, "type");
+    cell_text(&table, "eigenvalues [1/s]");
+    for (int k = 0; k < found->count; k++) {
+        cell_count(&table, k + 1);
+        for (int i = 0; i < system->n; i++)
+            cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity,
+                          digits);
+        cell_text(&table, type_name(found->form[k].type));
+        struct buffer values = {0};
+        put_eigenvalues(&values, &found->of[k]);
+        cell_take(&table, &values);
+    }
+    text_table_put(&table, out);
+}
+
+/* Real ones as (1, 2), those of pairs once, as (1, 2) +- i (3, 4); the largest part is 1. */
+static void put_vector(struct buffer *out, const struct equilibrium_form *form, int k, int n)
+{
+    int largest = 0;
+    for (int i = 1; i < n; i++)
+        if (hypot(form->re[k][i], form->im[k][i]) >
+            (1 + 1e-9) * hypot(form->re[k][largest], form->im[k][largest]))
+            largest = i;
+    const double size = form->re[k][largest]; /* its imaginary part is 0 */
+    bool turns = false;
+    if (isnan(size)) {
+        buffer_put(out, TEXT(" a direction that is not known"));
+        return;
+    }
+    for (int part = 0; part < (turns ? 2 : 1); part++) {
+        buffer_put(out, part ? TEXT(" +- i (") : TEXT(" ("));
+        for (int i = 0; i < n; i++) {
+            const double value = (part ? form->im : form->re)[k][i] / size;
+            turns = turns || fabs(form->im[k][i]) > 1e-12 * size;
+            buffer_format(out, "%s%.6g", i > 0 ? ", " : "", fabs(value) < 1e-12 ? 0 : value);
+        }
+        buffer_char(out, ')');
+    }
+}
+
+static void put_vectors(struct buffer *out, const struct system *system,
+                        const struct equilibria *found)
+{
+    for (int e = 0; e < found->count; e++) {
+        const struct solution *s = &found->of[e];
+        buffer_format(out, "  %d: index ", e + 1);
+        buffer_format(out, found->form[e].index ? "%+d\n" : "not known\n", found->form[e].index);
+        for (int k = 0; k < s->values; k++) {
+            buffer_put(out, TEXT("     "));
+            put_eigenvalue(out, &s->value[k], "+-");
+            buffer_put(out, TEXT(" along"));
+            put_vector(out, &found->form[e], k, system->n);
+            buffer_char(out, '\n');
+            k += s->value[k].im != 0 && k + 1 < s->values;
+        }
+    }
+}
+
+static void put_box(struct buffer *out, const struct system *system, double box[][2])
+{
+    for (int i = 0; i < system->n; i++) {
+        const struct variable variable = system_variable(system, i);
+        buffer_format(out, "%s%s = ", i > 0 ? ", " : "", variable.name);
+        buffer_quantity(out, box[i][0], variable.quantity, 3);
+        buffer_put(out, TEXT(" .. "));
+        buffer_quantity(out, box[i][1], variable.quantity, 3);
+    }
+}
+
+static void put_found(struct buffer *out, const struct system *system, double box[][2],
+                      const struct equilibria *found, struct arena *arena)
+{
+    if (found->count == 0)
+        buffer_put(out, found->complete ? TEXT("no equilibrium in ") : TEXT("none found in "));
+    else
+        buffer_format(out, "%d equilibri%s in ", found->count, found->count == 1 ? "um" : "a");
+    put_box(out, system, box);
+    if (found->complete)
+        buffer_put(out, found->count > 0 ? TEXT(": proven that there are no others\n")
+                                         : TEXT(": proven\n"));
+    else
+        buffer_format(out, ": may be incomplete (%s)\n", found->reason);
+    if (found->forced)
+        buffer_put(out, TEXT("of the mean over the drive's period: with the drive nothing rests "
+                             "there\n"));
+    if (found->count > 0)
+        put_equilibria(out, system, found, arena);
+}
+
+static void reply_part(const char *name, const double *part, int n, struct reply *reply)
+{
+    reply_array(reply, name);
+    for (int i = 0; i < n; i++)
+        reply_real(reply, NULL, part[i]);
+    reply_close(reply);
+}
+
+/* Each eigenvector as its real and its imaginary part. */
+static void reply_form(const struct equilibrium_form *form, int n, struct reply *reply)
+{
+    reply_int(reply, "index", form->index);
+    reply_array(reply, "eigenvectors");
+    for (int k = 0; k < n; k++) {
+        reply_array(reply, NULL);
+        reply_part(NULL, form->re[k], n, reply);
+        reply_part(NULL, form->im[k], n, reply);
+        reply_close(reply);
+    }
+    reply_close(reply);
+}
+
+void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
+                       bool full, struct reply *reply)
+{
+    const struct solution *s = &found->of[k];
+    reply_begin(reply, "equilibrium");
+    reply_int(reply, "n", k + 1);
+    reply_state(reply, system, "state", s->state);
+    reply_string(reply, "type", type_name(found->form[k].type));
+    if (found->form[k].type == EQUILIBRIUM_DEGENERATE)
+        reply_null(reply, "stable"); /* linear theory does not say */
+    else
+        reply_bool(reply, "stable", solution_stable(s));
+    reply_values(reply, "eigenvalues", s);
+    reply_real(reply, "residual", s->residual);
+    if (full)
+        reply_form(&found->form[k], s->values, reply);
+    reply_end(reply);
+}
+
+static void reply_equilibria(const struct system *system, const struct equilibria *found, bool full,
+                             struct reply *reply)
+{
+    for (int k = 0; k < found->count; k++)
+        reply_equilibrium(system, found, k, full, reply);
+    reply_begin(reply, "equilibria");
+    reply_int(reply, "count", found->count);
+    reply_bool(reply, "complete", found->complete);
+    reply_string(reply, "reason", found->complete ? NULL : found->reason);
+    reply_end(reply);
+}
+
+/* Reads the sides of the box and --full. Sides that are not given are left unchanged. */
+static bool read_sides(struct session *session, const struct arguments *args,
+                       const struct system *system, double box[][2], bool *full,
+                       struct error *error)
+{
+    const struct argument_value *sides = argument_value(args, "NAME=FROM:TO");
+    struct text rest = sides->count ? sides->item->text : TEXT("");
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text argument = next_key_argument(&rest);
+        *full = *full || text_is(argument, "--full");
+        if (!text_is(argument, "--full") && !read_side(session, args, argument, system, box, error))
+            return false;
+    }
+    return true;
+}
+
+/* Binds the scene, if need be from a start in the box that is asked for. */
+static bool bind_in_box(struct session *session, const struct arguments *args, struct scene *scene,
+                        struct system *system, struct error *error)
+{
+    double box[LIMIT_VARIABLES][2];
+    bool full = false;
+    const struct system named = {.model = scene->model, .n = scene->model->n};
+    for (int i = 0; i < named.n; i++)
+        box[i][0] = box[i][1] = NAN;
+    if (!read_sides(session, args, &named, box, &full, error))
+        return false;
+    if (scene_bind_inside(scene, box, system, error))
+        return true;
+    return named.n > 0 && isnan(box[0][0])
+               ? error_hint(error, "with sides it needs no start: equilibria %s=FROM:TO",
+                            scene->model->variable[0].name)
+               : false;
+}
+
+HANDLER(equilibria)
+{
+    struct scene scene = session->setup.scene;
+    struct equilibria_request request = {.scene = &scene,
+                                         .cancel = session->front.cancel,
+                                         .progress = report_fraction,
+                                         .context = &session->front};
+    struct system system;
+    struct equilibria found;
+    double box[LIMIT_VARIABLES][2];
+    bool full = false;
+    if (!bind_in_box(session, args, &scene, &system, error) ||
+        !session_box(session, &system, args->arena, box, error) ||
+        !read_sides(session, args, &system, box, &full, error))
+        return false;
+    for (int i = 0; i < system.n && i < DYNAMICS_VARIABLES; i++)
+        for (int k = 0; k < 2; k++)
+            request.box[i][k] = box[i][k];
+    const bool fine = equilibria_find(&request, &found, error);
+    report_fraction(&session->front, 2);
+    if (!fine)
+        return false;
+    struct buffer text = {0};
+    put_found(&text, &system, box, &found, args->arena);
+    if (full)
+        put_vectors(&text, &system, &found);
+    buffer_format(&text, "%d boxes looked at", found.boxes);
+    put_seconds(&text, session, found.seconds);
+    reply_text(reply, text_trim(buffer_text(&text)));
+    buffer_free(&text);
+    reply_own_solver(session, NEWTON_SOLVER, reply);
+    reply_equilibria(&system, &found, full, reply);
+    const bool kept = dynamics_keep_equilibria(session, &found, error);
+    equilibria_free(&found);
+    return kept;
+}
+#endif
+
+COMMAND(
+    equilibria,
+    .row = {"equilibria", "", "where the scene rests: all of them in a box, with their kind", "",
+            NULL},
+    .group = "DYNAMICS",
+    .text =
+        "All states in a box at which nothing changes, found by bounds of the equations: "
+        "none is missed and none\n"
+        "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
+        "a variable; without it\n"
+        "what runs have shown, widened. With sides the scene's start may lie on a pole. "
+        "Kinds follow from the\n"
+        "eigenvalues of the Jacobian ('not known': a slope is infinite). "
+        "Of a scene with a drive\n"
+        "those of the mean over its period; of an angle one turn. --full: index and eigenvectors, "
+        "too.",
+    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; equilibria x=-2:2 v=-2:2\n"
+                "equilibria > rests.csv",
+    .see = "stability plot run", .flags = COMMAND_TABLES,
+    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST), OPTION("full", TYPE_NONE)))

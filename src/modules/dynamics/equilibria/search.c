@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Branch and prune. A box in which a derivative's bounds exclude 0 is dropped; the Krawczyk
+ * operator proves that a box has exactly one zero, or none, or makes it smaller; else it is cut in
+ * two (Neumaier 1990, Interval Methods for Systems of Equations, chapter 5). Boxes in which the
+ * equations are unbounded (poles) wait until all others are decided. What cannot be decided is left
+ * to the caller.
+ */
+#include "modules/dynamics/equilibria/search.h"
+
+#include <float.h>
+#include <hooke/scene/poles.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/equilibria/krawczyk.h"
+
+enum { BOXES_PER_REPORT = 64, BOXES_MAX = 200000, SINGULAR_CUTS_MAX = 10000 };
+enum { NEWTON_STEPS_MAX = 100, TIGHTEN_STEPS_MAX = 60 };
+
+/* Relative to the range: boxes are not cut below this. */
+static const double box_side_min = 1e-15;
+/* Cuts miss the middle, where zeros like to be. */
+static const double cut_share = 0.4837;
+/* Relative to the range: regions around a box that are tried for one zero (epsilon inflation, Rump
+ * 1983) are at most this wide. */
+static const double inflation_max = 1e-3;
+static const double comparisons_max = 2e7; /* of undecided boxes with zeros */
+/* Relative to the range: a zero this near to the edge is on it. */
+static const double edge_rounding = 1e-12;
+
+bool zeros_in_range(const struct zero_search *s, const double *y)
+{
+    bool inside = true;
+    for (int i = 0; i < s->n; i++)
+        inside = inside && y[i] >= s->request->box[i][0] - edge_rounding * s->width[i] &&
+                 y[i] <= s->request->box[i][1] + edge_rounding * s->width[i];
+    return inside;
+}
+
+void zeros_correct(const struct zero_search *s, double *y)
+{
+    const int n = s->n;
+    for (int k = 0; k < NEWTON_STEPS_MAX; k++) {
+        double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], step[FIELD_VARIABLES], longest = 0;
+        mean_field(&s->bounded, y, step, jacobian);
+        if (!matrix_solve(n, jacobian, step))
+            return;
+        for (int i = 0; i < n; i++) {
+            y[i] -= step[i];
+            longest = fmax(longest, fabs(step[i]) / s->width[i]);
+        }
+        if (longest < 1e-16)
+            return;
+    }
+}
+
+/* ---- zeros that are proven ---- */
+
+/* Makes a box with exactly one zero as small as the operator can. */
+static void tighten(const struct zero_search *s, struct interval *box)
+{
+    struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES],
+        before[FIELD_VARIABLES];
+    bool shrinks = true;
+    for (int k = 0; k < TIGHTEN_STEPS_MAX && shrinks; k++) {
+        memcpy(before, box, sizeof before);
+        system_bounds(&s->bounded, box, rate, by);
+        krawczyk(&s->bounded, box, by, NULL);
+        shrinks = false;
+        for (int i = 0; i < s->n; i++)
+            shrinks = shrinks || box[i].hi - box[i].lo < 0.9 * (before[i].hi - before[i].lo);
+    }
+}
+
+static void shift(struct interval *side, double by)
+{
+    side->lo = nextafter(side->lo + by, -HUGE_VAL);
+    side->hi = nextafter(side->hi + by, HUGE_VAL);
+}
+
+/* Both ends of a turn are one place, which is shown as the upper one. */
+static void move_to_upper_end(const struct zero_search *s, double *y, struct zero_proof *proof)
+{
+    for (int i = 0; i < s->n; i++) {
+        if (!(s->turn[i] > 0) || y[i] > s->request->box[i][0] + edge_rounding * s->width[i])
+            continue;
+        y[i] += s->turn[i];
+        shift(&proof->tight[i], s->turn[i]);
+        shift(&proof->unique[i], s->turn[i]);
+    }
+}
+
+bool zeros_append(struct zero_search *s, const double *y, const struct zero_proof *proof)
+{
+    struct equilibria *found = s->found;
+    if (found->count == s->capacity) {
+        const int capacity = s->capacity > 0 ? 2 * s->capacity : 16;
+        struct solution *more = realloc(found->of, (size_t)capacity * sizeof *more);
+        if (more)
+            found->of = more;
+        struct zero_proof *proofs = realloc(s->proof, (size_t)capacity * sizeof *proofs);
+        if (proofs)
+            s->proof = proofs;
+        if (!more || !proofs)
+            return false;
+        s->capacity = capacity;
+    }
+    struct solution *solution = &found->of[found->count];
+    *solution = (struct solution){.kind = SOLUTION_EQUILIBRIUM, .n = s->n, .multiple = !proof};
+    memcpy(solution->state, y, (size_t)s->n * sizeof *y);
+    if (proof)
+        s->proof[found->count] = *proof;
+    found->count++;
+    return true;
+}
+
+static bool leave_undecided(struct zero_search *s, const struct interval *side, bool singular,
+                            bool smallest)
+{
+    struct state_box box = {.is_singular = singular, .is_smallest = smallest};
+    memcpy(box.side, side, sizeof box.side);
+    return box_queue_add(&s->undecided, &box);
+}
+
+/* Keeps the only zero of a region, unless it is kept already or lies outside of the range. Two are
+ * the same only if that follows from their proofs. */
+static bool keep_zero(struct zero_search *s, const struct interval *region)
+{
+    struct zero_proof proof;
+    double y[FIELD_VARIABLES];
+    memcpy(proof.unique, region, sizeof proof.unique);
+    memcpy(proof.tight, region, sizeof proof.tight);
+    tighten(s, proof.tight);
+    for (int i = 0; i < s->n; i++)
+        y[i] = interval_middle(proof.tight[i]);
+    zeros_correct(s, y);
+    for (int i = 0; i < s->n; i++) {
+        const struct interval tight = proof.tight[i];
+        const bool has_zero = tight.lo <= 0 && tight.hi >= 0;
+        y[i] = has_zero ? 0 : fmin(fmax(y[i], tight.lo), tight.hi);
+        if (isnan(y[i]))
+            y[i] = interval_middle(tight);
+    }
+    if (!zeros_in_range(s, y))
+        return true;
+    move_to_upper_end(s, y, &proof);
+    for (int k = 0; k < s->found->count; k++) {
+        const struct zero_proof *known = &s->proof[k];
+        if (box_lies_in(s->n, proof.tight, known->unique) ||
+            box_lies_in(s->n, known->tight, proof.unique))
+            return true;
+        if (boxes_meet(s->n, proof.tight, known->tight))
+            return leave_undecided(s, proof.tight, false, true);
+    }
+    return zeros_append(s, y, &proof);
+}
+
+/* Finds a region around a box [n] and the zero near it in which that zero is the only one. */
+static bool find_region(const struct zero_search *s, const struct interval *box,
+                        struct interval *region)
+{
+    double y[FIELD_VARIABLES];
+    for (int i = 0; i < s->n; i++)
+        y[i] = interval_middle(box[i]);
+    zeros_correct(s, y);
+    for (double growth = 1;; growth *= 10) {
+        struct interval cut[FIELD_VARIABLES], rate[FIELD_VARIABLES],
+            by[FIELD_VARIABLES * FIELD_VARIABLES];
+        for (int i = 0; i < s->n; i++) {
+            const double lo = fmin(box[i].lo, y[i]), hi = fmax(box[i].hi, y[i]),
+                         margin = growth * (hi - lo + 4 * DBL_EPSILON * fabs(y[i]) +
+                                            box_side_min * s->width[i]);
+            if (!(margin <= inflation_max * s->width[i]))
+                return false;
+            region[i] = (struct interval){lo - margin, hi + margin};
+        }
+        memcpy(cut, region, sizeof cut);
+        system_bounds(&s->bounded, region, rate, by);
+        if (krawczyk(&s->bounded, cut, by, NULL) == ONE)
+            return true;
+    }
+}
+
+bool zeros_prove_from(struct zero_search *s, const double *start)
+{
+    double y[FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES], region[FIELD_VARIABLES];
+    memcpy(y, start, (size_t)s->n * sizeof *y);
+    zeros_correct(s, y);
+    for (int i = 0; i < s->n; i++)
+        at[i] = (struct interval){y[i], y[i]};
+    return !zeros_in_range(s, y) || !find_region(s, at, region) || keep_zero(s, region);
+}
+
+void zeros_drop_decided(struct zero_search *s)
+{
+    struct box_queue *left = &s->undecided;
+    if ((double)box_queue_count(left) * s->found->count > comparisons_max)
+        return;
+    size_t kept = left->first;
+    for (size_t b = left->first; b < left->end; b++) {
+        bool decided = false;
+        for (int k = 0; k < s->found->count && !decided; k++)
+            decided = box_lies_in(s->n, left->box[b].side, s->proof[k].unique);
+        if (!decided)
+            left->box[kept++] = left->box[b];
+    }
+    left->end = kept;
+}
+
+/* ---- boxes ---- */
+
+static double volume(const struct zero_search *s, const struct interval *box)
+{
+    double part = 1;
+    for (int i = 0; i < s->n; i++)
+        part *= (box[i].hi - box[i].lo) / s->width[i];
+    return part;
+}
+
+static int widest_side(const struct zero_search *s, const struct interval *box)
+{
+    int widest = 0;
+    for (int i = 1; i < s->n; i++)
+        if ((box[i].hi - box[i].lo) / s->width[i] >
+            (box[widest].hi - box[widest].lo) / s->width[widest])
+            widest = i;
+    return widest;
+}
+
+static double cut_place(struct interval side)
+{
+    return side.lo + cut_share * (side.hi - side.lo);
+}
+
+static bool add_halves(struct zero_search *s, const struct state_box *box)
+{
+    const int widest = widest_side(s, box->side);
+    const double cut = cut_place(box->side[widest]);
+    struct state_box lower = *box, upper = *box;
+    lower.side[widest].hi = upper.side[widest].lo = cut;
+    return box_queue_add(&s->waiting, &lower) && box_queue_add(&s->waiting, &upper);
+}
+
+/* Decides what becomes of a box about which bounds say nothing; rounding [n] is krawczyk()'s. */
+static bool split(struct zero_search *s, struct state_box *box, const double *rounding)
+{
+    const int widest = widest_side(s, box->side);
+    const struct interval side = box->side[widest];
+    const double length = side.hi - side.lo, cut = cut_place(side);
+    struct interval region[FIELD_VARIABLES];
+    if (length >= box_side_min * s->width[widest] && cut > side.lo && cut < side.hi &&
+        !(rounding[widest] >= length / 4))
+        return box->is_singular ? box_queue_add(&s->singular, box) : add_halves(s, box);
+    s->done += volume(s, box->side);
+    if (!box->is_singular && find_region(s, box->side, region))
+        return keep_zero(s, region);
+    return leave_undecided(s, box->side, box->is_singular, true);
+}
+
+static bool excludes_zero(struct interval a)
+{
+    return a.lo > 0 || a.hi < 0 || isnan(a.lo);
+}
+
+bool zeros_are_bounded(int n, const struct interval *bounds)
+{
+    bool bounded = true;
+    for (int i = 0; i < n; i++)
+        bounded = bounded && isfinite(bounds[i].lo) && isfinite(bounds[i].hi);
+    return bounded;
+}
+
+static bool meets_range(const struct zero_search *s, const struct interval *box)
+{
+    bool meets = true;
+    for (int i = 0; i < s->n; i++)
+        meets = meets && box[i].hi >= s->request->box[i][0] - edge_rounding * s->width[i] &&
+                box[i].lo <= s->request->box[i][1] + edge_rounding * s->width[i];
+    return meets;
+}
+
+static bool look(struct zero_search *s, struct state_box *box)
+{
+    const double part = volume(s, box->side);
+    for (;;) {
+        struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES],
+            before[FIELD_VARIABLES];
+        double rounding[FIELD_VARIABLES] = {0};
+        enum verdict verdict = UNKNOWN;
+        s->boxes++;
+        memcpy(before, box->side, sizeof before);
+        system_bounds(&s->bounded, box->side, rate, by);
+        bool empty = !meets_range(s, box->side);
+        for (int i = 0; i < s->n; i++)
+            empty = empty || excludes_zero(rate[i]);
+        box->is_singular = !zeros_are_bounded(s->n, rate) || !zeros_are_bounded(s->n * s->n, by);
+        empty = empty || (box->is_singular && system_excludes_zero(&s->bounded, box->side));
+        if (!empty && !box->is_singular)
+            verdict = krawczyk(&s->bounded, box->side, by, rounding);
+        if (empty || verdict == NONE || verdict == ONE) {
+            s->done += part;
+            return empty || verdict == NONE || keep_zero(s, before);
+        }
+        if (verdict == UNKNOWN) {
+            s->done += part - volume(s, box->side);
+            return split(s, box, rounding);
+        }
+    }
+}
+
+static void report(const struct zero_search *s)
+{
+    if (s->boxes % BOXES_PER_REPORT == 0 && s->request->progress)
+        s->request->progress(s->request->context, fmin(fmax(s->done, 0), 1));
+}
+
+static bool leave(struct zero_search *s, struct box_queue *queue)
+{
+    struct state_box box;
+    while (box_queue_take(queue, &box))
+        if (!box_queue_add(&s->undecided, &box))
+            return false;
+    return true;
+}
+
+bool zeros_search(struct zero_search *s)
+{
+    struct state_box box;
+    int cuts = 0;
+    while (s->boxes < BOXES_MAX && s->found->count < ZEROS_MAX && !cancelled(s->request->cancel)) {
+        if (box_queue_take(&s->waiting, &box)) {
+            if (!look(s, &box))
+                return false;
+        } else if (cuts < SINGULAR_CUTS_MAX && box_queue_take(&s->singular, &box)) {
+            cuts++;
+            if (!add_halves(s, &box))
+                return false;
+        } else {
+            break;
+        }
+        report(s);
+    }
+    return leave(s, &s->waiting) && leave(s, &s->singular);
+}

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The last map of basins: a letter for each attractor, in pictures with the lines between them. */
+#include <hooke/plot/drawing.h>
+#include "modules/dynamics/plots.h"
+
+#include <math.h>
+#include <string.h>
+
+#define LETTERS 26
+#define KINDS (LETTERS + 2)  /* and what escapes, and what is not decided */
+#define PICTURE_LETTERS_X 40 /* across a picture */
+#define PICTURE_LETTERS_Y 20
+#define TEXT_LETTERS_Y 60 /* more than any screen has rows for */
+#define LINES 256         /* places of a side, between which lines are drawn */
+
+static const char marks[KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
+
+/* A row for each start, the second axis fastest. */
+struct grid {
+    const struct table *table;
+    size_t across, up;
+    struct axis side[2];
+};
+
+static const struct table *found_table(const struct session *session, struct text kind)
+{
+    const struct stored_table *stored = table_store_find(&session->found, kind);
+    return stored ? &stored->table : NULL;
+}
+
+bool basins_known(const struct session *session)
+{
+    return found_table(session, TEXT("basins")) != NULL;
+}
+
+static size_t place_of(size_t i, size_t of, size_t count)
+{
+    return of > 1 ? i * (count - 1) / (of - 1) : count / 2;
+}
+
+static int kind_at(const struct grid *g, size_t a, size_t b)
+{
+    const char *fate = g->table->column[2].text[a * g->up + b];
+    return fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z' ? fate[0] - 'A'
+           : strcmp(fate, "escapes") == 0                      ? LETTERS
+           : strcmp(fate, "not decided") == 0                  ? LETTERS + 1
+                                                               : KINDS;
+}
+
+static double value_at(const struct grid *g, int axis, size_t place)
+{
+    return g->table->column[axis].value[axis == 0 ? place * g->up : place];
+}
+
+static double unit_of(const struct axis *side)
+{
+    return side->factor > 0 ? side->factor : 1;
+}
+
+/* "equilibrium at 1, 0 (49.4 %)", in the units of the sides; NULL: no memory */
+static const char *label_of(struct drawing *d, const struct grid *g, int kind)
+{
+    const struct table *of = found_table(d->session, TEXT("basin"));
+    struct buffer text = {0};
+    const char *type = NULL;
+    double share = NAN;
+    const char name[] = {marks[kind], '\0'}, *const fate = kind < LETTERS    ? name
+                                                           : kind == LETTERS ? "escapes"
+                                                                             : "not decided";
+    size_t row = 0;
+    while (of && row < of->rows &&
+           !(of->column[0].text && of->column[0].text[row] &&
+             strcmp(of->column[0].text[row], fate) == 0))
+        row++;
+    for (int c = 0; of && row < of->rows && c < of->columns; c++) {
+        if (strcmp(of->column[c].name, "share") == 0 && of->column[c].value)
+            share = of->column[c].value[row];
+        if (strcmp(of->column[c].name, "type") == 0 && of->column[c].text)
+            type = of->column[c].text[row];
+    }
+    type = type && *type ? type : NULL;
+    buffer_put(&text, text_of(type ? type : fate));
+    for (int c = 0, n = 0; type && c < of->columns && n < 2; c++)
+        for (int axis = 0; axis < 2; axis++)
+            if (strncmp(of->column[c].name, "state.", 6) == 0 && of->column[c].value &&
+                strcmp(of->column[c].name + 6, g->table->column[axis].name) == 0)
+                buffer_format(&text, "%s%.3g", n++ == 0 ? " at " : ", ",
+                              of->column[c].value[row] / unit_of(&g->side[axis]));
+    if (isfinite(share))
+        buffer_format(&text, " (%.3g %%)", 100 * share);
+    const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return label;
+}
+
+/* ---- letters ---- */
+
+struct letters {
+    struct curve *curve; /* NULL: no start ends there */
+    double *x, *y;
+};
+
+static bool begin_letters(struct drawing *d, const struct grid *g, int kind, size_t most,
+                          struct letters *l)
+{
+    l->curve = &d->curve[d->curves++];
+    l->x = arena_array(d->arena, 2 * most, sizeof *l->x);
+    if (!l->x)
+        return false;
+    l->y = l->x + most;
+    *l->curve = (struct curve){.label = label_of(d, g, kind),
+                               .points = true,
+                               .plain = true,
+                               .mark = marks[kind],
+                               .thinned = true,
+                               .x = l->x,
+                               .y = l->y};
+    return l->curve->label;
+}
+
+static void put_letter(struct letters *l, double x, double y)
+{
+    l->x[l->curve->n] = x;
+    l->y[l->curve->n++] = y;
+}
+
+/* Evenly over the sides, that of the nearest start; the first of those that have none so. */
+static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
+{
+    struct letters of[KINDS + 1] = {{NULL, NULL, NULL}};
+    size_t first[KINDS + 1];
+    bool there[KINDS + 1] = {false};
+    for (size_t k = g->table->rows; k-- > 0;) {
+        const int kind = kind_at(g, k / g->up, k % g->up);
+        there[kind] = true;
+        first[kind] = k;
+    }
+    for (int kind = 0; kind < KINDS; kind++)
+        if (there[kind] && !begin_letters(d, g, kind, columns * rows + 1, &of[kind]))
+            return error_memory(d->error);
+    for (size_t k = 0; k < columns * rows; k++) {
+        const double u = ((double)(k / rows) + 0.5) / (double)columns,
+                     v = ((double)(k % rows) + 0.5) / (double)rows;
+        const int kind = kind_at(g, (size_t)(u * (double)g->across), (size_t)(v * (double)g->up));
+        if (kind < KINDS)
+            put_letter(&of[kind], g->side[0].from + u * (g->side[0].to - g->side[0].from),
+                       g->side[1].from + v * (g->side[1].to - g->side[1].from));
+    }
+    for (int kind = 0; kind < KINDS; kind++)
+        if (there[kind] && of[kind].curve->n == 0)
+            put_letter(&of[kind], value_at(g, 0, first[kind] / g->up),
+                       value_at(g, 1, first[kind] % g->up));
+    return true;
+}
+
+/* ---- lines between them ---- */
+
+struct lines {
+    const struct grid *grid;
+    size_t count[2]; /* places of the sides that are looked at */
+    double *at[2];   /* [n] */
+    size_t n;
+};
+
+static int kind_in(const struct lines *l, size_t a, size_t b)
+{
+    return kind_at(l->grid, place_of(a, l->count[0], l->grid->across),
+                   place_of(b, l->count[1], l->grid->up));
+}
+
+/* In the middle between two places; at the ends of the side half a step beyond. */
+static double between(const struct lines *l, int axis, size_t i)
+{
+    const size_t all = axis == 0 ? l->grid->across : l->grid->up, n = l->count[axis];
+    const size_t low = i > 0 ? i - 1 : 0, high = i > 0 ? (i < n ? i : n - 1) : 1;
+    const size_t from = i < n ? low : n - 2;
+    const double x0 = value_at(l->grid, axis, place_of(from, n, all)),
+                 x1 = value_at(l->grid, axis, place_of(i < n ? high : n - 1, n, all));
+    return i == 0 ? x0 - (x1 - x0) / 2 : i == n ? x1 + (x1 - x0) / 2 : (x0 + x1) / 2;
+}
+
+static void put_place(struct lines *l, int axis, double along, double across)
+{
+    l->at[axis][l->n] = along;
+    l->at[!axis][l->n++] = across;
+}
+
+/* Lines along this axis: where neighbours across it end elsewhere. */
+static void put_lines(struct lines *l, int axis)
+{
+    for (size_t k = 1; k < l->count[!axis]; k++) {
+        const double across = between(l, !axis, k);
+        bool drawn = false;
+        for (size_t i = 0; i < l->count[axis]; i++) {
+            const bool border = axis == 0 ? kind_in(l, i, k - 1) != kind_in(l, i, k)
+                                          : kind_in(l, k - 1, i) != kind_in(l, k, i);
+            if (border != drawn)
+                put_place(l, axis, between(l, axis, i), across);
+            if (drawn && !border)
+                put_place(l, axis, NAN, NAN);
+            drawn = border;
+        }
+        if (drawn) {
+            put_place(l, axis, between(l, axis, l->count[axis]), across);
+            put_place(l, axis, NAN, NAN);
+        }
+    }
+}
+
+static bool draw_lines(struct drawing *d, const struct grid *g)
+{
+    struct lines l = {
+        .grid = g, .count = {g->across < LINES ? g->across : LINES, g->up < LINES ? g->up : LINES}};
+    const size_t most = 4 * l.count[0] * l.count[1] + 8;
+    if (l.count[0] < 2 || l.count[1] < 2)
+        return true;
+    l.at[0] = arena_array(d->arena, 2 * most, sizeof *l.at[0]);
+    l.at[1] = l.at[0] + most;
+    if (!l.at[0])
+        return error_memory(d->error);
+    put_lines(&l, 0);
+    put_lines(&l, 1);
+    if (l.n > 0)
+        d->curve[d->curves++] =
+            (struct curve){.x = l.at[0], .y = l.at[1], .n = l.n, .thinned = true};
+    return true;
+}
+
+/* ---- all ---- */
+
+/* "Where starts end, over x from -2 to 2 and v from -2 to 2: A equilibrium at ..." NULL: no memory.
+ */
+static const char *words_of(const struct drawing *d, const struct grid *g)
+{
+    struct buffer text = {0};
+    buffer_put(&text, TEXT("Where starts end"));
+    for (int axis = 0; axis < 2; axis++)
+        buffer_format(&text, "%s %s from %.4g to %.4g", axis == 0 ? ", over" : " and",
+                      g->table->column[axis].name, value_at(g, axis, 0),
+                      value_at(g, axis, (axis == 0 ? g->across : g->up) - 1));
+    for (int i = 0; i < d->curves; i++)
+        if (d->curve[i].label)
+            buffer_format(&text, "%s %c %s", i == 0 ? ":" : ",", d->curve[i].mark,
+                          d->curve[i].label);
+    buffer_char(&text, '.');
+    const char *words = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return words;
+}
+
+static struct axis side_of(const struct grid *g, int axis)
+{
+    const struct table_column *column = &g->table->column[axis];
+    const size_t n = axis == 0 ? g->across : g->up;
+    const double from = value_at(g, axis, 0), to = value_at(g, axis, n - 1),
+                 half = n > 1 ? (to - from) / (double)(n - 1) / 2 : 0.5;
+    struct axis side = {.label = column->name,
+                        .unit = column->unit,
+                        .from = from - half,
+                        .to = to + half,
+                        .fixed = true};
+    axis_suit(&side, column_quantity(column), fmax(fabs(from), fabs(to)));
+    return side;
+}
+
+bool basins_figure(struct drawing *d, struct figure *figure)
+{
+    struct grid g = {.table = found_table(d->session, TEXT("basins"))};
+    if (!g.table || g.table->columns < 3 || !g.table->column[2].text || g.table->rows == 0) {
+        error_set(d->error, ERROR_COMMAND, "there is no map of basins to plot");
+        return error_hint(d->error, "type: basins NAME=FROM:TO:STEP NAME=FROM:TO:STEP");
+    }
+    const double *first = g.table->column[0].value;
+    for (g.up = 1; g.up < g.table->rows && first[g.up] == first[0];)
+        g.up++;
+    g.across = g.table->rows / g.up;
+    for (int axis = 0; axis < 2; axis++)
+        g.side[axis] = side_of(&g, axis);
+    const bool picture =
+        d->request->charset == CHARSET_BRAILLE && d->request->width == PICTURE_COLUMNS;
+    const int width = d->request->width; /* more than columns: none stays empty */
+    const size_t columns = picture ? PICTURE_LETTERS_X : width > 1 ? (size_t)width : 1;
+    d->curve = arena_array(d->arena, KINDS + 1, sizeof *d->curve);
+    if (!d->curve)
+        return error_memory(d->error);
+    d->curves = 0;
+    if (!put_letters(d, &g, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y) ||
+        (picture && !draw_lines(d, &g)))
+        return false;
+    *figure = (struct figure){.title = "basins",
+                              .plane = true,
+                              .curve = d->curve,
+                              .curves = d->curves,
+                              .x = g.side[0],
+                              .y = g.side[1],
+                              .words = words_of(d, &g)};
+    return figure->words || error_memory(d->error);
+}

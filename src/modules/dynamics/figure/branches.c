@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Branches over their parameter: what is stable as lines, what is not as dots, special points as
+ * letters. */
+#include <hooke/plot/drawing.h>
+#include "modules/dynamics/plots.h"
+
+#include "modules/dynamics/kept.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Those that go with the last one's parameters. */
+static bool is_shown(const struct kept_branch *last, const struct kept_branch *b)
+{
+    return b->params == last->params && b->param[0] == last->param[0] &&
+           (b->params == 1 || b->param[1] == last->param[1]);
+}
+
+bool branches_known(const struct session *session)
+{
+    const struct dynamics *dynamics = session_dynamics(session);
+    return dynamics && dynamics->branches > 0;
+}
+
+struct diagram {
+    const struct dynamics *dynamics;
+    const struct kept_branch *last;
+    int variable;
+    struct curve *line, *dots;
+    double *x[2], *y[2]; /* of both; places with NAN between stretches */
+    double size[2];
+};
+
+static double height_of(const struct diagram *g, const struct solution *s, int side)
+{
+    if (g->last->params == 2)
+        return s->param[1];
+    return s->kind == SOLUTION_EQUILIBRIUM ? s->state[g->variable]
+           : side                          ? s->top[g->variable]
+                                           : s->bottom[g->variable];
+}
+
+static void put(struct diagram *g, bool stable, double x, double y)
+{
+    struct curve *curve = stable ? g->line : g->dots;
+    g->x[!stable][curve->n] = x;
+    g->y[!stable][curve->n++] = y;
+    if (isfinite(x) && isfinite(y)) {
+        g->size[0] = fmax(g->size[0], fabs(x));
+        g->size[1] = fmax(g->size[1], fabs(y));
+    }
+}
+
+static void put_side(struct diagram *g, const struct kept_branch *b, int side)
+{
+    bool before = false;
+    for (int i = 0; i < b->branch.count; i++) {
+        const struct solution *s = &b->branch.point[i].solution;
+        const bool stable = solution_stable(s);
+        const double y = height_of(g, s, side);
+        if (before && !stable) { /* the line reaches to where it ends */
+            put(g, true, s->param[0], y);
+            put(g, true, NAN, NAN);
+        }
+        put(g, stable, s->param[0], y);
+        before = stable;
+    }
+    put(g, true, NAN, NAN);
+}
+
+/* One curve for each letter, which its points' labels name. */
+static bool put_specials(struct drawing *d, const struct diagram *g, int count)
+{
+    double *place = arena_array(d->arena, 2 * (size_t)(count * SPECIAL_COUNT) + 1, sizeof *place);
+    for (int special = SPECIAL_NONE + 1; place && special < SPECIAL_COUNT; special++) {
+        struct curve *curve = &d->curve[d->curves];
+        struct buffer labels = {0};
+        const char *name = catalog_row(&special_catalog, (size_t)special - 1)->name;
+        *curve = (struct curve){.points = true, .mark = name[0], .x = place, .y = place + count};
+        for (int k = 0; k < g->dynamics->branches && special != SPECIAL_END; k++) {
+            const struct kept_branch *b = g->dynamics->branch[k];
+            for (int i = 0; i < b->specials && is_shown(g->last, b); i++) {
+                const struct solution *s = &kept_point_at(b, &b->special[i])->solution;
+                char label[KEPT_LABEL + 1];
+                if ((int)b->special[i].special != special)
+                    continue;
+                kept_point_label(&b->special[i], label);
+                label[strlen(label) + 1] = 0;
+                label[strlen(label)] = ' ';
+                if (labels.len > 0 && strstr(buffer_view(&labels), label)) /* of two branches */
+                    continue;
+                buffer_put(&labels, text_of(label));
+                place[curve->n] = s->param[0];
+                place[count + (int)curve->n++] = height_of(g, s, 1);
+            }
+        }
+        curve->label =
+            labels.len > 0 ? arena_text(d->arena, text_trim(buffer_text(&labels))) : NULL;
+        buffer_free(&labels);
+        d->curves += curve->n > 0;
+        place += 2 * count;
+    }
+    return place;
+}
+
+static bool find_variable(struct drawing *d, int *variable)
+{
+    const struct model *model = d->session->setup.scene.model;
+    *variable = 0;
+    if (d->request->columns == 0)
+        return true;
+    const struct text name = d->request->column[0];
+    *variable = model_state(model, name);
+    return *variable >= 0 ||
+           error_at(d->error, name, "'%.*s' is no variable of the scene", (int)name.len, name.at);
+}
+
+bool branches_figure(struct drawing *d, struct figure *figure)
+{
+    struct diagram g = {.dynamics = session_dynamics(d->session)};
+    const struct scene *scene = &d->session->setup.scene;
+    size_t rows = 0;
+    int points = 1;
+    if (!g.dynamics || g.dynamics->branches == 0) {
+        error_set(d->error, ERROR_COMMAND, "there is no branch of these equations to plot");
+        return error_hint(d->error, "type: branch NAME=FROM:TO");
+    }
+    g.last = g.dynamics->branch[g.dynamics->branches - 1];
+    for (int k = 0; k < g.dynamics->branches; k++) {
+        rows += 4 * (size_t)g.dynamics->branch[k]->branch.count + 4;
+        points += g.dynamics->branch[k]->specials;
+    }
+    if (!find_variable(d, &g.variable))
+        return false;
+    d->curve = arena_array(d->arena, 2 + SPECIAL_COUNT, sizeof *d->curve);
+    double *all = arena_array(d->arena, 4 * rows, sizeof *all);
+    if (!d->curve || !all)
+        return error_memory(d->error);
+    for (int k = 0; k < 2; k++) {
+        g.x[k] = all + (size_t)(2 * k) * rows;
+        g.y[k] = all + (size_t)(2 * k + 1) * rows;
+    }
+    d->curves = 0; /* letters above all: what comes first is drawn last */
+    if (!put_specials(d, &g, points))
+        return error_memory(d->error);
+    g.line = &d->curve[d->curves++];
+    g.dots = &d->curve[d->curves++];
+    *g.line = (struct curve){.label = "stable", .x = g.x[0], .y = g.y[0], .thinned = true};
+    *g.dots = (struct curve){.label = "unstable",
+                             .x = g.x[1],
+                             .y = g.y[1],
+                             .points = true,
+                             .cloud = true,
+                             .thinned = true};
+    for (int k = 0; k < g.dynamics->branches; k++) {
+        const struct kept_branch *b = g.dynamics->branch[k];
+        const bool two = b->branch.kind != SOLUTION_EQUILIBRIUM && b->params == 1;
+        for (int side = 0; side < (two ? 2 : 1) && is_shown(g.last, b); side++)
+            put_side(&g, b, side);
+    }
+    const struct param_row *param = param_at(scene, g.last->param[0]);
+    const bool plane = g.last->params == 2;
+    const struct param_row *second = plane ? param_at(scene, g.last->param[1]) : NULL;
+    const struct variable *variable = &scene->model->variable[g.variable];
+    *figure = (struct figure){.title = "branches",
+                              .plane = true,
+                              .curve = d->curve,
+                              .curves = d->curves,
+                              .x = quantity_axis(param->row.name, param->quantity, g.size[0]),
+                              .y = quantity_axis(plane ? second->row.name : variable->name,
+                                                 plane ? second->quantity : variable->quantity,
+                                                 g.size[1])};
+    return true;
+}

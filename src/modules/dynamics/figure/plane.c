@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The plane of the portrait, on which the cursors' point moves. */
+#include "modules/dynamics/kept.h"
+#include "modules/dynamics/plots.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ON 0.01 /* of the box: the point stands on an equilibrium */
+
+static bool plane_drawn(const struct session *session, struct plot_plane *plane)
+{
+    const struct dynamics_part *part = session_part_if_made(session, &dynamics_module);
+    const struct stored_portrait *stored = part ? &part->portrait : NULL;
+    if (!stored || !stored->request.scene || stored->scene.model != session->setup.scene.model)
+        return false;
+    plane->scene = &stored->scene;
+    memcpy(plane->variable, stored->request.variable, sizeof plane->variable);
+    memcpy(plane->box, stored->request.box, sizeof plane->box);
+    memcpy(plane->state, stored->request.state, sizeof stored->request.state);
+    return true;
+}
+
+/* The equilibria in their order, once around, from the one that comes next across. */
+static bool next_equilibrium(const struct session *session, const struct plot_plane *plane,
+                             bool forward, double point[2], struct error *error)
+{
+    const struct equilibria *found = &stored_portrait(session)->portrait.found;
+    const int sign = forward ? 1 : -1;
+    int best = -1;
+    double nearest[2] = {HUGE_VAL, HUGE_VAL};
+    for (int e = 0; e < found->count; e++) {
+        const double *state = found->of[e].state;
+        double by[2];
+        for (int k = 0; k < 2; k++)
+            by[k] = sign * (state[plane->variable[k]] - point[k]);
+        const double width = plane->box[0][1] - plane->box[0][0];
+        const bool on = fabs(by[0]) < 1e-9 * width;
+        if (on && !(by[1] > 1e-9 * (plane->box[1][1] - plane->box[1][0])))
+            by[0] = width;
+        else if (!on && by[0] < 0)
+            by[0] += width;
+        if (by[0] < nearest[0] || (by[0] == nearest[0] && by[1] < nearest[1])) {
+            memcpy(nearest, by, sizeof by);
+            best = e;
+        }
+    }
+    for (int k = 0; k < 2 && best >= 0; k++)
+        point[k] = found->of[best].state[plane->variable[k]];
+    return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
+}
+
+/* The place of the equilibrium that it stands on; -1: on none. */
+static int equilibrium_there(const struct session *session, const struct plot_plane *plane)
+{
+    const struct equilibria *found = &stored_portrait(session)->portrait.found;
+    for (int e = 0; e < found->count; e++) {
+        double off = 0;
+        for (int k = 0; k < 2; k++)
+            off = fmax(
+                off, fabs(found->of[e].state[plane->variable[k]] - session->view.cursors.point[k]) /
+                         (plane->box[k][1] - plane->box[k][0]));
+        if (off < ON)
+            return e;
+    }
+    return -1;
+}
+
+static void say_equilibrium(const struct session *session, const struct plot_plane *plane,
+                            struct buffer *text)
+{
+    const int there = equilibrium_there(session, plane);
+    const struct equilibria *found = &stored_portrait(session)->portrait.found;
+    if (there >= 0)
+        buffer_format(text, "   on equilibrium %d, %s", there + 1,
+                      catalog_row(&equilibrium_catalog, found->form[there].type)->name);
+}
+
+const struct plane_row portrait_plane = {
+    .drawn = plane_drawn, .next = next_equilibrium, .say = say_equilibrium};

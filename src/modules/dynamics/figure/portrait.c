@@ -1,0 +1,497 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The phase portrait as a figure: what is shown of it, and words about it. */
+#include <hooke/scene/poles.h>
+#include "modules/dynamics/kept.h"
+#include "modules/dynamics/stored_portrait.h"
+
+#include <hooke/plot/drawing.h>
+#include "modules/dynamics/plots.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ARROW_COLUMNS 6 /* [cell] from arrow to arrow */
+#define TEXT_ARROWS 8   /* up */
+#define PANE_COLUMNS 10 /* likewise, of what is drawn again and again */
+#define PANE_ARROWS 4
+#define PICTURE_ARROWS 22 /* across */
+#define ARROW_LENGTH 0.55 /* of their distance */
+#define ARROW_HEAD 0.35   /* of their length */
+#define TURNS 30.0        /* natural times that a trajectory is followed, both ways */
+#define RUN_ROWS 20000    /* of the run, drawn */
+#define SEEN 0.25         /* of a box that is widened: to either side of what was seen */
+
+/* ---- when it is offered ---- */
+
+bool portrait_fits(const struct model *model)
+{
+    return model->n > 1;
+}
+
+bool portrait_offered(const struct session *session)
+{
+    const int n = session->setup.scene.model->n;
+    return n > 1 && n <= STARTS_VARIABLES;
+}
+
+/* ---- what is shown ---- */
+
+static bool choose_variables(struct drawing *d, const struct system *system,
+                             struct portrait_request *wanted)
+{
+    const struct figure_request *request = d->request;
+    wanted->variable[0] = 0;
+    wanted->variable[1] = system->order == 2 ? system->n / 2 : 1;
+    if (request->sides == 1 && request->side[0].variable != 0 &&
+        request->side[0].variable != wanted->variable[1])
+        wanted->variable[1] = request->side[0].variable;
+    for (int k = 0; k < request->sides && request->sides == 2; k++)
+        wanted->variable[k] = request->side[k].variable;
+    return wanted->variable[0] != wanted->variable[1] ||
+           error_set(d->error, ERROR_COMMAND, "a portrait shows two variables, got one twice");
+}
+
+static bool inside(const double inner[2], const double outer[2])
+{
+    return inner[0] >= outer[0] && inner[1] <= outer[1];
+}
+
+/* A pane keeps its box until the run leaves it. */
+static void keep_box(const struct drawing *d, struct portrait_request *wanted, double all[][2])
+{
+    const struct stored_portrait *stored = stored_portrait(d->session);
+    bool keeps = d->request->follow && portrait_is_of(stored, wanted);
+    for (int i = 0; i < wanted->scene->model->n && keeps; i++) {
+        const double width = all[i][1] - all[i][0],
+                     seen[2] = {all[i][0] + SEEN * width, all[i][1] - SEEN * width},
+                     *box = stored->request.all[i];
+        keeps = inside(seen, box) && box[1] - box[0] < 3 * width;
+    }
+    for (int i = 0; i < wanted->scene->model->n && keeps; i++)
+        memcpy(all[i], stored->request.all[i], sizeof stored->request.all[i]);
+    if (keeps && d->request->running)
+        memcpy(wanted->state, stored->request.state, sizeof wanted->state);
+}
+
+static bool choose_box(struct drawing *d, const struct system *system,
+                       struct portrait_request *wanted)
+{
+    const struct view *view = &d->session->view;
+    double all[LIMIT_VARIABLES][2];
+    if (!session_box(d->session, system, d->arena, all, d->error))
+        return false;
+    keep_box(d, wanted, all);
+    for (int k = 0; k < d->request->sides; k++)
+        memcpy(all[d->request->side[k].variable], d->request->side[k].range, sizeof all[0]);
+    for (int k = 0; k < 2 && d->request->follow; k++) {
+        const double *range = k ? view->y : view->x;
+        if (plot_row(view_focus(view))->figure == portrait_figure && !isnan(range[0]))
+            memcpy(all[wanted->variable[k]], range, sizeof all[0]);
+    }
+    for (int i = 0; i < system->n; i++)
+        memcpy(wanted->all[i], all[i], sizeof all[i]);
+    for (int k = 0; k < 2; k++)
+        memcpy(wanted->box[k], all[wanted->variable[k]], sizeof all[0]);
+    return true;
+}
+
+static bool choose(struct drawing *d, struct system *system, struct portrait_request *wanted)
+{
+    struct scene *scene = arena_array(d->arena, 1, sizeof *scene);
+    const struct run *run = session_run(d->session);
+    double box[LIMIT_VARIABLES][2];
+    if (!scene)
+        return error_memory(d->error);
+    *scene = d->session->setup.scene;
+    *wanted = (struct portrait_request){.scene = scene, .cancel = d->session->front.cancel};
+    for (int i = 0; i < scene->model->n; i++)
+        box[i][0] = box[i][1] = NAN;
+    for (int k = 0; k < d->request->sides; k++)
+        memcpy(box[d->request->side[k].variable], d->request->side[k].range, sizeof box[0]);
+    if (!scene_bind_inside(scene, box, system, d->error))
+        return d->request->sides > 0 || scene->model->n < 2
+                   ? false
+                   : error_hint(d->error, "with sides it needs no start: plot portrait %s=FROM:TO",
+                                scene->model->variable[0].name);
+    if (system->n < 2 || system->n > DYNAMICS_VARIABLES)
+        return error_set(d->error, ERROR_COMMAND,
+                         "a portrait is of scenes with 2 to %d variables, %s has %d",
+                         DYNAMICS_VARIABLES, scene->preset->row.name, system->n);
+    const bool present = run && run->scene.model == scene->model;
+    if (!choose_variables(d, system, wanted))
+        return false;
+    for (int i = 0; i < system->n; i++)
+        wanted->state[i] = i == wanted->variable[0] || i == wanted->variable[1] ? 0
+                           : present                                            ? run->y[i]
+                                                                                : system->start[i];
+    wanted->t = system->autonomous ? 0 : present ? run->t : system->t0;
+    /* text has no room for lines that nothing follows */
+    wanted->energy =
+        system->conservative || (system->energy && d->request->width == PICTURE_COLUMNS);
+    if (d->request->running && portrait_is_of(stored_portrait(d->session), wanted))
+        wanted->t = stored_portrait(d->session)->request.t;
+    return choose_box(d, system, wanted);
+}
+
+/* ---- curves ---- */
+
+static struct curve *add(struct drawing *d, const char *label, char mark)
+{
+    struct curve *curve = &d->curve[d->curves++];
+    *curve = (struct curve){.label = label, .mark = mark};
+    return curve;
+}
+
+static bool add_line(struct drawing *d, const struct polyline *line, const char *label, char mark)
+{
+    if (line->n == 0)
+        return true;
+    struct curve *curve = add(d, label, mark);
+    double *x = arena_array(d->arena, 2 * line->n, sizeof *x);
+    if (!x)
+        return error_memory(d->error);
+    memcpy(x, line->x, line->n * sizeof *x);
+    memcpy(x + line->n, line->y, line->n * sizeof *x);
+    curve->x = x;
+    curve->y = x + line->n;
+    curve->n = line->n;
+    return true;
+}
+
+/* The present run, an angle as it is shown. */
+static bool add_run(struct drawing *d, const struct portrait_request *wanted)
+{
+    const struct run *run = session_run(d->session);
+    if (!run || run->scene.model != wanted->scene->model)
+        return true;
+    const size_t all = trace_count(run->trace), each = all / RUN_ROWS + 1,
+                 n = (all + each - 1) / each;
+    struct polyline line = {.x = arena_array(d->arena, 4 * n + 2, sizeof(double))};
+    if (!line.x)
+        return error_memory(d->error);
+    line.y = line.x + 2 * n + 1;
+    for (size_t i = 0; i < n; i++) {
+        const double *y = trace_state(run->trace, i * each);
+        double at[2];
+        for (int k = 0; k < 2; k++) {
+            const double *range = wanted->box[k], width = range[1] - range[0];
+            at[k] = y[wanted->variable[k]];
+            if (fabs(width - 6.283185307179586) < 1e-9)
+                at[k] -= width * floor((at[k] - range[0]) / width);
+            if (line.n > 0 && fabs(at[k] - (k ? line.y : line.x)[line.n - 1]) > 0.5 * width) {
+                line.x[line.n] = NAN;
+                line.y[line.n++] = NAN;
+            }
+        }
+        line.x[line.n] = at[0];
+        line.y[line.n++] = at[1];
+        if (line.n + 3 > 2 * n)
+            break;
+    }
+    return add_line(d, &line, drawing_run_label(d, run), 0);
+}
+
+static bool add_starts(struct drawing *d, const struct system *system,
+                       const struct portrait_request *wanted)
+{
+    const struct view *view = &d->session->view;
+    struct polyline line = {NULL, NULL, 0, 0};
+    double rate = 0;
+    for (int i = 0; i < system->n / 2 && system->order == 2; i++)
+        rate = fmax(rate, system->scale[system->n / 2 + i] / system->scale[i]);
+    const double span = TURNS / (rate > 0 ? rate : 1);
+    bool fine = true;
+    for (int k = 0; k < view->starts && view->start_n == system->n && fine; k++)
+        fine = portrait_trajectory(wanted, view->start[k], span, &line) &&
+               portrait_trajectory(wanted, view->start[k], -span, &line);
+    /* as fine as a run where there is none */
+    fine = fine ? add_line(d, &line, "starts", d->curves > 0 ? '*' : '\0') : error_memory(d->error);
+    free(line.x);
+    free(line.y);
+    return fine;
+}
+
+/* Orbits that were found with the present values: stable ones are lines, others dots. */
+static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
+{
+    const struct dynamics *kept = session_dynamics(d->session);
+    const int n = wanted->scene->model->n;
+    bool fine = true;
+    for (int stable = 1; stable >= 0 && kept && fine; stable--) {
+        struct polyline line = {NULL, NULL, 0, 0};
+        const char *label = stable ? "neutral orbit" : "unstable orbit"; /* of a family */
+        for (int k = 0; k < kept->orbits && fine; k++) {
+            const struct kept_orbit *orbit = &kept->orbit[k];
+            if (solution_stable(&orbit->solution) != stable ||
+                memcmp(orbit->value, wanted->scene->value,
+                       (size_t)kept->params * sizeof *orbit->value) != 0)
+                continue;
+            if (stable && solution_ones(&orbit->solution) == 0)
+                label = "stable orbit";
+            for (int i = 0; i < orbit->samples && fine; i++) {
+                const double *at = orbit->sample + i * (n + 1) + 1;
+                fine = polyline_put(&line, at[wanted->variable[0]], at[wanted->variable[1]]);
+            }
+            fine = fine && polyline_put(&line, NAN, NAN);
+        }
+        const int before = d->curves;
+        fine = fine && add_line(d, &line, label, stable ? '=' : ',');
+        if (d->curves > before)
+            d->curve[before].points = d->curve[before].cloud = !stable;
+        free(line.x);
+        free(line.y);
+    }
+    return fine || error_memory(d->error);
+}
+
+/* Where the cursors' point stands, of a pane: in front of everything. */
+static bool add_cursor(struct drawing *d)
+{
+    const struct cursors *cursors = &d->session->view.cursors;
+    if (!d->request->follow || !cursors->shown || !cursors->plane)
+        return true;
+    double *at = arena_array(d->arena, 2, sizeof *at);
+    if (!at)
+        return error_memory(d->error);
+    memcpy(at, cursors->point, sizeof cursors->point);
+    struct curve *curve = add(d, "cursor", '+');
+    curve->points = true;
+    curve->x = at;
+    curve->y = at + 1;
+    curve->n = 1;
+    return true;
+}
+
+/* One curve a type: letters, large where it is stable. */
+static bool add_equilibria(struct drawing *d, const struct portrait_request *wanted,
+                           const struct equilibria *found)
+{
+    static const char letter[] = "NFnfXCDSU";
+    for (size_t type = 0; type < equilibrium_catalog.count; type++) {
+        size_t n = 0;
+        double *x = arena_array(d->arena, 2 * (size_t)found->count + 1, sizeof *x);
+        if (!x)
+            return error_memory(d->error);
+        for (int e = 0; e < found->count; e++)
+            if (found->form[e].type == (enum equilibrium_type)type) {
+                x[n] = found->of[e].state[wanted->variable[0]];
+                x[(size_t)found->count + n++] = found->of[e].state[wanted->variable[1]];
+            }
+        if (n == 0)
+            continue;
+        struct curve *curve = add(d, catalog_row(&equilibrium_catalog, type)->name, letter[type]);
+        curve->points = true;
+        curve->x = x;
+        curve->y = x + found->count;
+        curve->n = n;
+    }
+    return true;
+}
+
+/* An arrow: tail, tip, and its head twice. `cell`: sizes of the box on paper. */
+static void put_arrow(double *x, double *y, const double at[2], const double step[2],
+                      const double cell[2])
+{
+    const double u = step[0] / cell[0], v = step[1] / cell[1];
+    const double tail[2] = {at[0] - step[0] / 2, at[1] - step[1] / 2},
+                 tip[2] = {at[0] + step[0] / 2, at[1] + step[1] / 2};
+    const double side[5][2] = {
+        {0, 0}, {0, 0}, {-u + 0.5 * v, -v - 0.5 * u}, {0, 0}, {-u - 0.5 * v, -v + 0.5 * u}};
+    for (int i = 0; i < 5; i++) {
+        x[i] = i == 0 ? tail[0] : tip[0] + ARROW_HEAD * side[i][0] * cell[0];
+        y[i] = i == 0 ? tail[1] : tip[1] + ARROW_HEAD * side[i][1] * cell[1];
+    }
+    x[5] = y[5] = NAN;
+}
+
+static bool add_directions(struct drawing *d, const struct system *system,
+                           const struct portrait_request *wanted)
+{
+    const bool picture = d->request->width == PICTURE_COLUMNS, pane = d->request->follow;
+    const int columns = pane ? PANE_COLUMNS : ARROW_COLUMNS,
+              width = d->request->width > 30 ? d->request->width : 30,
+              across = picture ? PICTURE_ARROWS : width / columns,
+              up = picture ? PICTURE_ARROWS * 2 / 3
+                   : pane  ? PANE_ARROWS
+                           : TEXT_ARROWS;
+    const size_t n = 6 * (size_t)across * (size_t)up;
+    double *x = arena_array(d->arena, 2 * n, sizeof *x), *y = x ? x + n : NULL;
+    if (!x)
+        return error_memory(d->error);
+    const double cell[2] = {(wanted->box[0][1] - wanted->box[0][0]) / across,
+                            (wanted->box[1][1] - wanted->box[1][0]) / up};
+    size_t count = 0;
+    for (int i = 0; i < across; i++)
+        for (int j = 0; j < up; j++) {
+            double state[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
+            const double at[2] = {wanted->box[0][0] + (i + 0.5) * cell[0],
+                                  wanted->box[1][0] + (j + 0.5) * cell[1]};
+            memcpy(state, wanted->state, sizeof wanted->state);
+            state[wanted->variable[0]] = at[0];
+            state[wanted->variable[1]] = at[1];
+            system_derivative(system, wanted->t, state, rate);
+            const double u = rate[wanted->variable[0]] / cell[0],
+                         v = rate[wanted->variable[1]] / cell[1], size = hypot(u, v);
+            if (!(size > 0) || !isfinite(size))
+                continue;
+            const double step[2] = {ARROW_LENGTH * u / size * cell[0],
+                                    ARROW_LENGTH * v / size * cell[1]};
+            put_arrow(x + count, y + count, at, step, cell);
+            count += 6;
+        }
+    struct curve *curve = add(d, NULL, 0);
+    curve->arrows = true;
+    curve->plain = pane;
+    curve->x = x;
+    curve->y = y;
+    curve->n = count;
+    return true;
+}
+
+/* ---- words ---- */
+
+static void put_axis_words(struct buffer *out, const struct variable *variable,
+                           const double range[2])
+{
+    buffer_format(out, "%s from ", variable->name);
+    buffer_quantity(out, range[0], variable->quantity, 3);
+    buffer_put(out, TEXT(" to "));
+    buffer_quantity(out, range[1], variable->quantity, 3);
+}
+
+static void put_words(struct buffer *out, const struct system *system,
+                      const struct portrait_request *wanted, const struct portrait *portrait)
+{
+    buffer_put(out, TEXT("Phase portrait: "));
+    for (int k = 0; k < 2; k++) {
+        const struct variable variable = system_variable(system, wanted->variable[k]);
+        put_axis_words(out, &variable, wanted->box[k]);
+        buffer_put(out, k ? TEXT(" up.") : TEXT(" across, "));
+    }
+    for (int e = 0; e < portrait->found.count; e++) {
+        buffer_format(out, "%s%s at (", e ? ", " : " It has a ",
+                      catalog_row(&equilibrium_catalog, portrait->found.form[e].type)->name);
+        for (int k = 0; k < 2; k++) {
+            buffer_put(out, k ? TEXT(", ") : TEXT(""));
+            buffer_quantity(out, portrait->found.of[e].state[wanted->variable[k]],
+                            system_variable(system, wanted->variable[k]).quantity, 4);
+        }
+        buffer_char(out, ')');
+    }
+    buffer_put(out, portrait->found.count ? TEXT(".") : TEXT(" No equilibrium was found in it."));
+    for (int i = 0; i < portrait->separatrices; i++) {
+        const struct separatrix *s = &portrait->separatrix[i];
+        buffer_format(out, " A separatrix %s equilibrium %d%s", s->stable ? "ends at" : "leaves",
+                      s->equilibrium + 1, s->stable ? ", from " : " for ");
+        if (s->to >= 0)
+            buffer_format(out, "equilibrium %d.", s->to + 1);
+        else
+            buffer_put(out, strcmp(s->end, "frame") == 0 ? TEXT("the frame.")
+                                                         : TEXT("nowhere in sight."));
+    }
+}
+
+/* "at t = 2 s, equilibria of the mean; z = 3" */
+static const char *put_note(struct drawing *d, const struct system *system,
+                            const struct portrait_request *wanted, const struct portrait *portrait)
+{
+    struct buffer text = {0};
+    if (!system->autonomous) {
+        buffer_put(&text, TEXT("at t = "));
+        buffer_quantity(&text, wanted->t, QUANTITY_TIME, 3);
+        buffer_put(&text, TEXT(", equilibria of the mean"));
+    }
+    for (int i = 0; i < system->n; i++)
+        if (i != wanted->variable[0] && i != wanted->variable[1]) {
+            const struct variable variable = system_variable(system, i);
+            buffer_format(&text, "%s%s = ", text.len ? ", " : "", variable.name);
+            buffer_quantity(&text, wanted->state[i], variable.quantity, 3);
+        }
+    if (portrait->cancelled)
+        buffer_format(&text, "%sstopped", text.len ? ", " : "");
+    const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
+    buffer_free(&text);
+    return note;
+}
+
+/* ---- the figure ---- */
+
+static struct axis axis_of(const struct drawing *d, const struct system *system, int variable,
+                           const double range[2])
+{
+    const struct variable v = system_variable(system, variable);
+    struct axis axis = quantity_axis(arena_text(d->arena, text_of(v.name)), v.quantity,
+                                     fmax(fabs(range[0]), fabs(range[1])));
+    axis.from = range[0];
+    axis.to = range[1];
+    axis.fixed = true;
+    return axis;
+}
+
+static bool add_lines(struct drawing *d, const struct portrait_request *wanted,
+                      const struct portrait *portrait, const struct system *system)
+{
+    static const struct {
+        const char *label;
+        char mark;
+    } look[PORTRAIT_LINES] = {[PORTRAIT_NULLCLINE] = {NULL, ':'},
+                              [PORTRAIT_NULLCLINE_UP] = {NULL, ';'},
+                              [PORTRAIT_SEPARATRIX] = {"stable separatrix", '#'},
+                              [PORTRAIT_SEPARATRIX_UNSTABLE] = {"unstable separatrix", '%'},
+                              [PORTRAIT_ENERGY] = {"energy", '.'}};
+    for (int i = 0; i < PORTRAIT_LINES; i++) {
+        const char *label = look[i].label;
+        struct buffer text = {0};
+        if (!label) {
+            buffer_format(
+                &text, "%s' = 0",
+                system_variable(system, wanted->variable[i == PORTRAIT_NULLCLINE_UP]).name);
+            label = arena_text(d->arena, buffer_text(&text));
+            buffer_free(&text);
+        }
+        const int before = d->curves;
+        if (!label || !add_line(d, &portrait->line[i], label, look[i].mark))
+            return label || error_memory(d->error);
+        if (d->curves > before)
+            d->curve[before].plain = true;
+    }
+    return true;
+}
+
+bool portrait_figure(struct drawing *d, struct figure *figure)
+{
+    struct portrait_request wanted;
+    struct system system;
+    if (!choose(d, &system, &wanted))
+        return false;
+    const struct portrait *portrait = session_portrait(d->session, &wanted, d->error);
+    if (!portrait)
+        return false;
+    d->curve =
+        arena_array(d->arena, PORTRAIT_LINES + 7 + equilibrium_catalog.count, sizeof *d->curve);
+    if (!d->curve)
+        return error_memory(d->error);
+    if (!add_run(d, &wanted) || !add_starts(d, &system, &wanted) || !add_orbits(d, &wanted) ||
+        !add_lines(d, &wanted, portrait, &system) || !add_cursor(d) ||
+        !add_equilibria(d, &wanted, &portrait->found) || !add_directions(d, &system, &wanted))
+        return false;
+    struct buffer words = {0};
+    put_words(&words, &system, &wanted, portrait);
+    *figure = (struct figure){.title = "portrait",
+                              .curve = d->curve,
+                              .curves = d->curves,
+                              .plane = true,
+                              .x = axis_of(d, &system, wanted.variable[0], wanted.box[0]),
+                              .y = axis_of(d, &system, wanted.variable[1], wanted.box[1]),
+                              .note = put_note(d, &system, &wanted, portrait),
+                              .words = arena_text(d->arena, buffer_text(&words))};
+    buffer_free(&words);
+    const struct run *run = session_run(d->session);
+    if (run && run->scene.model == wanted.scene->model) {
+        figure->has_point = true;
+        for (int k = 0; k < 2; k++)
+            figure->point[k] = run->y[wanted.variable[k]];
+    }
+    return figure->x.label && figure->y.label && figure->words ? true : error_memory(d->error);
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the commands of dynamics share. */
+#ifndef HOOKE_MODULES_DYNAMICS_HANDLERS_H
+#define HOOKE_MODULES_DYNAMICS_HANDLERS_H
+
+#include "modules/dynamics/kept.h"
+#include <hooke/command/handler.h>
+
+/* equilibria.c: their table for people. */
+void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
+                    struct arena *arena);
+void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
+                       bool full, struct reply *reply);
+/* Pairs once: "-0.1 +- 1.4i, -3". */
+void put_eigenvalues(struct buffer *out, const struct solution *solution);
+
+/* kept.c: values by their names, in SI, as an object of the record. */
+void reply_state(struct reply *reply, const struct system *system, const char *key,
+                 const double *state);
+void reply_stable(struct reply *reply, const struct solution *s, bool family);
+void reply_values(struct reply *reply, const char *key, const struct solution *solution);
+/* kept.c: list equilibria, orbits, branches, points; false: no memory. */
+bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply);
+bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply);
+bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply);
+bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply);
+/* The points that a branch keeps as a table for people, and their records. */
+void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
+                struct arena *arena, struct buffer *out);
+void reply_points(const struct session *session, const struct kept_branch *branch,
+                  struct reply *reply);
+/* What is kept under a number or a label, with the scene that it was found in. */
+struct kept_reference {
+    const struct kept_orbit *orbit;
+    const struct kept_branch *branch; /* with point: a label's */
+    const struct kept_point *point;
+    struct solution solution;
+    struct scene scene; /* there */
+};
+/* number NULL: the first equilibrium, the last orbit. */
+bool find_equilibrium(const struct session *session, const struct dynamics *dynamics,
+                      const struct item *number, struct kept_reference *found, struct error *error);
+bool find_orbit(const struct session *session, const struct dynamics *dynamics,
+                const struct item *number, struct kept_reference *found, struct error *error);
+bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
+                struct kept_reference *found, struct error *error);
+/* orbit.c: from where the current run is, if it is one of this scene as it is, else from the start;
+ * in words. */
+const char *orbit_begin(const struct session *session, const struct system *system,
+                        struct orbit_request *request);
+/* What equilibria and flows are solved by, whatever the session's method is. */
+#define NEWTON_SOLVER "bounds of the equations and Newton's method"
+#define FLOW_SOLVER "dop853, or radau5 where that takes too many steps, at tolerances of its own"
+/* orbit.c: adds a line that says so where the user has chosen a method, a step or a tolerance. */
+void reply_own_solver(const struct session *session, const char *solver, struct reply *reply);
+/* ", 12 ms", where times are shown. */
+void put_seconds(struct buffer *out, const struct session *session, double seconds);
+/* `use` of what is no run. */
+bool use_kept(HANDLER_PARAMETERS);
+
+/* lyapunov_series.c: the largest exponent of a run or a recording, as it was named. */
+bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
+                        struct error *error);
+
+#endif

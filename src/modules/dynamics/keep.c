@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What was found of the present equations, and when it goes. */
+#include "modules/dynamics/kept.h"
+#include <hooke/scene/poles.h>
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAME 1e-8 /* of two solutions, relative to the sizes: they are one */
+
+/* ---- whose they are ---- */
+
+/* All that decides what the right-hand sides are, but for values: of what was typed, names. */
+static char *equations_of(const struct scene *scene)
+{
+    struct buffer text = {0};
+    const bool all_typed = scene->model->typed && !typed_base(scene->model);
+    buffer_put(&text, text_of(all_typed ? "typed" : scene->preset->row.name));
+    for (int i = 0; i < typed_lines(scene->model); i++) {
+        const struct typed_line *line = typed_line(scene->model, i);
+        buffer_char(&text, '\n');
+        if (line->kind == TYPED_VAR || line->kind == TYPED_PARAM)
+            buffer_put(&text, line->name);
+        else
+            typed_describe(line, &text);
+    }
+    if (text.failed)
+        buffer_free(&text);
+    return text.data;
+}
+
+const struct dynamics *session_dynamics(const struct session *session)
+{
+    const struct dynamics_part *part = session_part_if_made(session, &dynamics_module);
+    const struct dynamics *dynamics = part ? part->found : NULL;
+    if (!dynamics)
+        return NULL;
+    char *present = equations_of(&session->setup.scene);
+    const bool same = present && strcmp(present, dynamics->equations) == 0;
+    free(present);
+    return same ? dynamics : NULL;
+}
+
+static void free_equilibria(struct kept_equilibria *kept)
+{
+    free(kept->value);
+    free(kept->of);
+    free(kept->form);
+    *kept = (struct kept_equilibria){.id = 0};
+}
+
+static void free_orbit(struct kept_orbit *orbit)
+{
+    free(orbit->value);
+    free(orbit->sample);
+}
+
+static void free_branch(struct kept_branch *branch)
+{
+    branch_free(&branch->branch);
+    free(branch->value);
+    free(branch->special);
+}
+
+void dynamics_free(struct dynamics *dynamics)
+{
+    if (!dynamics)
+        return;
+    free_equilibria(&dynamics->equilibria);
+    for (int i = 0; i < dynamics->orbits; i++)
+        free_orbit(&dynamics->orbit[i]);
+    for (int i = 0; i < dynamics->branches; i++) {
+        free_branch(dynamics->branch[i]);
+        free(dynamics->branch[i]);
+    }
+    free(dynamics->equations);
+    free(dynamics);
+}
+
+/* For the present equations; what was of others goes. NULL: no memory. */
+static struct dynamics *dynamics_for(struct session *session)
+{
+    struct dynamics_part *part = session_part(session, &dynamics_module);
+    if (!part || session_dynamics(session))
+        return part ? part->found : NULL;
+    struct dynamics *fresh = calloc(1, sizeof *fresh);
+    char *equations = equations_of(&session->setup.scene);
+    if (!fresh || !equations) {
+        free(fresh);
+        free(equations);
+        return NULL;
+    }
+    fresh->equations = equations;
+    fresh->params = (int)scene_params(&session->setup.scene)->count;
+    fresh->n = session->setup.scene.model->n;
+    fresh->next_orbit = fresh->next_branch = 1;
+    fresh->next_id = part->found ? part->found->next_id : 1;
+    for (int i = 0; i < SPECIAL_COUNT; i++)
+        fresh->next_point[i] = 1;
+    dynamics_free(part->found);
+    return part->found = fresh;
+}
+
+static double *copy_values(const struct session *session, const double *of)
+{
+    const size_t bytes = scene_params(&session->setup.scene)->count * sizeof(double);
+    double *value = malloc(bytes + sizeof *value);
+    if (value)
+        memcpy(value, of, bytes);
+    return value;
+}
+
+static bool same_solution(const struct solution *a, const struct solution *b)
+{
+    bool same = a->kind == b->kind && a->n == b->n && a->multiple == b->multiple &&
+                fabs(a->period - b->period) <= SAME * a->period;
+    for (int i = 0; i < a->n && same; i++) {
+        const double size = fmax(fmax(fabs(a->top[i]), fabs(a->bottom[i])), 1e-3);
+        /* along an orbit it may begin anywhere: extrema are the same */
+        same = fabs(a->top[i] - b->top[i]) <= 1e2 * SAME * size &&
+               fabs(a->bottom[i] - b->bottom[i]) <= 1e2 * SAME * size;
+    }
+    return same;
+}
+
+/* ---- equilibria and orbits ---- */
+
+bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
+                              struct error *error)
+{
+    struct dynamics *dynamics = dynamics_for(session);
+    const size_t count = (size_t)found->count;
+    double *value = copy_values(session, session->setup.scene.value);
+    struct solution *of = malloc((count + 1) * sizeof *of);
+    struct equilibrium_form *form = malloc((count + 1) * sizeof *form);
+    if (!dynamics || !value || !of || !form) {
+        free(value);
+        free(of);
+        free(form);
+        return error_memory(error);
+    }
+    for (size_t i = 0; i < count; i++) {
+        of[i] = found->of[i];
+        form[i] = found->form[i];
+    }
+    free_equilibria(&dynamics->equilibria);
+    dynamics->equilibria = (struct kept_equilibria){.id = dynamics->next_id++,
+                                                    .value = value,
+                                                    .count = found->count,
+                                                    .of = of,
+                                                    .form = form,
+                                                    .forced = found->forced,
+                                                    .complete = found->complete};
+    session_changed(session);
+    return true;
+}
+
+/* The place where that orbit is kept; -1: it is new. */
+static int find_same_orbit(const struct dynamics *dynamics, const double *value,
+                           const struct solution *orbit)
+{
+    for (int i = 0; i < dynamics->orbits; i++) {
+        const struct kept_orbit *kept = &dynamics->orbit[i];
+        if (memcmp(kept->value, value, (size_t)dynamics->params * sizeof *value) == 0 &&
+            same_solution(&kept->solution, orbit))
+            return i;
+    }
+    return -1;
+}
+
+const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
+                                             int samples, const double *sample, struct error *error)
+{
+    struct dynamics *dynamics = dynamics_for(session);
+    const size_t bytes = (size_t)samples * (size_t)(orbit->n + 1) * sizeof *sample;
+    double *value = copy_values(session, session->setup.scene.value),
+           *copy = malloc(bytes + sizeof *copy);
+    if (!dynamics || !value || !copy) {
+        free(value);
+        free(copy);
+        error_memory(error);
+        return NULL;
+    }
+    if (bytes > 0)
+        memcpy(copy, sample, bytes);
+    int at = find_same_orbit(dynamics, value, orbit);
+    const int number = at >= 0 ? dynamics->orbit[at].number : dynamics->next_orbit++;
+    if (at >= 0 || dynamics->orbits == LIMIT_ORBITS) {
+        const int goes = at >= 0 ? at : 0;
+        free_orbit(&dynamics->orbit[goes]);
+        dynamics->orbits--;
+        memmove(&dynamics->orbit[goes], &dynamics->orbit[goes + 1],
+                (size_t)(dynamics->orbits - goes) * sizeof *dynamics->orbit);
+    }
+    struct kept_orbit *kept = &dynamics->orbit[dynamics->orbits++];
+    *kept = (struct kept_orbit){.id = dynamics->next_id++,
+                                .number = number,
+                                .value = value,
+                                .solution = *orbit,
+                                .samples = samples,
+                                .sample = copy};
+    session_changed(session);
+    return kept;
+}
+
+const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number)
+{
+    for (int i = 0; dynamics && i < dynamics->orbits; i++)
+        if (dynamics->orbit[i].number == number)
+            return &dynamics->orbit[i];
+    return NULL;
+}
+
+/* ---- branches ---- */
+
+/* All values but those that vary are the same. */
+static bool same_setting(const struct dynamics *dynamics, const struct kept_branch *a,
+                         const struct kept_branch *b)
+{
+    bool same = a->params == b->params;
+    for (int j = 0; j < a->params && same; j++)
+        same = a->param[j] == b->param[j];
+    for (int i = 0; i < dynamics->params && same; i++)
+        same =
+            a->value[i] == b->value[i] || i == a->param[0] || (a->params > 1 && i == a->param[1]);
+    return same;
+}
+
+static bool same_point(const struct kept_branch *a, const struct kept_point *p,
+                       const struct kept_branch *b, const struct kept_point *q)
+{
+    const struct solution *s = &kept_point_at(a, p)->solution, *t = &kept_point_at(b, q)->solution;
+    bool same = p->special == q->special && same_solution(s, t);
+    for (int j = 0; j < a->params && same; j++)
+        same = fabs(s->param[j] - t->param[j]) <= SAME * fmax(fabs(s->param[j]), 1e-3);
+    return same;
+}
+
+/* The number of a point that is kept already at that place; 0: there is none. */
+static int known_number(const struct dynamics *dynamics, const struct kept_branch *branch,
+                        const struct kept_point *point)
+{
+    for (int b = dynamics->branches; b-- > 0;) {
+        const struct kept_branch *other = dynamics->branch[b];
+        for (int k = 0; k < other->specials && same_setting(dynamics, branch, other); k++)
+            if (same_point(branch, point, other, &other->special[k]))
+                return other->special[k].number;
+    }
+    return 0;
+}
+
+static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
+{
+    int count = 0;
+    for (int i = 0; i < branch->branch.count; i++)
+        count += branch->branch.point[i].special != SPECIAL_NONE;
+    branch->special = malloc(((size_t)count + 1) * sizeof *branch->special);
+    if (!branch->special)
+        return false;
+    for (int i = 0; i < branch->branch.count; i++) {
+        const enum special special = branch->branch.point[i].special;
+        if (special == SPECIAL_NONE)
+            continue;
+        struct kept_point *point = &branch->special[branch->specials];
+        *point = (struct kept_point){.at = i, .special = special};
+        point->number = known_number(dynamics, branch, point);
+        if (point->number == 0)
+            point->number = dynamics->next_point[special]++;
+        branch->specials++;
+    }
+    return true;
+}
+
+struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
+                                         const double *value, struct error *error)
+{
+    struct dynamics *dynamics = dynamics_for(session);
+    struct kept_branch *kept = malloc(sizeof *kept);
+    like->value = copy_values(session, value);
+    like->special = NULL;
+    like->specials = 0;
+    if (!dynamics || !kept || !like->value || !label_points(dynamics, like)) {
+        free_branch(like);
+        free(kept);
+        error_memory(error);
+        return NULL;
+    }
+    if (dynamics->branches == LIMIT_BRANCHES) {
+        free_branch(dynamics->branch[0]);
+        free(dynamics->branch[0]);
+        dynamics->branches--;
+        memmove(dynamics->branch, dynamics->branch + 1,
+                (LIMIT_BRANCHES - 1) * sizeof(dynamics->branch[0]));
+    }
+    *kept = *like;
+    kept->id = dynamics->next_id++;
+    kept->number = dynamics->next_branch++;
+    dynamics->branch[dynamics->branches++] = kept;
+    session_changed(session);
+    return kept;
+}
+
+const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
+                                        const struct kept_branch **branch)
+{
+    for (int b = dynamics ? dynamics->branches : 0; b-- > 0;)
+        for (int k = 0; k < dynamics->branch[b]->specials; k++) {
+            const struct kept_point *point = &dynamics->branch[b]->special[k];
+            char own[KEPT_LABEL];
+            kept_point_label(point, own);
+            size_t i = 0;
+            while (i < label.len && own[i] && toupper((unsigned char)label.at[i]) == own[i])
+                i++;
+            if (i == label.len && !own[i]) {
+                *branch = dynamics->branch[b];
+                return point;
+            }
+        }
+    return NULL;
+}
+
+void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL])
+{
+    snprintf(label, KEPT_LABEL, "%s%d",
+             catalog_row(&special_catalog, (size_t)point->special - 1)->name, point->number);
+}
+
+/* ---- back into a scene ---- */
+
+void dynamics_scene(const struct session *session, const double *value, struct scene *scene)
+{
+    *scene = session->setup.scene;
+    for (int i = 0; i < (int)scene_params(scene)->count; i++)
+        scene_take_value(scene, i, value[i]);
+}
+
+void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int at,
+                       struct scene *scene)
+{
+    dynamics_scene(session, branch->value, scene);
+    for (int j = 0; j < branch->params; j++)
+        scene_take_value(scene, branch->param[j], branch->branch.point[at].solution.param[j]);
+}

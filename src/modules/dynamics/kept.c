@@ -1,0 +1,506 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is kept of the equations: what list shows of it, and back into the scene. */
+#include <hooke/report.h>
+#include <hooke/study/verdict.h>
+#include "modules/dynamics/handlers.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const special_types[SPECIAL_COUNT] = {
+    [SPECIAL_FOLD] = "fold",
+    [SPECIAL_HOPF] = "Hopf",
+    [SPECIAL_CROSSING] = "branch point",
+    [SPECIAL_DOUBLING] = "period doubling",
+    [SPECIAL_TORUS] = "Neimark-Sacker",
+    [SPECIAL_END] = "end",
+    [SPECIAL_CUSP] = "cusp",
+    [SPECIAL_DOUBLE] = "Bogdanov-Takens",
+    [SPECIAL_BAUTIN] = "generalised Hopf",
+};
+
+static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibrium",
+                                             [SOLUTION_ORBIT] = "orbit",
+                                             [SOLUTION_RESPONSE] = "response"};
+
+/* ---- what they share with other commands ---- */
+
+void put_seconds(struct buffer *out, const struct session *session, double seconds)
+{
+    if (session->setup.settings.timing == TIMING_OFF)
+        return;
+    buffer_put(out, TEXT(", "));
+    buffer_quantity(out, seconds, QUANTITY_TIME, 3);
+}
+
+void reply_state(struct reply *reply, const struct system *system, const char *key,
+                 const double *state)
+{
+    reply_object(reply, key);
+    for (int i = 0; i < system->n; i++)
+        reply_real(reply, system_variable(system, i).name, state[i]);
+    reply_close(reply);
+}
+
+void reply_values(struct reply *reply, const char *key, const struct solution *s)
+{
+    reply_array(reply, key);
+    for (int i = 0; i < s->values; i++) {
+        reply_array(reply, NULL);
+        reply_real(reply, NULL, s->value[i].re);
+        reply_real(reply, NULL, s->value[i].im);
+        reply_close(reply);
+    }
+    reply_close(reply);
+}
+
+/* Not known, and neutral, are neither. */
+void reply_stable(struct reply *reply, const struct solution *s, bool family)
+{
+    const bool stable = solution_stable(s);
+    if (!solution_is_known(s) || (stable && family))
+        reply_null(reply, "stable");
+    else
+        reply_bool(reply, "stable", stable);
+}
+
+static void cell_values(struct text_table *table, const struct solution *s)
+{
+    struct buffer out = {0};
+    put_eigenvalues(&out, s);
+    cell_take(table, &out);
+}
+
+static void cell_param(struct text_table *table, const struct scene *scene, int param, double value,
+                       int digits)
+{
+    struct buffer out = {0};
+    buffer_format(&out, "%s = ", param_at(scene, param)->row.name);
+    buffer_quantity(&out, value, param_at(scene, param)->quantity, digits);
+    cell_take(table, &out);
+}
+
+/* ---- special points ---- */
+
+/* Which way a Hopf point goes, as the words say it. */
+static const char *criticality_of(const struct branch_point *point)
+{
+    if (point->special != SPECIAL_HOPF || !isfinite(point->criticality))
+        return NULL;
+    return point->criticality < 0 ? "super" : point->criticality > 0 ? "sub" : "degenerate";
+}
+
+static void cell_what(struct text_table *table, const struct branch_point *point)
+{
+    struct buffer out = {0};
+    const char *way = criticality_of(point);
+    buffer_put(&out, text_of(special_types[point->special]));
+    if (way)
+        buffer_format(&out, ", %s%s", way, point->criticality == 0 ? "" : "critical");
+    cell_take(table, &out);
+}
+
+static void put_point(struct text_table *table, const struct scene *scene,
+                      const struct system *system, const struct kept_branch *branch,
+                      const struct kept_point *point, bool periods)
+{
+    const struct branch_point *at = kept_point_at(branch, point);
+    char label[KEPT_LABEL];
+    kept_point_label(point, label);
+    cell_text(table, label);
+    cell_what(table, at);
+    struct buffer where = {0};
+    for (int j = 0; j < branch->params; j++) {
+        buffer_format(&where, "%s%s = ", j ? ", " : "",
+                      param_at(scene, branch->param[j])->row.name);
+        /* rounding of 0 is 0 */
+        const double value = at->solution.param[j], range = branch->to[j] - branch->from[j];
+        buffer_quantity(&where, fabs(value) < 1e-13 * range ? 0 : value,
+                        param_at(scene, branch->param[j])->quantity, 10);
+    }
+    cell_take(table, &where);
+    if (at->solution.period > 0)
+        cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
+    else if (periods)
+        cell_text(table, "-");
+    cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
+    for (int i = 0; i < system->n; i++) {
+        const double value = at->solution.state[i],
+                     range = at->solution.top[i] - at->solution.bottom[i];
+        cell_quantity(table, fabs(value) < 1e-13 * range ? 0 : value,
+                      system_variable(system, i).quantity, 5);
+    }
+}
+
+/* Says what speaks against a label that runs do not confirm. */
+static void put_contradiction(const struct kept_branch *branch, const struct kept_point *point,
+                              struct buffer *out)
+{
+    const char *against = branch_contradiction(kept_point_at(branch, point)->verified);
+    char label[KEPT_LABEL];
+    kept_point_label(point, label);
+    if (against)
+        buffer_format(out, "%s: NO, as %s\n", label, against);
+}
+
+void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
+                struct arena *arena, struct buffer *out)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct system system = {.model = scene->model, .n = scene->model->n};
+    int specials = 0;
+    bool periods = false;
+    for (int b = 0; b < count; b++) {
+        specials += branch[b]->specials;
+        for (int k = 0; k < branch[b]->specials; k++)
+            periods =
+                periods || kept_point_at(branch[b], &branch[b]->special[k])->solution.period > 0;
+    }
+    if (specials == 0)
+        return;
+    struct text_table table = {
+        .arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4 + periods};
+    static const char *const heads[] = {"", "", "at"};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    if (periods)
+        cell_text(&table, "T");
+    cell_text(&table, "verified");
+    /* the state last: where a row is too long for a line, it is what goes on in the next */
+    for (int i = 0; i < system.n; i++)
+        cell_text(&table, system_variable(&system, i).name);
+    for (int b = 0; b < count; b++)
+        for (int k = 0; k < branch[b]->specials; k++)
+            put_point(&table, scene, &system, branch[b], &branch[b]->special[k], periods);
+    text_table_put(&table, out);
+    for (int b = 0; b < count; b++)
+        for (int k = 0; k < branch[b]->specials; k++)
+            put_contradiction(branch[b], &branch[b]->special[k], out);
+}
+
+static void reply_point(const struct scene *scene, const struct system *system,
+                        const struct kept_branch *branch, const struct kept_point *point,
+                        struct reply *reply)
+{
+    const struct branch_point *at = kept_point_at(branch, point);
+    const struct solution *s = &at->solution;
+    char label[KEPT_LABEL];
+    kept_point_label(point, label);
+    reply_begin(reply, "branch-point");
+    reply_string(reply, "label", label);
+    reply_string(reply, "type", special_types[point->special]);
+    reply_string(reply, "of", solution_kinds[branch->branch.kind]);
+    reply_object(reply, "parameters");
+    for (int j = 0; j < branch->params; j++)
+        reply_real(reply, param_at(scene, branch->param[j])->row.name, s->param[j]);
+    reply_close(reply);
+    reply_state(reply, system, "state", s->state);
+    reply_real(reply, "period", s->period > 0 ? s->period : NAN);
+    reply_values(reply, s->kind == SOLUTION_EQUILIBRIUM ? "eigenvalues" : "multipliers", s);
+    const char *way = criticality_of(at);
+    reply_string(reply, "criticality", at->criticality != 0 ? way : NULL);
+    reply_real(reply, "first_lyapunov", at->criticality);
+    if (at->verified == 0)
+        reply_null(reply, "verified");
+    else
+        reply_bool(reply, "verified", at->verified > 0);
+    if (at->verified < 0)
+        reply_string(reply, "contradicted", branch_contradiction(at->verified));
+    reply_real(reply, "accuracy", at->accuracy);
+    reply_end(reply);
+}
+
+void reply_points(const struct session *session, const struct kept_branch *branch,
+                  struct reply *reply)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct system system = {.model = scene->model, .n = scene->model->n};
+    for (int k = 0; k < branch->specials; k++)
+        reply_point(scene, &system, branch, &branch->special[k], reply);
+}
+
+/* ---- list ---- */
+
+/* Without the last newline. */
+static struct text whole(const struct buffer *out)
+{
+    struct text text = buffer_text(out);
+    text.len -= text.len > 0;
+    return text;
+}
+
+static bool list_none(struct reply *reply, const char *what, const char *type)
+{
+    reply_line(reply, "no %s of these equations ('%s' finds them)", what, type);
+    return true;
+}
+
+static bool list_equilibria(const struct dynamics *d, const struct system *system,
+                            struct arena *arena, struct reply *reply)
+{
+    if (!d || d->equilibria.id == 0)
+        return list_none(reply, "equilibria", "equilibria");
+    const struct equilibria found = {.count = d->equilibria.count,
+                                     .of = d->equilibria.of,
+                                     .form = d->equilibria.form,
+                                     .forced = d->equilibria.forced,
+                                     .complete = d->equilibria.complete};
+    struct buffer out = {0};
+    put_equilibria(&out, system, &found, arena);
+    reply_text(reply, found.count > 0 ? whole(&out) : TEXT("none in the box"));
+    buffer_free(&out);
+    for (int k = 0; k < found.count; k++)
+        reply_equilibrium(system, &found, k, false, reply);
+    return true;
+}
+
+static void put_orbit_row(struct text_table *table, const struct system *system,
+                          const struct kept_orbit *orbit)
+{
+    const struct solution *s = &orbit->solution;
+    cell_count(table, orbit->number);
+    cell_quantity(table, s->period, QUANTITY_TIME, 9);
+    for (int i = 0; i < system->n; i++) {
+        const enum quantity quantity = system_variable(system, i).quantity;
+        struct buffer out = {0};
+        buffer_quantity(&out, s->bottom[i], quantity, 5);
+        buffer_put(&out, TEXT(" .. "));
+        buffer_quantity(&out, s->top[i], quantity, 5);
+        cell_take(table, &out);
+    }
+    cell_text(table, !solution_is_known(s)  ? "not known"
+                     : !solution_stable(s)  ? "unstable"
+                     : solution_ones(s) > 0 ? "neutral"
+                                            : "stable");
+    cell_values(table, s);
+}
+
+static bool list_orbits(const struct dynamics *d, const struct system *system, struct arena *arena,
+                        struct reply *reply)
+{
+    if (!d || d->orbits == 0)
+        return list_none(reply, "orbits", "orbit");
+    struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 4};
+    struct buffer out = {0};
+    cell_text(&table, "");
+    cell_text(&table, "T");
+    for (int i = 0; i < system->n; i++)
+        cell_text(&table, system_variable(system, i).name);
+    cell_text(&table, "");
+    cell_text(&table, "multipliers");
+    for (int k = 0; k < d->orbits; k++)
+        put_orbit_row(&table, system, &d->orbit[k]);
+    text_table_put(&table, &out);
+    reply_text(reply, whole(&out));
+    buffer_free(&out);
+    for (int k = 0; k < d->orbits; k++) {
+        const struct solution *s = &d->orbit[k].solution;
+        reply_begin(reply, "kept-orbit");
+        reply_int(reply, "n", d->orbit[k].number);
+        reply_real(reply, "period", s->period);
+        reply_state(reply, system, "state", s->state);
+        reply_values(reply, "multipliers", s);
+        reply_stable(reply, s, solution_ones(s) > 0);
+        reply_end(reply);
+    }
+    return true;
+}
+
+static void put_labels(struct buffer *out, const struct kept_branch *b)
+{
+    for (int k = 0; k < b->specials; k++) {
+        char label[KEPT_LABEL];
+        kept_point_label(&b->special[k], label);
+        buffer_format(out, "%s%s", k ? " " : "", label);
+    }
+}
+
+static bool list_branches(const struct session *session, const struct dynamics *d,
+                          struct arena *arena, struct reply *reply)
+{
+    if (!d || d->branches == 0)
+        return list_none(reply, "branches", "branch NAME=FROM:TO");
+    const struct scene *scene = &session->setup.scene;
+    static const char *const heads[] = {"", "of", "from", "to", "points", "labels"};
+    struct text_table table = {
+        .arena = arena, .gap = 2, .indent = 2, .columns = (int)COUNT_OF(heads)};
+    struct buffer out = {0};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int k = 0; k < d->branches; k++) {
+        const struct kept_branch *b = d->branch[k];
+        struct buffer labels = {0};
+        cell_count(&table, b->number);
+        cell_text(&table, b->of);
+        const struct branch_point *last = &b->branch.point[b->branch.count - 1];
+        cell_param(&table, scene, b->param[0], b->branch.point[0].solution.param[0], 6);
+        cell_param(&table, scene, b->param[0], last->solution.param[0], 6);
+        cell_count(&table, b->branch.count);
+        put_labels(&labels, b);
+        cell_take(&table, &labels);
+    }
+    text_table_put(&table, &out);
+    reply_text(reply, whole(&out));
+    buffer_free(&out);
+    for (int k = 0; k < d->branches; k++) {
+        const struct kept_branch *b = d->branch[k];
+        struct buffer labels = {0};
+        put_labels(&labels, b);
+        reply_begin(reply, "kept-branch");
+        reply_int(reply, "branch", b->number);
+        reply_string(reply, "of", b->of);
+        reply_string(reply, "parameter", param_at(scene, b->param[0])->row.name);
+        reply_real(reply, "from", b->from[0]);
+        reply_real(reply, "to", b->to[0]);
+        reply_int(reply, "rows", b->branch.count);
+        reply_string(reply, "labels", buffer_view(&labels));
+        reply_end(reply);
+        buffer_free(&labels);
+    }
+    return true;
+}
+
+static bool list_points(const struct session *session, const struct dynamics *d,
+                        struct arena *arena, struct reply *reply)
+{
+    int points = 0;
+    for (int k = 0; d && k < d->branches; k++)
+        points += d->branch[k]->specials;
+    if (points == 0)
+        return list_none(reply, "special points", "branch NAME=FROM:TO");
+    struct buffer out = {0};
+    put_points(session, (const struct kept_branch *const *)d->branch, d->branches, arena, &out);
+    reply_text(reply, whole(&out));
+    buffer_free(&out);
+    for (int k = 0; k < d->branches; k++)
+        reply_points(session, d->branch[k], reply);
+    return true;
+}
+
+bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply)
+{
+    const struct model *model = session->setup.scene.model;
+    const struct system system = {.model = model, .n = model->n};
+    return list_equilibria(session_dynamics(session), &system, arena, reply);
+}
+
+bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply)
+{
+    const struct model *model = session->setup.scene.model;
+    const struct system system = {.model = model, .n = model->n};
+    return list_orbits(session_dynamics(session), &system, arena, reply);
+}
+
+bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply)
+{
+    return list_branches(session, session_dynamics(session), arena, reply);
+}
+
+bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply)
+{
+    return list_points(session, session_dynamics(session), arena, reply);
+}
+
+/* ---- use ---- */
+
+bool find_equilibrium(const struct session *session, const struct dynamics *d,
+                      const struct item *number, struct kept_reference *found, struct error *error)
+{
+    const int count = d ? d->equilibria.count : 0;
+    const double n = number ? number->value.value : 1;
+    if (!(n >= 1 && n <= count)) {
+        const struct text where = number ? number->text : TEXT("");
+        error_at(error, where,
+                 count > 0 ? "there are equilibria 1 to %d" : "no equilibria are kept", count);
+        return error_hint(error, count > 0 ? "type: list equilibria" : "type: equilibria");
+    }
+    found->solution = d->equilibria.of[(int)n - 1];
+    dynamics_scene(session, d->equilibria.value, &found->scene);
+    return true;
+}
+
+bool find_orbit(const struct session *session, const struct dynamics *d, const struct item *number,
+                struct kept_reference *found, struct error *error)
+{
+    const double n = number ? number->value.value : 0;
+    found->orbit = n >= 1 && n <= INT32_MAX ? dynamics_orbit(d, (int)n) : NULL;
+    if (!number && d && d->orbits > 0)
+        found->orbit = &d->orbit[d->orbits - 1];
+    if (!found->orbit) {
+        error_at(error, number ? number->text : TEXT(""), "no such orbit is kept");
+        return error_hint(error, d && d->orbits > 0 ? "type: list orbits" : "type: orbit");
+    }
+    found->solution = found->orbit->solution;
+    dynamics_scene(session, found->orbit->value, &found->scene);
+    return true;
+}
+
+bool find_label(const struct session *session, const struct dynamics *d, struct text label,
+                struct kept_reference *found, struct error *error)
+{
+    found->point = dynamics_point(d, label, &found->branch);
+    if (found->point) {
+        found->solution = kept_point_at(found->branch, found->point)->solution;
+        dynamics_scene_at(session, found->branch, found->point->at, &found->scene);
+        return true;
+    }
+    struct suggestion near = {.wanted = label};
+    bool any = false;
+    error_at(error, label, "there is no point '%.*s'", (int)(label.len < 64 ? label.len : 64),
+             label.at);
+    for (int b = 0; d && b < d->branches; b++)
+        for (int k = 0; k < d->branch[b]->specials; k++) {
+            char own[KEPT_LABEL];
+            kept_point_label(&d->branch[b]->special[k], own);
+            suggestion_offer(&near, own);
+            any = true;
+        }
+    suggestion_hint(&near, error);
+    if (error->hint[0])
+        return false;
+    return error_hint(error, any ? "'list points' shows the labels that there are"
+                                 : "labels are those of a branch: branch NAME=FROM:TO");
+}
+
+/* What of the scene has changed, as one line. */
+static void put_changes(const struct scene *before, const struct scene *now, struct buffer *out)
+{
+    for (int i = 0; i < (int)scene_params(now)->count; i++)
+        if (now->value[i] != before->value[i]) {
+            buffer_format(out, "%s%s = ", out->len > 0 ? "  " : "", param_at(now, i)->row.name);
+            buffer_quantity(out, now->value[i], param_at(now, i)->quantity, 9);
+        }
+}
+
+bool use_kept(HANDLER_PARAMETERS)
+{
+    const struct argument_value *label = argument_value(args, "N|LABEL"),
+                                *orbit = argument_value(args, "orbit"),
+                                *equilibrium = argument_value(args, "equilibrium");
+    const struct dynamics *d = session_dynamics(session);
+    struct kept_reference found = {.orbit = NULL};
+    if (label->count   ? !find_label(session, d, label->item->text, &found, error)
+        : orbit->count ? !find_orbit(session, d, orbit->item, &found, error)
+        : equilibrium->count
+            ? !find_equilibrium(session, d, equilibrium->item, &found, error)
+            : !error_set(error, ERROR_COMMAND,
+                         "use takes a run, a label of 'list points', an orbit or an equilibrium"))
+        return false;
+    const struct scene before = session->setup.scene;
+    if (!scene_start_at(&found.scene, found.solution.state, error))
+        return false;
+    session->setup.scene = found.scene;
+    session_changed(session);
+    struct buffer out = {0};
+    put_changes(&before, &found.scene, &out);
+    reply_text(reply, out.len > 0 ? buffer_text(&out) : TEXT("the scene is there already"));
+    reply_begin(reply, "use");
+    reply_object(reply, "parameters");
+    for (int i = 0; i < (int)scene_params(&found.scene)->count; i++)
+        if (found.scene.value[i] != before.value[i])
+            reply_real(reply, param_at(&found.scene, i)->row.name, found.scene.value[i]);
+    reply_close(reply);
+    reply_end(reply);
+    buffer_free(&out);
+    return true;
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What was found of the present equations: equilibria, orbits, branches with their special points
+ * under labels. It is kept until the equations change: values of parameters and initial values are
+ * none of them. Nothing is allocated before something is found.
+ */
+#ifndef HOOKE_MODULES_DYNAMICS_KEPT_H
+#define HOOKE_MODULES_DYNAMICS_KEPT_H
+
+#include <hooke/module.h>
+#include "modules/dynamics/dynamics.h"
+#include "modules/dynamics/stored_portrait.h"
+
+/* The last that were found. */
+struct kept_equilibria {
+    uint64_t id;   /* in the session's file; 0: there are none */
+    double *value; /* [params] SI, of the scene then */
+    int count;
+    struct solution *of;
+    struct equilibrium_form *form;
+    bool forced, complete;
+};
+
+struct kept_orbit {
+    uint64_t id;
+    int number; /* from 1 */
+    double *value;
+    struct solution solution;
+    int samples;    /* of one period: */
+    double *sample; /* [samples][n + 1] time since its beginning [s], state */
+};
+
+struct kept_point {
+    int at; /* place in the branch */
+    enum special special;
+    int number; /* its label is the letters of `special` with it */
+};
+
+struct kept_branch {
+    uint64_t id;
+    int number;
+    double *value;        /* but for what varies */
+    int params, param[2]; /* which: places in the scene's */
+    double from[2], to[2];
+    char of[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
+    struct branch branch;    /* its points are owned */
+    struct kept_point *special;
+    int specials;
+};
+
+struct dynamics {
+    char *equations; /* as text: they are compared */
+    int params, n;
+    uint64_t next_id;
+    struct kept_equilibria equilibria;
+    struct kept_orbit orbit[LIMIT_ORBITS];
+    int orbits, next_orbit;
+    struct kept_branch *branch[LIMIT_BRANCHES];
+    int branches, next_branch;
+    int next_point[SPECIAL_COUNT]; /* numbers that labels go on with */
+};
+
+extern const struct module dynamics_module;
+
+/* What the module keeps in a session. */
+struct dynamics_part {
+    struct dynamics *found;          /* NULL: nothing was found yet */
+    struct stored_portrait portrait; /* what 'plot portrait' and its pane show */
+};
+
+/* store.c: the functions of dynamics_module.store. */
+void dynamics_put_head(const void *part, struct buffer *to);
+bool dynamics_put_next(const void *part, struct stored *stored, int *next);
+void dynamics_forget(const void *part, struct stored *stored);
+void dynamics_read(struct reader *reader);
+
+/* What is kept of the present equations; NULL: nothing. */
+const struct dynamics *session_dynamics(const struct session *session);
+void dynamics_free(struct dynamics *dynamics);
+
+/* Copies; what was found of other equations goes. False: no memory. */
+bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
+                              struct error *error);
+/* sample [samples][n + 1]. The orbit that is kept, also where it was known already; the oldest goes
+ * where there are LIMIT_ORBITS. NULL: no memory. */
+const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
+                                             int samples, const double *sample,
+                                             struct error *error);
+/*
+ * Takes over the branch in *like, also when it fails; of the rest only what varies, from where and
+ * which way is read. value [params]: of the scene that it was followed in. Its special points get
+ * labels: the one that is there already at the same place. The oldest branch goes where there are
+ * LIMIT_BRANCHES. NULL: no memory.
+ */
+struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
+                                         const double *value, struct error *error);
+
+/* The number-th, from 1, by number; NULL: there is none. */
+const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number);
+/* Of "HB1", in upper or lower case, on the latest branch that has it; NULL: there is none. */
+const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
+                                        const struct kept_branch **branch);
+static inline const struct branch_point *kept_point_at(const struct kept_branch *branch,
+                                                       const struct kept_point *point)
+{
+    return &branch->branch.point[point->at];
+}
+#define KEPT_LABEL 16
+void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL]);
+
+/* The scene with these values of all its parameters [params]. */
+void dynamics_scene(const struct session *session, const double *value, struct scene *scene);
+/* Likewise at a point of a branch. */
+void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int at,
+                       struct scene *scene);
+
+#endif

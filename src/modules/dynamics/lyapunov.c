@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* lyapunov */
+#ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include "modules/dynamics/chaos.h"
+#include "modules/dynamics/handlers.h"
+
+#include <math.h>
+
+#define WITHIN 2 /* standard errors */
+
+static void put_measured(struct buffer *out, struct exponent value, enum quantity quantity)
+{
+    const double error = isfinite(value.error) ? value.error : 0;
+    if (isfinite(value.value))
+        buffer_measured(out, (struct measured){value.value, error}, quantity, 12);
+    else
+        buffer_put(out, TEXT("not determined"));
+}
+
+/* The one that is 0 of a flow without a drive, in its place; -1: none is that near. */
+static int zero_of(const struct lyapunov *f)
+{
+    int zero = -1;
+    for (int i = 0; i < f->count && f->period == 0 && !f->rests && f->determined; i++)
+        if (fabs(f->exponent[i].value) <= WITHIN * f->exponent[i].error &&
+            (zero < 0 || fabs(f->exponent[i].value) < fabs(f->exponent[zero].value)))
+            zero = i;
+    return zero;
+}
+
+static void put_exponents(struct buffer *out, const struct lyapunov *f)
+{
+    const int zero = zero_of(f);
+    for (int i = 0; i < f->count; i++) {
+        buffer_format(out, "  %d  ", i + 1);
+        put_measured(out, f->exponent[i], QUANTITY_RATE);
+        if (i == zero)
+            buffer_put(out, TEXT("   0 within its error, as one of a flow has to be"));
+        buffer_char(out, '\n');
+    }
+    if (zero < 0 && f->period == 0 && f->determined && f->count == f->n)
+        buffer_put(out, f->rests
+                            ? TEXT("the motion has come to rest: none of them has to be 0\n")
+                            : TEXT("none of them is 0 within its error: the motion leaves, or the "
+                                   "time is too short\n"));
+}
+
+static void put_checks(struct buffer *out, const struct lyapunov *f)
+{
+    if (f->count == f->n)
+        buffer_format(out, "sum %.10g, mean divergence %.10g 1/s: apart by %.1g\n", f->sum,
+                      f->divergence, fabs(f->sum - f->divergence));
+    if (f->period > 0) {
+        buffer_format(out, "a period of the drive (%.6g s):", f->period);
+        for (int i = 0; i < f->count; i++)
+            buffer_format(out, " %.5g", f->exponent[i].value * f->period);
+        if (isfinite(f->strobe))
+            buffer_format(out, "; by the stroboscopic map the same to %.1g", f->strobe * f->period);
+        buffer_char(out, '\n');
+    }
+    if (f->conservative && f->count == f->n) {
+        double off = 0;
+        for (int i = 0; i < f->n; i++)
+            off = fmax(off, fabs(f->exponent[i].value + f->exponent[f->n - 1 - i].value));
+        buffer_format(out, "energy is kept: pairs of opposite signs, apart by %.1g 1/s\n", off);
+    }
+    if (f->determined && isfinite(f->dimension.value)) {
+        buffer_put(out, TEXT("Kaplan-Yorke dimension "));
+        put_measured(out, f->dimension, QUANTITY_NUMBER);
+        buffer_char(out, '\n');
+    }
+    if (f->regular)
+        buffer_put(out, TEXT("regular motion: means converge faster than any power of the time\n"));
+}
+
+static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chosen)
+{
+    if (f->time > 0) {
+        buffer_format(out, "Lyapunov exponent%s over ", f->count == 1 ? "" : "s");
+        buffer_quantity(out, f->time, QUANTITY_TIME, 6);
+        buffer_put(out, TEXT(", after "));
+        buffer_quantity(out, f->skip, QUANTITY_TIME, 6);
+        buffer_put(out,
+                   chosen ? TEXT(" ('over T' chosen for about 2e6 evaluations)\n") : TEXT("\n"));
+        put_exponents(out, f);
+        put_checks(out, f);
+    }
+    if (f->reason)
+        buffer_format(out, "%s: %s\n", f->determined ? "ends early" : "not determined", f->reason);
+    buffer_format(out,
+                  "%lld evaluations by %s at tol = %.0e ('method', 'dt' and 'tol' do not matter "
+                  "here), ",
+                  (long long)f->evals, f->method, f->tol);
+    buffer_quantity(out, f->seconds, QUANTITY_TIME, 3);
+}
+
+static void reply_value(struct reply *reply, const char *key, struct exponent value,
+                        const char *unit)
+{
+    reply_object(reply, key);
+    reply_real(reply, "value", value.value);
+    reply_real(reply, "uncertainty", value.error);
+    reply_string(reply, "unit", unit);
+    reply_close(reply);
+}
+
+static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
+{
+    reply_begin(reply, "lyapunov");
+    reply_array(reply, "exponents");
+    for (int i = 0; i < f->count; i++)
+        reply_value(reply, NULL, f->exponent[i], "1/s");
+    reply_close(reply);
+    reply_quantity(reply, "sum", f->time > 0 ? f->sum : NAN, "1/s");
+    reply_quantity(reply, "divergence", f->time > 0 ? f->divergence : NAN, "1/s");
+    reply_real(reply, "dimension", f->dimension.value);
+    reply_real(reply, "dimension_uncertainty", f->dimension.error);
+    reply_quantity(reply, "time", f->time, "s");
+    reply_quantity(reply, "skip", f->skip, "s");
+    reply_string(reply, "status", f->determined ? "ok" : "not determined");
+    reply_string(reply, "reason", f->reason);
+    reply_bool(reply, "regular", f->regular);
+    reply_quantity(reply, "strobe", f->strobe, "1/s");
+    reply_int(reply, "batches", f->batches);
+    reply_int(reply, "evals", f->evals);
+    reply_end(reply);
+}
+
+HANDLER(lyapunov)
+{
+    const struct argument_value *count = argument_value(args, "N"),
+                                *over = argument_value(args, "over"),
+                                *skip = argument_value(args, "skip");
+    const struct lyapunov_request request = {
+        .scene = &session->setup.scene,
+        .count = count->count ? (int)fmin(count->item->value.value, LIMIT_VARIABLES) : 0,
+        .duration = over->count ? over->item->value.value : 0,
+        .skip = skip->count ? skip->item->value.value : -1,
+        .cancel = session->front.cancel,
+        .progress = report_fraction,
+        .context = &session->front};
+    static const char *const series[] = {"run", "data", "RECORDING", "COLUMN", "window"};
+    struct lyapunov found;
+    for (size_t i = 0; i < COUNT_OF(series); i++)
+        if (argument_value(args, series[i])->count)
+            return lyapunov_of_series(session, args, reply, error);
+    if (skip->count && request.skip < 0)
+        return error_at(error, skip->where, "skip= is a time, or 0");
+    if (!lyapunov_find(&request, &found, error))
+        return false;
+    if (count->count && request.count > found.n)
+        return error_at(error, count->where, "the scene has %d exponent%s", found.n,
+                        found.n == 1 ? "" : "s");
+    if (found.cancelled && !(found.time > 0))
+        return error_set(error, ERROR_CANCELLED, "stopped before means were taken");
+    struct buffer text = {0};
+    put_lyapunov(&text, &found, !over->count);
+    reply_text(reply, text_trim(buffer_text(&text)));
+    buffer_free(&text);
+    reply_lyapunov(&found, reply);
+    return !found.cancelled || error_set(error, ERROR_CANCELLED, "stopped");
+}
+#endif
+
+COMMAND(lyapunov,
+        .row = {"lyapunov", "", "how fast near motions go apart: exponents with errors, and checks",
+                "", NULL},
+        .group = "DYNAMICS",
+        .text =
+            "Means over time of the rates at which tangents of the motion grow, from the scene's "
+            "start on: the N largest\n"
+            "of them, all without N. 'skip=T' leaves the first time out (a tenth), 'over T' is the "
+            "time of the means.\n"
+            "Errors are standard errors, from what rates scatter over long times; where the time "
+            "is too short for them,\n"
+            "'not determined'. Printed with it: the sum against the mean divergence, the exponent "
+            "that has to be 0, the\n"
+            "stroboscopic map of a drive, the Kaplan-Yorke dimension.\n"
+            "'of NAME', 'of run N', 'of COLUMN': the largest exponent that a recording, or one "
+            "value of a run, tells by\n"
+            "itself: by how neighbours among vectors of its delayed values go apart, with the "
+            "correlation dimension.\n"
+            "Noise, sines, cycles, decay and short records are 'not determined', with the reason.",
+        .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t); lyapunov\n"
+                    "scene henon-heiles; lyapunov 1 over 500 s skip=50 s",
+        .see = "equilibria run sweep", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("RECORDING", TYPE_RECORDING, .lead = "of"), PLACE("N", TYPE_INTEGER),
+                  WORD("over", TYPE_VALUE, .quantity = QUANTITY_TIME),
+                  KEY("skip", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  WORD("run", TYPE_RUN, .lead = "of", .group = 1),
+                  WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of"), OPTION("full", TYPE_NONE)))

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* lyapunov of a recording or of a run's values: what they alone tell. */
+#include <hooke/analysis.h>
+#include "modules/dynamics/handlers.h"
+
+#include <math.h>
+
+static void put_exponent(struct buffer *out, const char *name, const struct series_exponent *f,
+                         enum quantity quantity)
+{
+    if (f->determined) {
+        buffer_format(out, "largest Lyapunov exponent of %s: ", name);
+        buffer_measured(out, f->value, QUANTITY_RATE, 6);
+        buffer_format(out, ", from %zu pairs of neighbours\ndistances grow evenly from ", f->pairs);
+        buffer_quantity(out, f->from, QUANTITY_TIME, 3);
+        buffer_put(out, TEXT(" to "));
+        buffer_quantity(out, f->to, QUANTITY_TIME, 3);
+        buffer_format(out, ", by a factor of %.3g\n", f->growth);
+    } else
+        buffer_format(out, "largest Lyapunov exponent of %s: not determined: %s\n", name,
+                      f->reason);
+    if (isfinite(f->dimension.value)) {
+        buffer_put(out, TEXT("correlation dimension "));
+        buffer_measured(out, f->dimension, QUANTITY_NUMBER, 6);
+        buffer_put(out, TEXT(", at distances from "));
+        buffer_quantity(out, f->distance[0], quantity, 3);
+        buffer_put(out, TEXT(" to "));
+        buffer_quantity(out, f->distance[1], quantity, 3);
+        buffer_char(out, '\n');
+    } else if (f->dimensions > 0)
+        buffer_format(out, "correlation dimension: not determined: %s\n", f->dimension_reason);
+    if (f->dimensions == 0)
+        return;
+    buffer_format(out, "vectors of %d value%s, ", f->dimensions, f->dimensions == 1 ? "" : "s");
+    buffer_quantity(out, f->delay, QUANTITY_TIME, 3);
+    buffer_put(out, TEXT(" from one to the next; neighbours are farther apart in time than "));
+    buffer_quantity(out, f->apart, QUANTITY_TIME, 3);
+}
+
+static void reply_exponent(const struct subject *subject, const struct series_exponent *f,
+                           struct reply *reply)
+{
+    const struct series *s = &subject->series;
+    reply_begin(reply, "lyapunov");
+    reply_string(reply, "of", subject->name);
+    reply_array(reply, "exponents");
+    reply_object(reply, NULL);
+    reply_real(reply, "value", f->value.value);
+    reply_real(reply, "uncertainty", f->value.uncertainty);
+    reply_string(reply, "unit", "1/s");
+    reply_close(reply);
+    reply_close(reply);
+    reply_quantity(reply, "sum", NAN, "1/s");
+    reply_quantity(reply, "divergence", NAN, "1/s");
+    reply_real(reply, "dimension", f->dimension.value);
+    reply_real(reply, "dimension_uncertainty", f->dimension.uncertainty);
+    reply_quantity(reply, "time", s->t[s->n - 1] - s->t[0], "s");
+    reply_string(reply, "status", f->determined ? "ok" : "not determined");
+    reply_string(reply, "reason", f->reason[0] ? f->reason : NULL);
+    reply_quantity(reply, "delay", f->dimensions > 0 ? f->delay : NAN, "s");
+    reply_int(reply, "values", f->dimensions);
+    reply_quantity(reply, "from", f->determined ? f->from : NAN, "s");
+    reply_quantity(reply, "to", f->determined ? f->to : NAN, "s");
+    reply_real(reply, "growth", f->determined ? f->growth : NAN);
+    reply_int(reply, "pairs", (long long)f->pairs);
+    reply_end(reply);
+}
+
+bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
+                        struct error *error)
+{
+    static const char *const of_scene[] = {"N", "over", "skip"};
+    const struct argument_value *recording = argument_value(args, "RECORDING"),
+                                *column = argument_value(args, "COLUMN"),
+                                *window = argument_value(args, "window");
+    struct subject subject;
+    struct series_exponent found;
+    for (size_t i = 0; i < COUNT_OF(of_scene); i++)
+        if (argument_value(args, of_scene[i])->count)
+            return error_at(error, argument_value(args, of_scene[i])->where,
+                            "%s is for the exponents of the scene: a series has its largest one",
+                            of_scene[i]);
+    if (!subject_open(session, argument_value(args, "run"),
+                      recording->count ? recording : argument_value(args, "data"), window, false, 2,
+                      args->arena, &subject, error) ||
+        (column->count && !subject_column(&subject, column, window, args->arena, error)) ||
+        !series_exponent(&subject.series, args->arena, &found, error))
+        return false;
+    struct buffer text = {0};
+    put_exponent(&text, subject.name, &found, subject.series.quantity);
+    reply_text(reply, text_trim(buffer_text(&text)));
+    buffer_free(&text);
+    reply_exponent(&subject, &found, reply);
+    return true;
+}

@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* orbit */
+#ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include "modules/dynamics/handlers.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- reading [period=GUESS] [NAME=VALUE ...] ---- */
+
+static bool read_guess(struct session *session, const struct arguments *args, struct text argument,
+                       const struct system *system, struct orbit_request *request,
+                       struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, argument};
+    const struct text name = peek_name(argument);
+    const bool period = text_is(name, "period");
+    const int i = name.len > 0 && !period ? model_state(system->model, name) : -1;
+    struct item item = {0};
+    if (i < 0 && !period) {
+        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
+                 (int)name.len, name.at);
+        return error_hint(error, "a guess is period=T, or a variable: %s=1",
+                          system->model->variable[0].name);
+    }
+    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
+    if (!text_starts(parser.rest, TEXT("=")))
+        return error_at(error, argument, "%.*s needs a value, as in %.*s=1", (int)name.len, name.at,
+                        (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const char *what = period ? "period" : system->model->variable[i].name;
+    const enum quantity quantity = period ? QUANTITY_TIME : system_variable(system, i).quantity;
+    if (!read_value(&parser, what, quantity, &item, error))
+        return false;
+    if (period && !(item.value.value > 0))
+        return error_at(error, item.text, "a period is more than 0");
+    if (period)
+        request->period = item.value.value;
+    else
+        request->state[i] = item.value.value;
+    request->settles = request->settles && period;
+    return true;
+}
+
+/* From where the current run is, if it is one of this scene as it is, else from the start. */
+const char *orbit_begin(const struct session *session, const struct system *system,
+                        struct orbit_request *request)
+{
+    const struct run *run = session_run(session);
+    const struct scene *scene = &session->setup.scene;
+    const double *size = system->scale;
+    double rate[LIMIT_VARIABLES], fastest = 0;
+    memcpy(request->state, system->start, (size_t)system->n * sizeof *request->state);
+    request->t = system->t0;
+    bool from_run = run && run->scene.model == scene->model && !stop_is_failure(run->stop);
+    for (int i = 0; i < system->n && from_run; i++)
+        from_run = isfinite(run->y[i]);
+    if (from_run) {
+        memcpy(request->state, run->y, (size_t)system->n * sizeof *request->state);
+        request->t = run->t;
+    }
+    system_derivative(system, request->t, request->state, rate);
+    for (int i = 0; i < system->n; i++)
+        fastest = fmax(fastest, fabs(rate[i]) / size[i]);
+    request->span = fastest > 0 && isfinite(fastest) ? 20 / fastest : 1;
+    return from_run ? "the run's end" : "the scene's start";
+}
+
+/* ---- what is said ---- */
+
+#define AWAY 0.01 /* of its extent, from the start: the motion there is not on it */
+
+/* Where it was looked for from, and whether it is the motion from there. */
+static void put_from(struct buffer *out, const struct found_orbit *orbit, const char *from)
+{
+    buffer_format(out, ", from %s", from);
+    if (orbit->given_up)
+        buffer_put(out, TEXT("; no stable one was found: the motion may be chaotic"));
+    if (orbit->family && orbit->away > AWAY)
+        buffer_format(out,
+                      ";\n  it passes there at %.2g of its extent: the motion from there is not "
+                      "on it, and was not found to close",
+                      orbit->away);
+}
+
+static void put_energy(struct buffer *out, const struct found_orbit *orbit, bool driven)
+{
+    if (!isfinite(orbit->energy_in) || orbit->energy_in == 0)
+        return;
+    buffer_put(out, TEXT("  energy "));
+    buffer_quantity(out, orbit->energy_in, QUANTITY_ENERGY, 6);
+    buffer_put(out, driven ? TEXT(" put in by the drive in a period")
+                           : TEXT(" put in and taken out in a period"));
+    buffer_char(out, '\n');
+}
+
+static void put_multipliers(struct buffer *out, const struct solution *s)
+{
+    if (s->values > 0) {
+        buffer_put(out, TEXT("\n  multipliers "));
+        put_eigenvalues(out, s);
+    }
+    if (isfinite(s->trivial))
+        buffer_format(out, "%s the trivial one off 1 by %.1e", s->values > 0 ? ";" : "\n ",
+                      s->trivial);
+}
+
+void reply_own_solver(const struct session *session, const char *solver, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    if (setup->method_chosen || setup->settings.tol_chosen || setup->settings.dt_chosen)
+        reply_line(reply, "solved by %s ('method', 'dt' and 'tol' do not matter here)", solver);
+}
+
+static void put_orbit(struct buffer *out, const struct system *system, int number,
+                      const struct found_orbit *orbit)
+{
+    const struct solution *s = &orbit->solution;
+    buffer_format(out, "orbit %d: T = ", number);
+    buffer_quantity(out, s->period, QUANTITY_TIME, 12);
+    if (s->multiple > 1)
+        buffer_format(out, " (%d periods of the drive)", s->multiple);
+    else if (s->multiple == 1)
+        buffer_put(out, TEXT(" (that of the drive)"));
+    buffer_put(out, !solution_is_known(s)
+                        ? TEXT(", stability not known: the equations jump, and multipliers with "
+                               "them")
+                    : !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
+                    : solution_stable(s)
+                        ? TEXT(", neutral: a multiplier is 1, others are beside it")
+                        : TEXT(", unstable, and a multiplier is 1"));
+    put_multipliers(out, s);
+    for (int i = 0; i < system->n; i++) {
+        const struct variable variable = system_variable(system, i);
+        buffer_format(out, "\n  %s = ", variable.name);
+        buffer_quantity(out, s->bottom[i], variable.quantity, 8);
+        buffer_put(out, TEXT(" .. "));
+        buffer_quantity(out, s->top[i], variable.quantity, 8);
+    }
+    buffer_char(out, '\n');
+    put_energy(out, orbit, s->multiple > 0);
+    buffer_format(out, "  residual %.1e", s->residual);
+    if (isfinite(orbit->error))
+        buffer_format(out, ", error about %.0e", orbit->error);
+    buffer_format(out, ", %lld evaluations", (long long)orbit->evals);
+}
+
+static void reply_orbit(const struct system *system, int number, const struct found_orbit *orbit,
+                        struct reply *reply)
+{
+    const struct solution *s = &orbit->solution;
+    reply_begin(reply, "orbit");
+    reply_int(reply, "n", number);
+    reply_real(reply, "period", s->period);
+    reply_state(reply, system, "state", s->state);
+    reply_values(reply, "multipliers", s);
+    reply_real(reply, "trivial", s->trivial);
+    reply_stable(reply, s, orbit->family);
+    reply_real(reply, "residual", s->residual);
+    reply_real(reply, "error", orbit->error);
+    reply_state(reply, system, "max", s->top);
+    reply_state(reply, system, "min", s->bottom);
+    reply_bool(reply, "family", orbit->family);
+    reply_real(reply, "energy_in", orbit->energy_in);
+    reply_real(reply, "away", orbit->away);
+    reply_end(reply);
+}
+
+/* Times and states of one period. Without memory there is none. */
+static void keep_table(const struct system *system, const struct found_orbit *orbit,
+                       struct reply *reply)
+{
+    struct arena arena = {0};
+    const int width = system->n + 1;
+    const size_t rows = (size_t)orbit->samples;
+    struct table_column *column = arena_array(&arena, (size_t)width, sizeof *column);
+    bool fine = reply->store && column;
+    for (int c = 0; fine && c < width; c++) {
+        const struct variable variable =
+            c > 0 ? system_variable(system, c - 1) : (struct variable){"t", QUANTITY_TIME};
+        double *value = arena_array(&arena, rows + 1, sizeof *value);
+        for (size_t k = 0; value && k < rows; k++)
+            value[k] = orbit->sample[k * (size_t)width + (size_t)c];
+        column[c] = (struct table_column){.name = arena_text(&arena, text_of(variable.name)),
+                                          .unit = quantity_unit(variable.quantity),
+                                          .value = value};
+        fine = value && column[c].name;
+    }
+    const struct table table = {.column = column, .columns = width, .rows = rows};
+    if (fine)
+        table_store_put(reply->store, "orbit", &arena, &table);
+    arena_reset(&arena);
+}
+
+HANDLER(orbit)
+{
+    const struct argument_value *guesses = argument_value(args, "NAME=VALUE");
+    struct orbit_request request = {.scene = &session->setup.scene,
+                                    .settles = true,
+                                    .cancel = session->front.cancel,
+                                    .progress = report_fraction,
+                                    .context = &session->front};
+    struct found_orbit found;
+    struct system system;
+    struct buffer text = {0};
+    if (!scene_bind(&session->setup.scene, &system, error))
+        return false;
+    if (system.n > DYNAMICS_VARIABLES)
+        return error_set(error, ERROR_COMMAND, "orbits are found of at most %d variables",
+                         DYNAMICS_VARIABLES);
+    const char *from = orbit_begin(session, &system, &request);
+    struct text rest = guesses->count ? guesses->item->text : TEXT("");
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text guess = next_key_argument(&rest);
+        if (!text_is(guess, "--full") &&
+            !read_guess(session, args, guess, &system, &request, error))
+            return false;
+    }
+    const bool fine = orbit_find(&request, &found, error);
+    report_fraction(&session->front, 2);
+    if (!fine) {
+        orbit_free(&found);
+        return false;
+    }
+    const struct kept_orbit *kept =
+        dynamics_keep_orbit(session, &found.solution, found.samples, found.sample, error);
+    if (kept) {
+        put_orbit(&text, &system, kept->number, &found);
+        put_seconds(&text, session, found.seconds);
+        if (found.family_from > 0) {
+            buffer_put(&text, TEXT(",\n  along its family from T = "));
+            buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);
+        } else {
+            put_from(&text, &found, request.settles ? from : "the guess");
+        }
+        reply_text(reply, buffer_text(&text));
+        reply_own_solver(session, FLOW_SOLVER, reply);
+        reply_orbit(&system, kept->number, &found, reply);
+        keep_table(&system, &found, reply);
+    }
+    buffer_free(&text);
+    orbit_free(&found);
+    return kept != NULL;
+}
+#endif
+
+COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stability", "", NULL},
+        .group = "DYNAMICS",
+        .text = "From where the run is (else the scene's start) the motion is followed until it "
+                "nearly comes back; Newton's\n"
+                "method closes it. period=T and variables are a guess to begin at, also of an "
+                "unstable one. With a drive the\n"
+                "period is the drive's, or a multiple; of the family of a motion without loss the "
+                "orbit with "
+                "just that period. Multipliers say what a small difference "
+                "becomes in a period; 'export\n"
+                "FILE table' writes the orbit.",
+        .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"
+                    "scene vanderpol; orbit period=6 s",
+        .see = "equilibria use list run", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST, .more = "[period=T]"), OPTION("full", TYPE_NONE)))

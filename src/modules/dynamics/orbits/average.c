@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Means with errors: batches of correlated values, smooth weights for regular ones. */
+#include "modules/dynamics/orbits/average.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+#define COARSE 4096   /* values of which the correlation is looked at */
+#define LONGER 5      /* times the time of correlation, or between crossings of the mean: a batch */
+#define AGREE 1e-2    /* of what independent values would scatter */
+#define ROUNDING 1e-9 /* of the size of the values */
+
+static double mean_of(const double *value, size_t n)
+{
+    double sum = 0, low = 0; /* compensated (Kahan 1965) */
+    for (size_t i = 0; i < n; i++) {
+        const double y = value[i] - low, t = sum + y;
+        low = (t - sum) - y;
+        sum = t;
+    }
+    return n > 0 ? sum / (double)n : NAN;
+}
+
+/* ---- weights that rise from 0 and fall to it, u from 0 to 1 ----
+ *
+ * Rates of growth are mostly differences of something along the motion, whose sum is that at both
+ * ends: with weights 1 it scatters more than what is looked for (batches of the Lorenz system would
+ * have to be longer than 100 s).
+ */
+
+typedef double weight(double u);
+
+static double bump(double u)
+{
+    return exp(-1 / (u * (1 - u)));
+}
+
+#define RAMP (1.0 / 16)
+
+static double trapezoid(double u)
+{
+    const double end = fmin(u, 1 - u) / RAMP;
+    return end < 1 ? (1 - cos(PI * end)) / 2 : 1;
+}
+
+/* *square: the sum of squares of the weights, whose sum is 1; NULL: not wanted */
+static double weighted_mean(const double *value, size_t n, weight *of, double *square)
+{
+    double sum = 0, weights = 0, squares = 0;
+    for (size_t i = 0; i < n; i++) {
+        const double w = of(((double)i + 0.5) / (double)n);
+        sum += w * (value[i] - value[0]);
+        weights += w;
+        squares += w * w;
+    }
+    if (square)
+        *square = squares / (weights * weights);
+    return n > 0 ? value[0] + sum / weights : NAN;
+}
+
+static double covariance(const double *value, size_t n, double mean, size_t lag)
+{
+    double sum = 0;
+    for (size_t i = 0; i + lag < n; i++)
+        sum += (value[i] - mean) * (value[i + lag] - mean);
+    return sum / (double)n;
+}
+
+/* How many values a mean of them counts for one that is independent: 1 + 2 sum rho, in which pairs
+ * of neighbours are summed while they are positive and fall. */
+static double correlation_time(const double *value, size_t n, double mean)
+{
+    const double variance = covariance(value, n, mean, 0);
+    double sum = 0, last = HUGE_VAL;
+    for (size_t lag = 0; lag + 1 < n / 2 && variance > 0; lag += 2) {
+        const double pair = covariance(value, n, mean, lag) + covariance(value, n, mean, lag + 1);
+        if (!(pair > 0))
+            break;
+        last = fmin(last, pair);
+        sum += last;
+    }
+    return variance > 0 ? fmax(2 * sum / variance - 1, 1) : 1;
+}
+
+/* So many values go from one time at which the mean is crossed upwards to the next. */
+static double crossing_time(const double *value, size_t n, double mean)
+{
+    size_t count = 0;
+    for (size_t i = 1; i < n; i++)
+        count += value[i - 1] < mean && value[i] >= mean;
+    return count > 0 ? (double)n / (double)count : (double)n;
+}
+
+/*
+ * What is left at the lowest frequencies: by sines that are 0 at both ends (Riedel, Sidorenko
+ * 1995), each of which sees a constant, which is fitted, and independent noise.
+ */
+double average_scatter(const double *value, size_t n, int tapers)
+{
+    double seen[AVERAGE_MOST], constant[AVERAGE_MOST], dot = 0, length = 0, sum = 0, square;
+    const double first = value[0], size = sqrt(2 / (double)n);
+    for (int k = 0; k < tapers; k++) {
+        seen[k] = constant[k] = 0;
+        for (size_t i = 0; i < n; i++) {
+            const double w = size * sin(PI * (k + 1) * ((double)i + 0.5) / (double)n);
+            seen[k] += w * (value[i] - first);
+            constant[k] += w;
+        }
+        dot += seen[k] * constant[k];
+        length += constant[k] * constant[k];
+    }
+    for (int k = 0; k < tapers; k++) {
+        const double rest = seen[k] - constant[k] * dot / length;
+        sum += rest * rest;
+    }
+    weighted_mean(value, n, trapezoid, &square);
+    return sqrt(sum / (tapers - 1) * square);
+}
+
+/* Neighbours are put together until there are few enough; how many values make one. */
+static size_t coarsen(const double *value, size_t n, double *coarse, size_t *count)
+{
+    const size_t each = (n + COARSE - 1) / COARSE;
+    *count = each > 0 ? n / each : 0;
+    for (size_t i = 0; i < *count; i++)
+        coarse[i] = mean_of(value + i * each, each);
+    return each;
+}
+
+void average_find(const double *value, size_t n, double size, double *scratch,
+                  struct average *average)
+{
+    *average = (struct average){
+        .mean = weighted_mean(value, n, trapezoid, NULL), .error = NAN, .spread = NAN};
+    average->smooth = weighted_mean(value, n, bump, NULL);
+    if (n < AVERAGE_BATCHES)
+        return;
+    const size_t half = n / 2;
+    const double part[] = {average->smooth, weighted_mean(value, half, bump, NULL),
+                           weighted_mean(value + half, n - half, bump, NULL),
+                           weighted_mean(value + n / 4, half, bump, NULL)};
+    double low = part[0], high = part[0];
+    for (int i = 1; i < 4; i++) {
+        low = fmin(low, part[i]);
+        high = fmax(high, part[i]);
+    }
+    average->spread = high - low;
+    size_t count;
+    const size_t each = coarsen(value, n, scratch, &count);
+    const double time = (double)each * fmax(correlation_time(scratch, count, average->mean),
+                                            crossing_time(scratch, count, average->mean));
+    const double batches = fmin(floor((double)n / (LONGER * time)), AVERAGE_MOST);
+    average->batches = (int)batches;
+    if (average->batches >= AVERAGE_BATCHES)
+        average->error = average_scatter(scratch, count, average->batches);
+    const double independent = sqrt(covariance(value, n, average->mean, 0) / (double)n);
+    average->regular = average->spread <= fmax(AGREE * independent, ROUNDING * size);
+}

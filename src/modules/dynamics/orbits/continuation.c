@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Points along a curve, and special ones between them.
+ *
+ * A zero of a test is looked for along the chord between two points: each place on it is corrected
+ * in the plane across. Where two curves cross, this correction is singular at the very point: there
+ * the test and the unknowns are polynomials through places to both sides of it (Chebyshev's nodes),
+ * whose errors are those of rounding divided by the distance.
+ */
+#include "modules/dynamics/orbits/continuation.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/scene/formula.h>
+
+#define CORRECTIONS 8
+#define ALIKE 3e-6 /* derivatives so far away are those of the place */
+#define NEAR 1e-9  /* what the next correction would be where a step along the curve ends */
+#define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
+#define FINE 1e-15
+#define KNOWN 1e-12 /* derivatives so far away are those of the place to rounding */
+#define LOOKS 60    /* for a zero: its test is no smooth function */
+#define HALVINGS 12
+#define EVEN 1e-3   /* part of a chord along which the curve goes straight on */
+#define ZERO 1e-13  /* of the values of a test at the ends of its chord: rounding */
+#define FLOOR 1e-14 /* of a tangent: rounding */
+#define FAR 0.5     /* of a unit: a correction of this size goes somewhere else */
+
+static double dot(int n, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+double curve_unit(int n, const double *u)
+{
+    double most = 1;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(u[i]));
+    return most;
+}
+
+double curve_distance(int n, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(sum);
+}
+
+/* [jacobian; direction] x = right, which becomes x [n + 1]. */
+static bool solve_bordered(const struct curve_problem *problem, const double *direction,
+                           double *right)
+{
+    const int n = problem->n;
+    double *a = problem->work->matrix;
+    memcpy(a, problem->work->jacobian, (size_t)(n * (n + 1)) * sizeof *a);
+    memcpy(a + n * (n + 1), direction, (size_t)(n + 1) * sizeof *a);
+    return matrix_solve(n + 1, a, right);
+}
+
+bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent)
+{
+    const int n = problem->n;
+    for (int i = 0; i < n; i++)
+        tangent[i] = 0;
+    tangent[n] = 1;
+    if (!solve_bordered(problem, direction, tangent))
+        return false;
+    const double length = sqrt(dot(n + 1, tangent, tangent));
+    for (int i = 0; i <= n; i++)
+        tangent[i] /= length;
+    return length > 0 && isfinite(length);
+}
+
+/* The largest part of it, each relative to its unknown where that is more than 1. */
+static double correction_size(int n, const double *by, const double *u)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(by[i]) / fmax(1, fabs(u[i])));
+    return most;
+}
+
+static bool correct(const struct curve_problem *problem, const double *guess,
+                    const double *direction, bool fine, struct curve_place *point)
+{
+    const int n = problem->n;
+    double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
+    memcpy(plane, guess, (size_t)(n + 1) * sizeof *plane);
+    memmove(point->u, guess, (size_t)(n + 1) * sizeof *plane);
+    for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
+        if (!problem->residual(problem->context, point->u, f, jacobian))
+            return false;
+        point->residual = 0;
+        for (int i = 0; i < n; i++) {
+            point->residual = fmax(point->residual, fabs(f[i]));
+            f[i] = -f[i];
+        }
+        f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
+        if (!solve_bordered(problem, direction, f))
+            return false;
+        const double by = correction_size(n + 1, f, point->u);
+        if (!(by < FAR))
+            return false;
+        for (int i = 0; i <= n; i++)
+            point->u[i] += f[i];
+        /* the next, if they go on to shrink with their squares */
+        const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
+        if (by < FINE || (by < CLOSE && by >= last / 2) ||
+            (by < KNOWN && isfinite(last) && next < FINE) ||
+            (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
+            if (!curve_tangent(problem, direction, point->tangent))
+                return false;
+            if (problem->tests > 0)
+                problem->test(problem->context, point->u, jacobian, point->tangent, point->test);
+            return true;
+        }
+        last = by;
+    }
+    return false;
+}
+
+static void aim(const struct curve_problem *problem, bool fine)
+{
+    if (problem->aim)
+        problem->aim(problem->context, fine);
+}
+
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_place *point)
+{
+    aim(problem, fine);
+    point->careful = fine;
+    return correct(problem, guess, direction, fine, point);
+}
+
+/* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
+static bool is_steep(const struct curve_problem *problem, const struct curve_place *at)
+{
+    const double along = fabs(at->tangent[problem->n]);
+    return along < CURVE_STEEP && along > CURVE_LEVEL;
+}
+
+bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double by, struct curve_place *to)
+{
+    const int n = problem->n;
+    double guess[CURVE_MAX], bend = 0;
+    if (before) {
+        double since = 0;
+        for (int i = 0; i <= n; i++)
+            since += (from->u[i] - before->u[i]) * from->tangent[i];
+        bend = since * by > 0 ? by * by / (2 * since) : 0;
+    }
+    for (int i = 0; i <= n; i++)
+        guess[i] = from->u[i] + by * from->tangent[i] +
+                   (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
+    to->careful = is_steep(problem, from);
+    aim(problem, false);
+    if (!correct(problem, guess, from->tangent, false, to))
+        return false;
+    if (!to->careful && problem->aim)
+        return true;
+    /* only what is left of the way to rounding needs residuals that cost as much; those that always
+     * are to rounding cost nothing more */
+    const int before_that = to->corrections;
+    aim(problem, true);
+    const bool fine = correct(problem, to->u, from->tangent, !problem->aim, to);
+    to->corrections = problem->aim ? (before_that > to->corrections ? before_that : to->corrections)
+                                   : before_that;
+    return fine;
+}
+
+/* ---- special points ---- */
+
+struct chord {
+    const struct curve_problem *problem;
+    const struct curve_place *a, *b;
+    double direction[CURVE_MAX], length;
+    int test;
+    int looks;
+    struct curve_place at;
+    double share; /* of `at`; NAN: there is none */
+    bool failed;
+};
+
+/* A guess at that share of the chord: on along the tangent where the last place is near, else it
+ * follows the tangents of both ends. */
+static void guess_at(const struct chord *c, double share, double *guess)
+{
+    const int n = c->problem->n;
+    const double on = (share - c->share) * c->length;
+    if (fabs(share - c->share) < EVEN && !(c->problem->singular >> c->test & 1)) {
+        for (int i = 0; i <= n; i++)
+            guess[i] = c->at.u[i] + on * c->at.tangent[i];
+    } else {
+        for (int i = 0; i <= n; i++) {
+            const double slope[] = {c->length * c->a->tangent[i], c->length * c->b->tangent[i]};
+            guess[i] = hermite(share, 1, c->a->u[i], slope[0], c->b->u[i], slope[1]);
+        }
+    }
+    /* put into the plane across the chord at this share */
+    double off = share * c->length;
+    for (int i = 0; i <= n; i++)
+        off -= c->direction[i] * (guess[i] - c->a->u[i]);
+    for (int i = 0; i <= n; i++)
+        guess[i] += off * c->direction[i];
+}
+
+static double test_at(void *context, double share)
+{
+    struct chord *c = context;
+    double guess[CURVE_MAX];
+    guess_at(c, share, guess);
+    c->share = share;
+    if (c->looks++ == LOOKS || !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
+        c->failed = true;
+        return c->share = NAN;
+    }
+    const double value = c->at.test[c->test],
+                 size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
+    const bool fold = value == c->at.tangent[c->problem->n];
+    return fabs(value) <= fmax(ZERO * size, fold ? FLOOR : 0) ? 0 : value;
+}
+
+static void chord_init(struct chord *c, const struct curve_problem *problem,
+                       const struct curve_place *a, const struct curve_place *b, int test)
+{
+    const int n = problem->n;
+    *c = (struct chord){.problem = problem, .a = a, .b = b, .test = test, .share = NAN};
+    c->length = curve_distance(n + 1, a->u, b->u);
+    for (int i = 0; i <= n; i++)
+        c->direction[i] = (b->u[i] - a->u[i]) / c->length;
+}
+
+bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
+                   const struct curve_place *b, double share, struct curve_place *at)
+{
+    struct chord c;
+    double guess[CURVE_MAX];
+    chord_init(&c, problem, a, b, 0);
+    guess_at(&c, share, guess);
+    return c.length > 0 && curve_correct(problem, guess, c.direction, true, at);
+}
+
+#define NODES CURVE_NODES
+#define LEVELS 6
+#define TOO_NEAR 1e-4 /* part of the largest value of the test */
+#define CROSSES 1e-6  /* a crossing that is not known better than this is none */
+
+/* By Newton's divided differences. */
+double curve_interpolated(int count, const double *node, const double *value, double at)
+{
+    double d[NODES];
+    memcpy(d, value, (size_t)count * sizeof *d);
+    for (int level = 1; level < count; level++)
+        for (int i = count; i-- > level;)
+            d[i] = (d[i] - d[i - 1]) / (node[i] - node[i - level]);
+    double sum = d[count - 1];
+    for (int i = count - 1; i-- > 0;)
+        sum = d[i] + (at - node[i]) * sum;
+    return sum;
+}
+
+struct fitted_test {
+    int count;
+    double node[NODES], value[NODES];
+};
+
+static double fitted_value(void *context, double at)
+{
+    const struct fitted_test *f = context;
+    return curve_interpolated(f->count, f->node, f->value, at);
+}
+
+/* Places on both sides of the crossing, from which it is not so near that the correction goes to
+ * the other curve. */
+static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
+                   struct curve_place *at)
+{
+    double most = 0;
+    fit->count = 0;
+    for (int k = 0; k < NODES; k++) {
+        const double node = centre - half * cos((2 * k + 1) * PI / (2 * NODES));
+        c->failed = false;
+        const double value = test_at(c, node);
+        if (c->failed || !isfinite(value))
+            continue;
+        fit->node[fit->count] = node;
+        fit->value[fit->count] = value;
+        at[fit->count++] = c->at;
+        most = fmax(most, fabs(value));
+    }
+    int kept = 0;
+    for (int k = 0; k < fit->count; k++) {
+        if (fabs(fit->value[k]) < TOO_NEAR * most)
+            continue;
+        fit->node[kept] = fit->node[k];
+        fit->value[kept] = fit->value[k];
+        at[kept++] = at[k];
+    }
+    fit->count = kept;
+    return kept >= NODES - 3 && signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
+}
+
+/* The zero near `centre` of polynomials through places up to `half` from it. */
+static bool locate_crossing(struct chord *c, double centre, double half, struct curve_place *at,
+                            double *share)
+{
+    const int n = c->problem->n;
+    struct fitted_test fit;
+    struct curve_place place[NODES];
+    if (!gather(c, centre, half, &fit, place))
+        return false;
+    const int last = fit.count - 1;
+    *share = root_between(fitted_value, &fit, fit.node[0], fit.value[0], fit.node[last],
+                          fit.value[last], 4 * DBL_EPSILON);
+    double y[NODES];
+    *at = place[0];
+    for (int i = 0; i <= n; i++) {
+        for (int k = 0; k < fit.count; k++)
+            y[k] = place[k].u[i];
+        at->u[i] = curve_interpolated(fit.count, fit.node, y, *share);
+        for (int k = 0; k < fit.count; k++)
+            y[k] = place[k].tangent[i];
+        at->tangent[i] = curve_interpolated(fit.count, fit.node, y, *share);
+    }
+    at->test[c->test] = 0;
+    return true;
+}
+
+/* A place where another curve crosses: about ever smaller pieces, as long as that helps: nearer to
+ * it the test is smaller, and what corrections and rounding leave moves its zero by more. */
+static bool look_about(struct chord *c, double share, double half, struct curve_place *at,
+                       double *near)
+{
+    double next;
+    *near = HUGE_VAL;
+    for (int k = 0; k < LEVELS; k++, half /= 4) {
+        struct curve_place better;
+        c->looks = 0;
+        if (!locate_crossing(c, share, half, &better, &next))
+            break;
+        const double moved = c->length * fabs(next - share);
+        if (k > 1 && moved >= *near) /* before that it says how far the crossing was, not this */
+            break;
+        *near = moved;
+        *at = better;
+        share = next;
+        if (*near < 1e-12)
+            break;
+    }
+    return *near < CROSSES;
+}
+
+/* Where the test is no polynomial along the whole chord it is one along a part of it. */
+static bool find_crossing(struct chord *c, struct curve_place *at, double *near)
+{
+    double from = 0, to = 1;
+    bool below = signbit(c->a->test[c->test]);
+    for (int k = 0; k < HALVINGS; k++) {
+        const double middle = (from + to) / 2;
+        if (look_about(c, middle, (to - from) / 2, at, near))
+            return true;
+        c->failed = false;
+        c->looks = 0;
+        const double value = test_at(c, middle);
+        if (c->failed || !isfinite(value))
+            return false;
+        *(signbit(value) == below ? &from : &to) = middle;
+    }
+    return false;
+}
+
+static bool locate_on_chord(const struct curve_problem *problem, const struct curve_place *a,
+                            const struct curve_place *b, int test, struct curve_place *at,
+                            double *near)
+{
+    struct chord c;
+    chord_init(&c, problem, a, b, test);
+    if (problem->singular >> test & 1)
+        return find_crossing(&c, at, near);
+    const double root =
+        root_between(test_at, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
+    if (c.failed)
+        return false;
+    if (c.share != root)
+        test_at(&c, root);
+    *at = c.at;
+    *near = c.length * ZERO;
+    return !c.failed;
+}
+
+/* Where the chord is too far from the curve: one end steps towards the other. */
+bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
+                  const struct curve_place *b, int test, struct curve_place *at, double *near)
+{
+    struct curve_place left = *a, right = *b, middle;
+    for (int k = 0; k < HALVINGS; k++) {
+        if (locate_on_chord(problem, &left, &right, test, at, near))
+            return true;
+        if (problem->singular >> test & 1)
+            return false;
+        double by = curve_distance(problem->n + 1, left.u, right.u) / 2;
+        int tries = 0;
+        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS)
+            by /= 2;
+        if (tries == HALVINGS)
+            return false;
+        if (signbit(middle.test[test]) == signbit(left.test[test]))
+            left = middle;
+        else
+            right = middle;
+    }
+    return false;
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Curves of solutions: n equations in n + 1 unknowns, the last of which is the parameter, all of
+ * them in units of their natural sizes. Pseudo-arclength (Keller 1977).
+ */
+#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
+#define HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
+
+#include <hooke/base.h>
+
+#include "modules/dynamics/orbits/field.h"
+
+#define CURVE_MAX 64 /* unknowns with the parameter */
+#define CURVE_TESTS 4
+#define CURVE_NODES 10
+#define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */
+#define CURVE_LEVEL 1e-12 /* and that is rounding */
+
+struct curve_problem {
+    void *context;
+    int n; /* equations */
+    /* f [n] and its derivatives [n][n + 1]; false: there is no such place, or cancelled */
+    bool (*residual)(void *context, const double *u, double *f, double *jacobian);
+    /*
+     * Functions of a place on the curve that pass through 0 at special points [tests]: u, the
+     * derivatives there and the tangent. Only their signs and zeros count.
+     */
+    void (*test)(void *context, const double *u, const double *jacobian, const double *tangent,
+                 double *value);
+    int tests;
+    /* from here on residuals are wanted to rounding, or to what a step along the curve needs; NULL:
+     * they are always the same */
+    void (*aim)(void *context, bool fine);
+    unsigned singular; /* bits of tests whose zeros are places where two curves cross */
+    struct curve_work *work;
+};
+
+/* Room for two matrices: too much for a stack. */
+struct curve_work {
+    double jacobian[CURVE_MAX * CURVE_MAX]; /* of the place looked at last */
+    double matrix[CURVE_MAX * CURVE_MAX];   /* spoilt by whoever wants to solve */
+};
+
+struct curve_place {
+    double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1], the tangent of length 1 */
+    double test[CURVE_TESTS];
+    double residual; /* largest, before the last correction */
+    int corrections;
+    bool careful; /* to rounding, for the parameter hardly changes */
+};
+
+/*
+ * From a guess to where the curve meets the plane across `direction` [n + 1] through it. The new
+ * tangent goes the same way. `fine`: until rounding.
+ */
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_place *point);
+/* Of the place looked at last, to the side of `direction`. False: it is across the curve. */
+bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent);
+/* The next point `by` along the tangent, and along the bend since `before` (NULL: not known), with
+ * its tests. False: none was found there. */
+bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double by, struct curve_place *to);
+/* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
+ * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
+bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
+                  const struct curve_place *b, int test, struct curve_place *at, double *near);
+/* Finds the place in the plane across the chord from a to b, at that share of it; false: none was
+ * found. */
+bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
+                   const struct curve_place *b, double share, struct curve_place *at);
+/* The polynomial through the values at so many nodes, at most CURVE_NODES, there. */
+double curve_interpolated(int count, const double *node, const double *value, double at);
+/* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
+double curve_unit(int n, const double *u);
+double curve_distance(int n, const double *a, const double *b);
+
+#endif

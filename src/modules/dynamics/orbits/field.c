@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A scene as a vector field with free parameters, and its flow with derivatives. */
+#include "modules/dynamics/orbits/field.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/scene/typed.h>
+
+#include <hooke/study/solve.h>
+
+#define FLOW_TOL 1e-13
+#define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
+#define FLOW_STIFF 2000000
+#define DELTA 1e-6
+#define RATES_JUMP 1e-6 /* relative change of the rates across a kink that is no rounding */
+/* Part of the largest size below which a natural size is only a floor. */
+static const double unseen_size_max = 2e-12;
+#define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
+
+/* ---- what it is ---- */
+
+/* What followed from the parameters' values. */
+static void forget(struct vector_field *field)
+{
+    field->varied = false;
+    field->drive_by[0] = field->drive_by[1] = NAN;
+}
+
+/* Sets the sizes in which states are measured. A variable that the motion from the scene's start
+ * leaves at rest, as where that is an equilibrium, has none of its own: it gets the largest. */
+static void choose_sizes(const struct system *system, double *size)
+{
+    double most = 0;
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, system->scale[i]);
+    for (int i = 0; i < system->n; i++)
+        size[i] = system->scale[i] < unseen_size_max * most ? most : system->scale[i];
+}
+
+bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
+                struct error *error)
+{
+    *field = (struct vector_field){.scene = *scene, .params = params, .tol = FLOW_TOL};
+    for (int j = 0; j < params; j++)
+        field->param[j] = param[j], field->unit[j] = fmax(fabs(scene->value[param[j]]), 1);
+    if (!scene_bind_motion(scene, &field->system, error))
+        return false;
+    const struct system *system = &field->system;
+    field->n = system->n;
+    if (system->n > FIELD_VARIABLES)
+        return error_set(error, ERROR_COMMAND,
+                         "the scene has %d variables: at most %d are followed", system->n,
+                         FIELD_VARIABLES);
+    choose_sizes(system, field->size);
+    for (int i = 0; i < system->n; i++) {
+        field->turn[i] = variable_is_angle(system, i) ? TWO_PI : 0;
+    }
+    forget(field);
+    return true;
+}
+
+void field_free(struct vector_field *field)
+{
+    free(field->variation);
+    field->variation = NULL;
+}
+
+/* Binds the scene with other values. Sizes stay, and so does what needs no start: that of the scene
+ * may lie outside of the domain with these values. */
+static bool rebind(struct vector_field *field)
+{
+    double scale[LIMIT_VARIABLES];
+    const size_t bytes = (size_t)field->n * sizeof *scale;
+    memcpy(scale, field->system.scale, bytes);
+    forget(field);
+    if (!scene_bind_rates(&field->scene, &field->system))
+        return false;
+    memcpy(field->system.scale, scale, bytes);
+    return true;
+}
+
+bool field_set(struct vector_field *field, const double *value)
+{
+    bool same = true;
+    for (int j = 0; j < field->params; j++) {
+        same = same && field->scene.value[field->param[j]] == value[j];
+        field->scene.value[field->param[j]] = value[j];
+    }
+    return same || rebind(field);
+}
+
+bool field_hold(struct vector_field *field, int place, double value)
+{
+    if (field->scene.value[place] == value)
+        return true;
+    field->scene.value[place] = value;
+    return rebind(field);
+}
+
+void field_rate(struct vector_field *field, const double *y, double *rate)
+{
+    field->evals++;
+    system_derivative(&field->system, field->system.t0, y, rate);
+}
+
+void field_jacobian(struct vector_field *field, const double *y, double *jacobian)
+{
+    field->evals++;
+    system_jacobian(&field->system, field->system.t0, y, jacobian);
+}
+
+/* Values of free parameter j on both sides; their distance. */
+static double sides(const struct vector_field *field, int j, struct scene side[2])
+{
+    const int at = field->param[j];
+    const double value = field->scene.value[at], by = DELTA * fmax(fabs(value), 1e-3);
+    side[0] = side[1] = field->scene;
+    side[0].value[at] = value + by;
+    side[1].value[at] = value - by;
+    return side[0].value[at] - side[1].value[at];
+}
+
+bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope)
+{
+    struct scene side[2];
+    struct system system;
+    double rate[2][LIMIT_VARIABLES];
+    const double apart = sides(field, j, side);
+    for (int s = 0; s < 2; s++) {
+        if (!scene_bind_rates(&side[s], &system))
+            return false;
+        system_derivative(&system, field->system.t0, y, rate[s]);
+    }
+    field->evals += 2;
+    for (int i = 0; i < field->n; i++)
+        slope[i] = (rate[0][i] - rate[1][i]) / apart;
+    return true;
+}
+
+double field_drive(const struct vector_field *field)
+{
+    return system_drive(&field->system);
+}
+
+double field_drive_by(struct vector_field *field, int j)
+{
+    if (!isnan(field->drive_by[j]))
+        return field->drive_by[j];
+    struct scene side[2];
+    struct system system;
+    double period[2];
+    const double apart = sides(field, j, side);
+    for (int s = 0; s < 2; s++) {
+        if (!scene_bind_rates(&side[s], &system))
+            return NAN;
+        period[s] = system_drive(&system);
+    }
+    return field->drive_by[j] = (period[0] - period[1]) / apart;
+}
+
+/* ---- the flow ---- */
+
+static bool go(struct vector_field *field, const struct system *system, const char *name,
+               double span, int64_t most, double *end, double *grid)
+{
+    struct solver solver;
+    struct run_settings settings = {.tol = field->tol, .kernel = KERNEL_SPECIALISED};
+    const struct method *method = method_find(name);
+    struct error ignored;
+    if (!method_applies(method, system, &settings.drag, &ignored) ||
+        !solver_init(&solver, system, method, &settings, span))
+        return false;
+    solver.max = most;
+    const enum stop stop = solver_run(&solver, grid, field->cancel);
+    field->evals += solver_cost(&solver);
+    memcpy(end, solver.y, (size_t)system->n * sizeof *end);
+    solver_free(&solver);
+    return stop == STOP_END;
+}
+
+/* What is stiff takes too many explicit steps. */
+static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
+                  double *grid)
+{
+    return (!field->stiff && go(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
+           (!cancelled(field->cancel) &&
+            (field->stiff = go(field, system, "radau5", span, FLOW_STIFF, end, grid)));
+}
+
+bool field_follow(struct vector_field *field, double t, const double *start, double span,
+                  double *grid)
+{
+    double end[LIMIT_VARIABLES];
+    struct system system = field->system;
+    const double tol = field->tol;
+    system.t0 = t;
+    memcpy(system.start, start, (size_t)field->n * sizeof *start);
+    memcpy(system.scale, field->size, (size_t)field->n * sizeof *start);
+    field->tol = 1e-10;
+    const bool fine = go_on(field, &system, span, end, grid);
+    field->tol = tol;
+    return fine;
+}
+
+static bool bind_variation(struct vector_field *field)
+{
+    if (field->varied)
+        return true;
+    if (!field->variation)
+        field->variation = malloc(sizeof *field->variation);
+    if (!field->variation)
+        return false;
+    variation_of_start(field->variation, &field->system, field->size);
+    for (int j = 0; j < field->params; j++)
+        if (!variation_add_parameter(field->variation, &field->scene, field->param[j]))
+            return false;
+    return field->varied = variation_add_trace(field->variation);
+}
+
+static void take_slopes(const struct vector_field *field, const double *all,
+                        struct flow_slopes *slopes)
+{
+    const int n = field->n;
+    for (int c = 0; c < n; c++)
+        for (int i = 0; i < n; i++)
+            slopes->by_start[i * n + c] = all[n * (c + 1) + i] / field->size[i];
+    for (int j = 0; j < field->params; j++)
+        for (int i = 0; i < n; i++)
+            slopes->by_parameter[j][i] = all[n * (n + 1 + j) + i] / field->size[i];
+    slopes->log_determinant = all[field->variation->whole.n - 1];
+}
+
+bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
+                struct flow_slopes *slopes)
+{
+    const int n = field->n;
+    double all[LIMIT_VARIABLES];
+    struct system own, *system = &own;
+    if (slopes) {
+        if (!bind_variation(field))
+            return false;
+        system = &field->variation->whole;
+    } else {
+        own = field->system;
+    }
+    system->t0 = t;
+    memcpy(system->start, start, (size_t)n * sizeof *start);
+    for (int i = 0; i < n * (1 + (slopes ? n + field->params : 0)); i++)
+        system->scale[i] = field->size[i % n];
+    /* derivatives by a parameter are differences: the step must not follow their rounding */
+    for (int j = 0; slopes && j < field->params; j++)
+        for (int i = 0; i < n; i++)
+            system->scale[n * (n + 1 + j) + i] *= fmax(ROUGH / field->tol, 1) / field->unit[j];
+    if (!go_on(field, system, span, all, NULL))
+        return false;
+    memcpy(end, all, (size_t)n * sizeof *end);
+    if (slopes)
+        take_slopes(field, all, slopes);
+    return true;
+}
+
+/* ---- jumps ---- */
+
+/* Between two states near each other, on whose chord some switch goes over. */
+static bool jumps_between(const struct vector_field *field, double t, const double *a,
+                          const double *b)
+{
+    const struct system *system = &field->system;
+    const size_t bytes = (size_t)system->switches * sizeof(double);
+    double from[LIMIT_SWITCHES], to[LIMIT_SWITCHES], now[LIMIT_SWITCHES], y[LIMIT_VARIABLES],
+        rate[2][LIMIT_VARIABLES], lo = 0, hi = 1, size = 0, off = 0;
+    struct system frozen;
+    system_branches(system, t, a, from);
+    system_branches(system, t, b, to);
+    if (memcmp(from, to, bytes) == 0)
+        return false;
+    while (hi - lo > DBL_EPSILON) {
+        const double share = (lo + hi) / 2;
+        for (int i = 0; i < field->n; i++)
+            y[i] = a[i] + share * (b[i] - a[i]);
+        system_branches(system, t, y, now);
+        if (memcmp(from, now, bytes) == 0) {
+            lo = share;
+        } else {
+            hi = share;
+            memcpy(to, now, bytes);
+        }
+    }
+    for (int s = 0; s < 2; s++) {
+        system_freeze(system, s == 0 ? from : to, &frozen);
+        system_derivative(&frozen, t, y, rate[s]);
+    }
+    for (int i = 0; i < field->n; i++) {
+        size = fmax(size, fmax(fabs(rate[0][i]), fabs(rate[1][i])) / field->size[i]);
+        off = fmax(off, fabs(rate[1][i] - rate[0][i]) / field->size[i]);
+    }
+    return off > RATES_JUMP * size;
+}
+
+bool field_jumps(struct vector_field *field, double t, const double *start, double span)
+{
+    const int n = field->n;
+    double grid[FIELD_TIMES * FIELD_VARIABLES];
+    bool jumps = false;
+    if (field->system.switches == 0 || !field_follow(field, t, start, span, grid))
+        return false;
+    for (int k = 1; k < FIELD_TIMES && !jumps; k++)
+        jumps = jumps_between(field, t + (k - 0.5) * span / (FIELD_TIMES - 1), grid + (k - 1) * n,
+                              grid + k * n);
+    return jumps;
+}

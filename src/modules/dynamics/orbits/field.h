@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A scene as a vector field with parameters that are free: what equilibria, orbits and branches of
+ * them ask of it.
+ */
+#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
+#define HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
+
+#include <hooke/study.h>
+
+#include "modules/dynamics/dynamics.h"
+
+#include <hooke/study/variation.h>
+
+#define FIELD_VARIABLES                                                                            \
+    7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
+       */
+
+#define MOST_FREE 2 /* parameters */
+
+struct vector_field {
+    struct scene scene;
+    struct system system;         /* of the scene, as its parameters are now */
+    int n;                        /* at most FIELD_VARIABLES */
+    int params, param[2];         /* those that are free: places in the scene's */
+    double unit[2];               /* of the parameters: how far they go */
+    double size[FIELD_VARIABLES]; /* natural sizes of the variables, > 0 */
+    double tol;                   /* of integration, relative to the sizes */
+    double turn[FIELD_VARIABLES]; /* an angle's full turn; 0: no angle */
+    struct variation *variation;  /* NULL until an orbit is asked for */
+    bool varied;                  /* it is that of the parameters' values, */
+    double drive_by[2];           /* as these are; NAN: not known */
+    bool stiff;                   /* explicit steps have turned out to be too many */
+    int64_t evals;                /* of right-hand sides and Jacobians so far */
+    const struct cancel *cancel;
+};
+
+/* Up to two parameters may be free. False: too many variables, kinks; the error says so. */
+bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
+                struct error *error);
+void field_free(struct vector_field *field);
+/* Gives the free parameters these values. False: the scene has no such values. */
+bool field_set(struct vector_field *field, const double *value);
+/* Gives any parameter of the scene a value that it keeps. */
+bool field_hold(struct vector_field *field, int place, double value);
+
+/* y' [n] and its derivatives [n][n] by y and [n] by free parameter j, at the field's t0. */
+void field_rate(struct vector_field *field, const double *y, double *rate);
+void field_jacobian(struct vector_field *field, const double *y, double *jacobian);
+bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope);
+
+/* [s] period of the drive, 0: nothing depends on time; NAN: it does, but not with one period. */
+double field_drive(const struct vector_field *field);
+/* [s] its derivative by free parameter j */
+double field_drive_by(struct vector_field *field, int j);
+
+/* How the end of a flow changes with what it began with, in units of size. */
+struct flow_slopes {
+    double by_start[FIELD_VARIABLES * FIELD_VARIABLES];
+    double log_determinant;                          /* of by_start */
+    double by_parameter[MOST_FREE][FIELD_VARIABLES]; /* by each free one, the time given */
+};
+
+/*
+ * The state `span` [s] after t, in `end` [n], and its derivatives; NULL: not wanted. False: the
+ * solution does not get there, or cancelled.
+ */
+bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
+                struct flow_slopes *slopes);
+
+/* States at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes); false: likewise.
+ */
+#define FIELD_TIMES STUDY_TIMES
+bool field_follow(struct vector_field *field, double t, const double *start, double span,
+                  double *grid);
+
+/* Do the equations jump anywhere on the way from there (not where only their slopes do)? Then what
+ * derivatives say of differences is not so. */
+bool field_jumps(struct vector_field *field, double t, const double *start, double span);
+
+/* ---- small matrices, row-major ---- */
+
+/* a [n][n] x = b, both are spoilt, b becomes x. False: singular or not finite. */
+bool matrix_solve(int n, double *a, double *b);
+/* Of a [n][n], spoilt; 0: singular. */
+double matrix_determinant(int n, double *a, int *exponent);
+/* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
+ * (Govaerts 2000, 4.4). */
+void matrix_pair_sums(int n, const double *jacobian, double *pairs);
+
+#endif

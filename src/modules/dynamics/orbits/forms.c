@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Types of equilibria. A centre is claimed where the plane's flow keeps areas, or is reversed by a
+ * reflection that the equilibrium lies on (Devaney 1976), or energy is constant. */
+#include "modules/dynamics/orbits/forms.h"
+
+#include <hooke/scene/formula.h>
+#include <hooke/scene/typed.h>
+#include <math.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#include <hooke/study/verify.h>
+#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/orbits/solutions.h"
+
+#define REAL_PART_ZERO 1e-13 /* in sizes of the largest eigenvalue */
+/* Bounds of slopes that are wider than this share of the largest slope tell no eigenvalue. */
+static const double slope_uncertainty_max = 1e-3;
+/* Relative to values and sizes: where a zero without a proof may be, as at the edge of a domain. */
+static const double unproven_position_error = 1e-14;
+/* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
+static const double slope_rounding_max = 1e-9;
+#define SAMPLES 16     /* where symmetries are looked at */
+#define ROUNDING 1e-11 /* of the largest rate or slope there */
+
+static const struct row rows[] = {
+    [EQUILIBRIUM_STABLE_NODE] = {"stable node", "", "all go to it, without turning", "", NULL},
+    [EQUILIBRIUM_STABLE_FOCUS] = {"stable focus", "", "all wind into it", "", NULL},
+    [EQUILIBRIUM_UNSTABLE_NODE] = {"unstable node", "", "all leave it, without turning", "", NULL},
+    [EQUILIBRIUM_UNSTABLE_FOCUS] = {"unstable focus", "", "all wind away from it", "", NULL},
+    [EQUILIBRIUM_SADDLE] = {"saddle", "", "some go to it, most leave it", "", NULL},
+    [EQUILIBRIUM_CENTRE] = {"centre", "", "closed orbits around it", "", NULL},
+    [EQUILIBRIUM_DEGENERATE] = {"degenerate", "", "linear theory does not decide", "", NULL},
+    [EQUILIBRIUM_STABLE] = {"stable", "", "all go to it", "", NULL},
+    [EQUILIBRIUM_UNSTABLE] = {"unstable", "", "all leave it", "", NULL},
+};
+const struct catalog equilibrium_catalog = CATALOG("type", rows);
+
+static double middle(struct interval a)
+{
+    return a.lo + (a.hi - a.lo) / 2;
+}
+
+void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian)
+{
+    const int n = bounded->n;
+    struct interval at[FIELD_VARIABLES] = {{0}}, bound[FIELD_VARIABLES] = {{0}},
+                    by[FIELD_VARIABLES * FIELD_VARIABLES] = {{0}};
+    for (int i = 0; i < n; i++)
+        at[i].lo = at[i].hi = y[i];
+    system_bounds(bounded, at, bound, jacobian ? by : NULL);
+    for (int i = 0; i < n; i++)
+        rate[i] = middle(bound[i]);
+    for (int i = 0; jacobian && i < n * n; i++)
+        jacobian[i] = middle(by[i]);
+}
+
+bool scene_with_bounds(const struct scene *scene, const struct system *system,
+                       struct typed_models **models, struct system *bounded, struct error *error)
+{
+    struct scene written;
+    *models = NULL;
+    *bounded = *system;
+    return !typed_base(scene->model) ||
+           ((*models = typed_create(error)) && typed_written(*models, scene, &written, error) &&
+            scene_bind_motion(&written, bounded, error));
+}
+
+/* ---- symmetries of the plane ---- */
+
+struct plane {
+    const struct system *bounded;
+    const double *size, *about; /* [2] */
+};
+
+static void sample(const struct plane *plane, uint64_t *seed, double *y)
+{
+    for (int i = 0; i < 2; i++)
+        y[i] = plane->about[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
+}
+
+/* Is the divergence 0 everywhere? */
+static bool keeps_areas(const struct plane *plane)
+{
+    uint64_t seed = 11;
+    bool keeps = true;
+    for (int k = 0; k < SAMPLES && keeps; k++) {
+        double y[2] = {0}, rate[2], jacobian[4] = {0};
+        sample(plane, &seed, y);
+        mean_field(plane->bounded, y, rate, jacobian);
+        keeps = fabs(jacobian[0] + jacobian[3]) <=
+                ROUNDING * fmax(fabs(jacobian[0]), fabs(jacobian[3]));
+    }
+    return keeps;
+}
+
+/* R f(R y) = -f(y), R a reflection of y - about: of one variable, or an exchange of both? */
+static bool reverses(const struct plane *plane, const double r[4])
+{
+    const double *about = plane->about;
+    uint64_t seed = 13;
+    bool same = true;
+    for (int k = 0; k < SAMPLES && same; k++) {
+        double y[2] = {0}, other[2], f[2] = {0}, g[2] = {0};
+        sample(plane, &seed, y);
+        for (int i = 0; i < 2; i++)
+            other[i] = about[i] + r[2 * i] * (y[0] - about[0]) + r[2 * i + 1] * (y[1] - about[1]);
+        mean_field(plane->bounded, y, f, NULL);
+        mean_field(plane->bounded, other, g, NULL);
+        for (int i = 0; i < 2; i++)
+            same = same && fabs(r[2 * i] * g[0] + r[2 * i + 1] * g[1] + f[i]) <=
+                               ROUNDING * (fabs(f[0]) + fabs(f[1]));
+    }
+    return same;
+}
+
+/* Is it one where all eigenvalues are imaginary? */
+static bool has_centres(const struct vector_field *field, const struct system *bounded,
+                        const double *about)
+{
+    static const double reflection[][4] = {
+        {1, 0, 0, -1}, {-1, 0, 0, 1}, {0, 1, 1, 0}, {0, -1, -1, 0}};
+    const struct plane plane = {bounded, field->size, about};
+    bool has = field->n == 2 && keeps_areas(&plane);
+    for (size_t i = 0; i < COUNT_OF(reflection) && !has && field->n == 2; i++)
+        has = reverses(&plane, reflection[i]);
+    return has;
+}
+
+/* ---- types ---- */
+
+/* Values on the imaginary axis, zero of them, do not say more than the others do. */
+static enum equilibrium_type type_beside(const struct solution *s, int zero, bool centre)
+{
+    if (s->unstable > 0 && s->unstable + zero < s->values)
+        return EQUILIBRIUM_SADDLE;
+    if (s->unstable > 0 && s->values > 2)
+        return EQUILIBRIUM_UNSTABLE;
+    return centre ? EQUILIBRIUM_CENTRE : EQUILIBRIUM_DEGENERATE;
+}
+
+static enum equilibrium_type type_of(const struct solution *s, const struct vector_field *field,
+                                     const struct system *bounded, bool conservative)
+{
+    int zero = 0, turning = 0;
+    for (int i = 0; i < s->values; i++) {
+        zero += s->value[i].re == 0;
+        turning += s->value[i].im != 0;
+    }
+    if (zero > 0)
+        return type_beside(s, zero,
+                           zero == s->values && turning == s->values &&
+                               (conservative || has_centres(field, bounded, s->state)));
+    if (s->unstable > 0 && s->unstable < s->values)
+        return EQUILIBRIUM_SADDLE;
+    if (s->values > 2)
+        return s->unstable == 0 ? EQUILIBRIUM_STABLE : EQUILIBRIUM_UNSTABLE;
+    if (turning > 0)
+        return s->unstable == 0 ? EQUILIBRIUM_STABLE_FOCUS : EQUILIBRIUM_UNSTABLE_FOCUS;
+    return s->unstable == 0 ? EQUILIBRIUM_STABLE_NODE : EQUILIBRIUM_UNSTABLE_NODE;
+}
+
+/* Poincare's and Hopf's: the sign of det J, a product of eigenvalues of which pairs are > 0. */
+static int index_of(const struct solution *s)
+{
+    int below = 0;
+    for (int i = 0; i < s->values; i++) {
+        if (s->value[i].re == 0 && s->value[i].im == 0)
+            return 0;
+        below += s->value[i].im == 0 && s->value[i].re < 0;
+    }
+    return below % 2 ? -1 : 1;
+}
+
+/* The largest part becomes real and positive. */
+static void turn(int n, double *re, double *im)
+{
+    int at = 0;
+    for (int i = 1; i < n; i++)
+        if (hypot(re[i], im[i]) > (1 + 1e-9) * hypot(re[at], im[at]))
+            at = i;
+    const double size = hypot(re[at], im[at]), c = re[at] / size, s = im[at] / size;
+    for (int i = 0; i < n; i++) {
+        const double x = re[i], y = im[i];
+        re[i] = x * c + y * s;
+        im[i] = i == at ? 0 : y * c - x * s;
+    }
+}
+
+static void find_vectors(int n, const double *jacobian, const struct solution *solution,
+                         struct equilibrium_form *form)
+{
+    for (int k = 0; k < n; k++) {
+        const struct eigenvalue *value = solution->value;
+        const bool second = k > 0 && value[k].im != 0 && value[k].re == value[k - 1].re &&
+                            value[k].im == -value[k - 1].im;
+        bool fine = second || matrix_eigenvector(n, jacobian, value[k], form->re[k], form->im[k]);
+        if (fine && !second)
+            turn(n, form->re[k], form->im[k]);
+        for (int i = 0; i < n; i++) {
+            fine = fine && (second || isfinite(form->re[k][i]));
+            if (second || !fine) {
+                form->re[k][i] = second ? form->re[k - 1][i] : NAN;
+                form->im[k][i] = second ? -form->im[k - 1][i] : NAN;
+            }
+        }
+    }
+}
+
+/* What is 0 but for rounding is 0. */
+static void clean(struct solution *s)
+{
+    double size = 0;
+    for (int i = 0; i < s->values; i++)
+        size = fmax(size, hypot(s->value[i].re, s->value[i].im));
+    for (int i = 0; i < s->values; i++) {
+        if (fabs(s->value[i].re) <= REAL_PART_ZERO * size)
+            s->value[i].re = 0;
+        s->unstable += s->value[i].re > 0;
+    }
+}
+
+static double widest_slope(int n, const struct interval *by)
+{
+    double widest = 0;
+    for (int i = 0; i < n * n; i++)
+        widest = isfinite(by[i].hi - by[i].lo) ? fmax(widest, by[i].hi - by[i].lo) : HUGE_VAL;
+    return widest;
+}
+
+static double largest_slope(int n, const struct interval *by)
+{
+    double largest = 0;
+    for (int i = 0; i < n * n; i++)
+        largest = fmax(largest, fabs(middle(by[i])));
+    return largest;
+}
+
+/* Returns true if bounds of the slopes [n][n] at a state tell what they are: beside the largest of
+ * them, or, where all are about 0, beside the largest a natural size away. */
+static bool slopes_are_known(const struct vector_field *field, const struct system *bounded,
+                             const double *state, const struct interval *by)
+{
+    const int n = field->n;
+    const double widest = widest_slope(n, by);
+    struct interval there[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    away[FIELD_VARIABLES * FIELD_VARIABLES];
+    if (widest <= slope_uncertainty_max * largest_slope(n, by))
+        return true;
+    for (int i = 0; i < n; i++)
+        there[i].lo = there[i].hi = state[i] + field->size[i];
+    system_bounds(bounded, there, rate, away);
+    return widest <= slope_rounding_max * largest_slope(n, away);
+}
+
+/* Sets what cannot be known where slopes are infinite, or nothing but rounding. */
+static void form_without_slopes(int n, struct solution *solution, struct equilibrium_form *form)
+{
+    *form = (struct equilibrium_form){.type = EQUILIBRIUM_DEGENERATE};
+    for (int k = 0; k < n; k++) {
+        solution->value[k] = (struct eigenvalue){NAN, 0};
+        for (int i = 0; i < n; i++)
+            form->re[k][i] = form->im[k][i] = NAN;
+    }
+}
+
+bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
+                      bool conservative, struct solution *solution, struct equilibrium_form *form)
+{
+    const int n = field->n;
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], copy[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int i = 0; i < n; i++) {
+        const double off = solution->multiple ? unproven_position_error *
+                                                    (fabs(solution->state[i]) + field->size[i])
+                                              : 0;
+        at[i] = (struct interval){solution->state[i] - off, solution->state[i] + off};
+    }
+    system_bounds(bounded, at, rate, by);
+    for (int i = 0; i < n * n; i++)
+        copy[i] = jacobian[i] = middle(by[i]);
+    for (int i = 0; i < n; i++) {
+        solution->residual = fmax(solution->residual, fabs(middle(rate[i])));
+        solution->top[i] = solution->bottom[i] = solution->state[i];
+    }
+    solution->values = n;
+    solution->trivial = NAN;
+    if (!slopes_are_known(field, bounded, solution->state, by)) {
+        form_without_slopes(n, solution, form);
+        return true;
+    }
+    if (!matrix_eigenvalues(n, copy, solution->value))
+        return false;
+    clean(solution);
+    *form = (struct equilibrium_form){.type = type_of(solution, field, bounded, conservative),
+                                      .index = index_of(solution)};
+    find_vectors(n, jacobian, solution, form);
+    return true;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What an equilibrium is: eigenvalues, eigenvectors, type, index. */
+#ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
+#define HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
+
+#include <hooke/scene/typed.h>
+#include "modules/dynamics/dynamics.h"
+
+#include "modules/dynamics/orbits/field.h"
+
+/* The system as equations that have bounds: built-in scenes as those in the rows of their terms,
+ * whose models, in *models, have to stay (NULL: none). */
+bool scene_with_bounds(const struct scene *scene, const struct system *system,
+                       struct typed_models **models, struct system *bounded, struct error *error);
+
+/* The field at a state, of a drive its mean over a period, and its Jacobian [n][n]; NULL: not
+ * wanted. */
+void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
+
+/* From y on, away from known solutions; width [n]: ranges of the variables. False: no zero. */
+bool deflated_newton(const struct system *bounded, const double *width,
+                     const struct solution *known, int count, double *y);
+
+/* Of the solution's state, by the Jacobian's bounds there (of a drive: its mean), which also gives
+ * the solution its eigenvalues and residual. False: they are not found. */
+bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
+                      bool conservative, struct solution *solution, struct equilibrium_form *form);
+
+#endif

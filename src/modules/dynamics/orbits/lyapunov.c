@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lyapunov exponents: means over bins of equal time, their errors, and what has to hold. */
+#include "modules/dynamics/chaos.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/orbits/average.h"
+#include "modules/dynamics/orbits/dimension.h"
+#include "modules/dynamics/orbits/tangents.h"
+
+#define COST 2000000 /* evaluations where no time is given */
+#define PILOT 10     /* part of them before */
+#define BINS 4096    /* of the time, at most twice as many */
+#define BIN_STEPS 16 /* at least, as far as is known */
+#define FORCED_BINS 512
+#define STROBES 8             /* periods of which the map is looked at */
+#define AT_REST 1e-9          /* of the rate that sizes and exponents make */
+#define VOLUME_ROUNDING 1e-12 /* of the largest exponent: volumes stay what they are */
+
+struct exponents_search {
+    const struct lyapunov_request *request;
+    struct lyapunov *found;
+    struct tangents t;
+    double t0, period; /* > 0: bins are parts of it, or several */
+    bool timed;        /* by a drive without a period */
+    int parts, times;  /* of a period: a bin */
+    double bin;        /* [s] */
+    size_t bins, done;
+    double *series; /* [count + 1][bins]: exponents, divergence; then as many for work */
+    enum tangents_end end;
+};
+
+static bool go(struct exponents_search *s, double from, double span)
+{
+    s->end = tangents_advance(&s->t, from, span);
+    tangents_unwind(&s->t);
+    return s->end == TANGENTS_OK;
+}
+
+static void report(const struct exponents_search *s, double fraction)
+{
+    if (s->request->progress)
+        s->request->progress(s->request->context, fraction);
+}
+
+/* 1, 2 or 5 times a power of ten, at most x */
+static double round_down(double x)
+{
+    const double power = pow(10, floor(log10(x) + 1e-9)), digit = x / power;
+    return power * (digit >= 5 * (1 - 1e-9) ? 5 : digit >= 2 * (1 - 1e-9) ? 2 : 1);
+}
+
+/* ---- before: until the motion is where it stays ---- */
+
+static double slow(const struct exponents_search *s)
+{
+    const struct system *system = &s->t.field.system;
+    double rate[LIMIT_VARIABLES], most = 0;
+    system_derivative(system, s->t0, s->t.y, rate);
+    for (int i = 0; i < s->t.n; i++)
+        most = fmax(most, fabs(rate[i]) / s->t.field.size[i]);
+    return most > 0 && isfinite(1 / most) ? 1 / most : 1;
+}
+
+static bool go_unasked(struct exponents_search *s)
+{
+    double span = s->period > 0 ? s->period : slow(s);
+    while (tangents_evals(&s->t) < COST / PILOT) {
+        if (!go(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
+            return false;
+        report(s, (double)tangents_evals(&s->t) / COST);
+        if (!(s->period > 0) && 4 * tangents_evals(&s->t) < COST / PILOT)
+            span *= 2;
+    }
+    return true;
+}
+
+static bool go_before(struct exponents_search *s, double skip)
+{
+    const bool drive = s->period > 0;
+    const double pieces = drive ? ceil(skip / s->period * (1 - 1e-12)) : 32,
+                 span = drive ? s->period : skip / pieces;
+    for (double i = 0; i < pieces && skip > 0; i++) {
+        if (!go(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
+            return false;
+        report(s, 0.1 * i / pieces);
+    }
+    return true;
+}
+
+/* How long: what is asked for, in bins. */
+static void choose_bins(struct exponents_search *s, double duration)
+{
+    const double step = s->t.steps > 0 ? s->t.elapsed / (double)s->t.steps : 0;
+    s->parts = s->times = 1;
+    if (s->period > 0) {
+        const double periods = fmax(1, round(duration / s->period));
+        if (periods < FORCED_BINS)
+            s->parts = (int)ceil(FORCED_BINS / periods);
+        if (s->parts > 1 && step > 0)
+            s->parts = (int)fmax(1, fmin(s->parts, floor(s->period / step / BIN_STEPS)));
+        if (periods > BINS)
+            s->times = (int)(periods / BINS);
+        s->bins = (size_t)(periods * s->parts / s->times);
+        s->bin = s->period * s->times / s->parts;
+        return;
+    }
+    const double fine = step > 0 ? duration / step / BIN_STEPS : BINS / 4;
+    s->bins = (size_t)fmax(2 * AVERAGE_BATCHES, fmin(BINS, floor(fine)));
+    s->bin = duration / (double)s->bins;
+}
+
+/* Into the place from which means are taken, and how long they are. */
+static bool begin(struct exponents_search *s)
+{
+    const struct lyapunov_request *r = s->request;
+    double duration = r->duration;
+    const bool unasked = duration == 0 && r->skip < 0;
+    if (unasked ? !go_unasked(s) : !go_before(s, r->skip >= 0 ? r->skip : duration / 10))
+        return false;
+    s->found->skip = s->t.elapsed;
+    if (duration == 0 && !unasked && !go_unasked(s))
+        return false;
+    if (duration == 0) {
+        const double unit = s->period > 0 ? s->period : 1;
+        duration = unit * round_down((PILOT - 1) * s->t.elapsed / unit);
+        s->found->skip = s->t.elapsed;
+    }
+    choose_bins(s, duration);
+    s->series = malloc(2 * (size_t)(s->t.count + 1) * s->bins * sizeof *s->series);
+    return s->series;
+}
+
+/* ---- the time of which means are taken ---- */
+
+static bool go_bin(struct exponents_search *s, size_t b)
+{
+    struct tangents *t = &s->t;
+    bool fine = true;
+    memset(t->growth, 0, sizeof t->growth);
+    t->divergence = 0;
+    for (int k = 0; fine && k < s->times; k++) {
+        const double part = (double)(b % (size_t)s->parts);
+        fine = s->period > 0 ? go(s, s->t0 + part * s->period / s->parts, s->period / s->parts)
+                             : go(s, s->timed ? s->t0 + t->elapsed : s->t0, s->bin);
+    }
+    for (int j = 0; fine && j < t->count; j++)
+        s->series[(size_t)j * s->bins + b] = t->growth[j] / s->bin;
+    if (fine)
+        s->series[(size_t)t->count * s->bins + b] = t->divergence / s->bin;
+    return fine;
+}
+
+static bool go_through(struct exponents_search *s)
+{
+    for (s->done = 0; s->done < s->bins; s->done++) {
+        if (!go_bin(s, s->done))
+            return false;
+        if (s->done % 16 == 0)
+            report(s, 0.1 + 0.9 * (double)s->done / (double)s->bins);
+    }
+    return true;
+}
+
+/* ---- what they are ---- */
+
+static void find_dimension(const struct exponents_search *s, const int *order)
+{
+    struct lyapunov *f = s->found;
+    double slope[FIELD_VARIABLES], size = fabs(f->divergence) / f->n;
+    f->dimension = (struct exponent){NAN, NAN};
+    if (!f->determined)
+        return;
+    for (int i = 0; i < f->count; i++)
+        size = fmax(size, fabs(f->exponent[i].value));
+    if (f->count == f->n && f->divergence >= -VOLUME_ROUNDING * size) {
+        f->dimension = (struct exponent){f->n, 0};
+        return;
+    }
+    assert(s->series);
+    f->dimension = (struct exponent){kaplan_yorke(f->exponent, f->count, f->n, size, slope), 0};
+    double *mixed = s->series + (size_t)(f->count + 1) * s->bins;
+    memset(mixed, 0, s->done * sizeof *mixed);
+    for (int i = 0; i < f->count; i++) {
+        f->dimension.error += f->regular ? fabs(slope[i]) * f->exponent[i].error : 0;
+        for (size_t b = 0; b < s->done; b++)
+            mixed[b] += slope[i] * s->series[(size_t)order[i] * s->bins + b];
+    }
+    if (!f->regular)
+        f->dimension.error = average_scatter(mixed, s->done, f->batches);
+}
+
+static bool has_come_to_rest(const struct exponents_search *s)
+{
+    double most = 1 / s->found->time;
+    for (int j = 0; j < s->found->count; j++)
+        most = fmax(most, fabs(s->found->exponent[j].value));
+    return !s->timed && s->period == 0 && 1 / slow(s) < AT_REST * most;
+}
+
+static void sort(struct lyapunov *f, int *order)
+{
+    for (int i = 0; i < f->count; i++) {
+        const struct exponent e = f->exponent[i];
+        int j = i;
+        for (; j > 0 && f->exponent[j - 1].value < e.value; j--) {
+            f->exponent[j] = f->exponent[j - 1];
+            order[j] = order[j - 1];
+        }
+        f->exponent[j] = e;
+        order[j] = i;
+    }
+}
+
+static void evaluate(struct exponents_search *s)
+{
+    struct lyapunov *f = s->found;
+    const int count = f->count;
+    double *scratch = s->series + (size_t)(count + 1) * s->bins, size = 0;
+    struct average average[FIELD_VARIABLES + 1];
+    int order[FIELD_VARIABLES];
+    f->regular = f->determined = s->done > 0;
+    f->batches = AVERAGE_MOST;
+    for (int pass = 0; pass < 2; pass++)
+        for (int j = 0; j <= count; j++) {
+            average_find(s->series + (size_t)j * s->bins, s->done, size, scratch, &average[j]);
+            size = pass == 0 ? fmax(size, fabs(average[j].mean)) : size;
+        }
+    for (int j = 0; j < count; j++) {
+        f->regular = f->regular && average[j].regular;
+        f->determined = f->determined && average[j].batches >= AVERAGE_BATCHES;
+        f->batches = average[j].batches < f->batches ? average[j].batches : f->batches;
+    }
+    f->determined = f->determined || f->regular;
+    f->time = (double)s->done * s->bin;
+    f->divergence = f->regular ? average[count].smooth : average[count].mean;
+    f->sum = 0;
+    for (int j = 0; j < count; j++)
+        f->sum += f->regular ? average[j].smooth : average[j].mean;
+    /* What steps leave shows where volumes are known; and tangents that grow as powers of the time
+     * have rates of about 1/time. */
+    const double steps = fmax(count == f->n ? fabs(f->sum - f->divergence) : 0, TANGENT_TOL * size);
+    for (int j = 0; j < count; j++) {
+        const struct average *a = &average[j];
+        f->exponent[j] = f->regular ? (struct exponent){a->smooth, a->spread + steps}
+                                    : (struct exponent){a->mean, hypot(a->error, 1 / f->time)};
+    }
+    sort(f, order);
+    f->rests = s->done > 0 && has_come_to_rest(s);
+    find_dimension(s, order);
+}
+
+/* Periods from here by the flow, and by the derivatives of the map over one, from the same states
+ * and tangents. */
+static double compare_with_map(struct exponents_search *s)
+{
+    struct tangents *t = &s->t;
+    const int n = t->n, count = t->count;
+    double off[FIELD_VARIABLES] = {0}, worst = 0;
+    for (int k = 0; k < STROBES; k++) {
+        struct flow_slopes slopes;
+        double end[FIELD_VARIABLES], column[FIELD_VARIABLES * FIELD_VARIABLES] = {0},
+                                                              diagonal[FIELD_VARIABLES];
+        if (!field_flow(&t->field, s->t0, t->y, s->period, end, &slopes))
+            return NAN;
+        for (int j = 0; j < count; j++)
+            for (int i = 0; i < n; i++)
+                for (int l = 0; l < n; l++)
+                    column[n * j + i] +=
+                        slopes.by_start[i * n + l] * t->y[n * (j + 1) + l] / t->field.size[l];
+        tangents_orthonormalise(n, count, column, diagonal);
+        memset(t->growth, 0, sizeof t->growth);
+        if (!go(s, s->t0, s->period))
+            return NAN;
+        for (int j = 0; j < count; j++)
+            off[j] += t->growth[j] - log(diagonal[j]);
+    }
+    for (int j = 0; j < count; j++)
+        worst = fmax(worst, fabs(off[j]) / (STROBES * s->period));
+    return worst;
+}
+
+static const char *reason_of(const struct exponents_search *s)
+{
+    switch (s->end) {
+    case TANGENTS_LEAVE:
+        return "the motion leaves every bound";
+    case TANGENTS_JUMP:
+        return "the equations jump, and tangents with them";
+    case TANGENTS_STALL:
+        return "no step goes on";
+    case TANGENTS_CANCELLED:
+        return "stopped";
+    case TANGENTS_OK:
+        break;
+    }
+    return s->found->determined ? NULL
+                                : "the time is too short for 10 batches that are independent";
+}
+
+bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
+                   struct error *error)
+{
+    const int64_t since = clock_ns();
+    struct exponents_search *s = calloc(1, sizeof *s); /* large */
+    *found = (struct lyapunov){.strobe = NAN};
+    if (!s)
+        return error_memory(error);
+    s->request = request;
+    s->found = found;
+    if (!tangents_init(&s->t, request->scene, request->count, request->cancel, error)) {
+        free(s);
+        return false;
+    }
+    const struct system *system = &s->t.variation.base;
+    found->n = s->t.n;
+    found->count = s->t.count;
+    found->period = field_drive(&s->t.field);
+    found->conservative = system->conservative;
+    s->t0 = system->t0;
+    s->period = found->period > 0 ? found->period : 0;
+    s->timed = isnan(found->period);
+    if (begin(s) && go_through(s) && s->period > 0 && s->t.condition < 1e6)
+        found->strobe = compare_with_map(s);
+    const bool fine = s->series || s->end != TANGENTS_OK;
+    found->condition = s->t.condition;
+    for (int j = 0; j < found->count; j++)
+        found->exponent[j] = (struct exponent){NAN, NAN};
+    if (s->done > 0)
+        evaluate(s);
+    if (s->end == TANGENTS_LEAVE || s->end == TANGENTS_JUMP)
+        found->determined = false;
+    found->cancelled = s->end == TANGENTS_CANCELLED;
+    found->reason = reason_of(s);
+    found->method = s->t.method ? s->t.method->row.name : "";
+    found->tol = s->t.controller.tol;
+    found->evals = tangents_evals(&s->t) + s->t.field.evals;
+    found->seconds = clock_seconds(since);
+    report(s, 2);
+    free(s->series);
+    tangents_free(&s->t);
+    free(s);
+    return fine || error_memory(error);
+}

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Multipliers of an orbit from the maps of its segments. Their product is not formed: where
+ * differences first grow and then die it loses what is left of them. Instead a basis is carried
+ * around the orbit until it is that of the eigenvectors, fastest first, as in the periodic QR
+ * algorithm (Bojanczyk, Golub, Van Dooren 1992): the logarithms of what each segment does to it are
+ * right however far the multipliers are apart.
+ *
+ * Of an autonomous orbit the direction of motion is left out at both ends of each segment, and with
+ * it the trivial multiplier.
+ */
+#include "modules/dynamics/orbits/multipliers.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <hooke/study/verify.h>
+
+#define SWEEPS 6
+#define SIGNS 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
+#define SURE 1e-3 /* relative: a multiplier that is known */
+
+typedef double square[FIELD_VARIABLES * FIELD_VARIABLES];
+
+static void multiply(int rows, int inner, int columns, const double *a, const double *b,
+                     double *product)
+{
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            double sum = 0;
+            for (int k = 0; k < inner; k++)
+                sum += a[i * inner + k] * b[k * columns + j];
+            product[i * columns + j] = sum;
+        }
+}
+
+static double length_of(int n, const double *a)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * a[i];
+    return sqrt(sum);
+}
+
+/* The columns of Householder's reflection that takes the rate to the first axis, but for the first:
+ * an orthonormal basis of what lies across, [n][n - 1]. */
+static void across(int n, const double *rate, double *basis)
+{
+    double v[FIELD_VARIABLES];
+    memcpy(v, rate, (size_t)n * sizeof *v);
+    v[0] += copysign(length_of(n, v), v[0]);
+    const double half = length_of(n, v) * length_of(n, v) / 2;
+    for (int i = 0; i < n; i++)
+        for (int j = 1; j < n; j++)
+            basis[i * (n - 1) + j - 1] = (i == j) - v[i] * v[j] / half;
+}
+
+/* The map of a segment between what lies across at both its ends, [n - 1]^2. */
+static void quotient(int n, const double *map, const double *first, const double *last,
+                     double *reduced)
+{
+    double before[FIELD_VARIABLES * FIELD_VARIABLES], after[FIELD_VARIABLES * FIELD_VARIABLES],
+        moved[FIELD_VARIABLES * FIELD_VARIABLES], turned[FIELD_VARIABLES * FIELD_VARIABLES];
+    across(n, first, before);
+    across(n, last, after);
+    multiply(n, n, n - 1, map, before, moved);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n - 1; j++)
+            turned[j * n + i] = after[i * (n - 1) + j];
+    multiply(n - 1, n, n - 1, turned, moved, reduced);
+}
+
+/* How much what moves along the orbit is moved otherwise, in each segment; the sum. Without a
+ * trivial multiplier 0 and NAN. */
+static double drift(const struct orbit_maps *o, double *each)
+{
+    const int n = o->n;
+    double sum = 0, moved[FIELD_VARIABLES];
+    memset(each, 0, (size_t)o->segments * sizeof *each);
+    for (int i = 0; o->rate && i < o->segments; i++) {
+        const double *next = o->rate + (i + 1) % o->segments * n;
+        multiply(n, n, 1, o->map + i * n * n, o->rate + i * n, moved);
+        for (int k = 0; k < n; k++)
+            moved[k] -= next[k];
+        sum += each[i] = length_of(n, moved) / length_of(n, next);
+    }
+    return o->rate ? sum : NAN;
+}
+
+/* a [n][n] = q r, by Gram and Schmidt twice; q replaces a. */
+static void orthogonalise(int n, double *a, double *r)
+{
+    memset(r, 0, (size_t)(n * n) * sizeof *r);
+    for (int j = 0; j < n; j++) {
+        for (int again = 0; again < 2; again++)
+            for (int k = 0; k < j; k++) {
+                double along = 0;
+                for (int i = 0; i < n; i++)
+                    along += a[i * n + k] * a[i * n + j];
+                for (int i = 0; i < n; i++)
+                    a[i * n + j] -= along * a[i * n + k];
+                r[k * n + j] += along;
+            }
+        double length = 0;
+        for (int i = 0; i < n; i++)
+            length = hypot(length, a[i * n + j]);
+        r[j * n + j] = length;
+        for (int i = 0; i < n && length > 0; i++)
+            a[i * n + j] /= length;
+    }
+}
+
+/* Around the orbit once: the basis q at its start becomes that at its end; r: the product of what
+ * all segments do, upper triangular. off [segments]: relative, of the maps. uncertain [n]:
+ * relative, of the diagonal of r. */
+static void carry(int n, int segments, const double *map, const double *off, double *q, double *r,
+                  double *uncertain)
+{
+    square moved, by, product;
+    for (int i = 0; i < n * n; i++)
+        r[i] = i % (n + 1) == 0;
+    memset(uncertain, 0, (size_t)n * sizeof *uncertain);
+    for (int s = 0; s < segments; s++) {
+        multiply(n, n, n, map + s * n * n, q, moved);
+        orthogonalise(n, moved, by);
+        memcpy(q, moved, (size_t)(n * n) * sizeof *q);
+        multiply(n, n, n, by, r, product);
+        memcpy(r, product, (size_t)(n * n) * sizeof *r);
+        for (int k = 0; k < n; k++)
+            uncertain[k] += off[s] / by[k * n + k];
+    }
+}
+
+static double size_of(struct eigenvalue value)
+{
+    return hypot(value.re, value.im);
+}
+
+static void sort(int n, struct eigenvalue *value)
+{
+    for (int i = 1; i < n; i++)
+        for (int j = i; j > 0 && size_of(value[j]) > size_of(value[j - 1]); j--) {
+            const struct eigenvalue swap = value[j];
+            value[j] = value[j - 1];
+            value[j - 1] = swap;
+        }
+}
+
+/* The smallest, by the product of all (Liouville), where it is better known so. */
+static void mend_last(int n, double log_determinant, struct eigenvalue *value, double *uncertain)
+{
+    double log_others = 0, sign = 1, off = 0;
+    for (int i = 0; i < n - 1; i++) {
+        log_others += log(size_of(value[i]));
+        off += uncertain[i];
+        if (value[i].im == 0)
+            sign *= copysign(1, value[i].re);
+    }
+    if (value[n - 1].im == 0 && off < uncertain[n - 1]) {
+        value[n - 1].re = sign * exp(log_determinant - log_others);
+        uncertain[n - 1] = off;
+    }
+}
+
+bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multipliers *m)
+{
+    const int n = o->rate ? o->n - 1 : o->n;
+    double map[CURVE_MAX * FIELD_VARIABLES], off[CURVE_MAX];
+    *m = (struct multipliers){.count = n, .trivial = drift(o, off)};
+    if (n == 0)
+        return true;
+    /* what lies across is not better known than which way the motion goes: where this turns, only
+     * little may be left across of what has grown */
+    for (int s = 0; s < o->segments; s++)
+        off[s] = (off[s] + tol) * length_of(o->n * o->n, o->map + s * o->n * o->n);
+    square q, r, turned, whole;
+    double uncertain[FIELD_VARIABLES], first[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int s = 0; s < o->segments; s++) {
+        const double *given = o->map + s * o->n * o->n;
+        if (o->rate)
+            quotient(o->n, given, o->rate + s * o->n, o->rate + (s + 1) % o->segments * o->n,
+                     map + s * n * n);
+        else
+            memcpy(map + s * n * n, given, (size_t)(n * n) * sizeof *given);
+    }
+    for (int i = 0; i < n * n; i++)
+        q[i] = i % (n + 1) == 0;
+    for (int sweep = 0; sweep < (n > 1 ? SWEEPS : 1); sweep++) {
+        memcpy(first, q, sizeof first);
+        carry(n, o->segments, map, off, q, r, uncertain);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            turned[i * n + j] = first[j * n + i];
+    multiply(n, n, n, turned, q, whole);
+    multiply(n, n, n, whole, r, turned);
+    if (!matrix_eigenvalues(n, turned, m->value))
+        return false;
+    sort(n, m->value);
+    mend_last(n, o->log_determinant, m->value, uncertain);
+    m->log_determinant = o->log_determinant;
+    for (int k = 0; k < n; k++)
+        if (!(uncertain[k] < SURE))
+            m->noise = fmax(m->noise, size_of(m->value[k]));
+    return true;
+}
+
+/* (x - at) / max(1, |x|): of the same sign, and passing 0 as smoothly */
+static double bounded(double x, double at)
+{
+    return (x - at) / fmax(1, fabs(x));
+}
+
+double multipliers_doubling(const struct multipliers *m)
+{
+    double product = m->noise > SIGNS ? NAN : 1;
+    for (int i = 0; i < m->count; i++) {
+        const struct eigenvalue v = m->value[i];
+        product *= v.im == 0 ? bounded(v.re, -1) : hypot(v.re + 1, v.im) / fmax(1, size_of(v));
+    }
+    return product;
+}
+
+double multipliers_torus(const struct multipliers *m)
+{
+    double product = m->noise > SIGNS ? NAN : 1;
+    if (m->count == 2) /* exact where volumes are kept: it is 0 all along */
+        return product * bounded(exp(m->log_determinant), 1);
+    for (int i = 0; i < m->count; i++)
+        for (int j = i + 1; j < m->count; j++) {
+            const struct eigenvalue a = m->value[i], b = m->value[j];
+            const double re = a.re * b.re - a.im * b.im, im = a.re * b.im + a.im * b.re;
+            const bool pair = a.re == b.re && a.im == -b.im;
+            product *=
+                pair || im == 0 ? bounded(re, 1) : hypot(re - 1, im) / fmax(1, hypot(re, im));
+        }
+    return product;
+}

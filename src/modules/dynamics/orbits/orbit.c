@@ -1,0 +1,603 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A periodic orbit from a state near it: the motion is followed until it nearly returns, the turn
+ * with the smallest period first, and Newton's method closes it. Where orbits come in families (of
+ * conservative motion) the shooting equations are singular: the least change is taken, which stays
+ * near the amplitude that there is.
+ */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#include "modules/dynamics/orbits/solutions.h"
+
+#define RETURNS 48
+#define NEAR 0.02      /* of the extent: a return from which the orbit is looked for */
+#define FAR 0.2        /* the same when nothing better has come */
+#define STILL 1e-7     /* of the sizes: nothing moves any more */
+#define WAITS 40       /* spans for which the motion may settle */
+#define STROBES 240    /* periods of the drive likewise */
+#define MOST 16        /* periods of the drive that one of the motion may take */
+#define CLOSED 1e-8    /* residual, in natural sizes */
+#define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
+#define TRIES 6        /* returns from which an orbit is looked for at once; */
+#define ALL_TRIES 24   /* in all: the motion may be chaotic */
+#define SEARCH 6000000 /* evaluations after which nothing more is tried: a second, about */
+#define POLISHED 1e-11 /* residual below which nothing more is to be gained */
+
+/* ---- closing it ---- */
+
+#define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
+
+/* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
+ * along which the unknowns stay as they are, NULL: none. room: [2][SQUARE] */
+static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
+{
+    const struct curve_problem *problem = path->problem;
+    const int n = problem->n, all = n + 1;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
+    double begin[CURVE_MAX];
+    bool fine = false;
+    memcpy(begin, u, (size_t)n * sizeof *u);
+    problem->aim(problem->context, fine);
+    for (int look = 0; look < 40; look++) {
+        double worst = 0, trace = 0, size = 0;
+        if (!problem->residual(problem->context, u, f, jacobian))
+            return false;
+        for (int i = 0; i < n; i++)
+            worst = fmax(worst, fabs(f[i]));
+        double off = 0;
+        for (int i = 0; i < n && across; i++)
+            off += across[i] * (u[i] - begin[i]);
+        if (fine && (worst < 1e-13 || (worst < CLOSED && worst > last / 2)))
+            return true;
+        if (!fine && worst < 1e-5) {
+            problem->aim(problem->context, fine = true);
+            last = HUGE_VAL;
+            continue;
+        }
+        for (int i = 0; i < n; i++) {
+            by[i] = across ? -across[i] * off : 0;
+            for (int k = 0; k < n; k++)
+                by[i] -= jacobian[k * all + i] * f[k];
+            for (int j = 0; j < n; j++) {
+                a[i * n + j] = across ? across[i] * across[j] : 0;
+                for (int k = 0; k < n; k++)
+                    a[i * n + j] += jacobian[k * all + i] * jacobian[k * all + j];
+            }
+            trace += a[i * n + i];
+        }
+        for (int i = 0; i < n; i++)
+            a[i * n + i] += 1e-13 * trace / n;
+        if (!matrix_solve(n, a, by))
+            return false;
+        for (int i = 0; i < n; i++)
+            size = fmax(size, fabs(by[i]) / fmax(1, fabs(u[i])));
+        for (int i = 0; i < n; i++)
+            u[i] += by[i] * fmin(1, 0.2 / size);
+        last = worst;
+    }
+    return false;
+}
+
+double orbit_extent(const struct vector_field *field, const struct solution *s)
+{
+    double most = 0;
+    for (int i = 0; i < s->n; i++)
+        most = fmax(most, (s->top[i] - s->bottom[i]) / field->size[i]);
+    return most;
+}
+
+/* How far a solution at a looser tolerance is off. */
+static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
+{
+    const int n = path->problem->n;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
+    path->field.tol = LOOSE;
+    const bool fine = path->problem->residual(path->problem->context, point->u, f, jacobian);
+    for (int i = 0; fine && i < n; i++)
+        memcpy(a + i * n, jacobian + i * (n + 1), (size_t)n * sizeof *a);
+    if (!fine || !matrix_solve(n, a, f))
+        return NAN;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(f[i]) / fmax(1, fabs(point->u[i])));
+    return most;
+}
+
+/* An orbit with that many parts of the period would do as well? */
+static bool closes_after(struct orbit_search *s, const struct solution *orbit, int parts)
+{
+    double end[FIELD_VARIABLES], most = 0;
+    if (!field_flow(&s->field, s->field.system.t0, orbit->state, orbit->period / parts, end, NULL))
+        return false;
+    for (int i = 0; i < orbit->n; i++) {
+        double off = end[i] - orbit->state[i];
+        if (s->field.turn[i] > 0)
+            off = remainder(off, s->field.turn[i]);
+        most = fmax(most, fabs(off) / s->field.size[i]);
+    }
+    return most < 1e-5 * orbit_extent(&s->field, orbit);
+}
+
+/* In units of the unknowns: those of the start and the period. */
+static void hold(const struct solution_curve *path, const double *across, double *held)
+{
+    const int n = path->problem->n, variables = path->field.n;
+    double size = 0;
+    memset(held, 0, (size_t)n * sizeof *held);
+    for (int i = 0; i < variables; i++)
+        held[i] = across[i] * path->field.size[i];
+    held[n - 1] = across[variables];
+    for (int i = 0; i < n; i++)
+        size = hypot(size, held[i]);
+    for (int i = 0; i < n; i++)
+        held[i] /= size;
+}
+
+bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
+                 const double *across, struct found_orbit *orbit)
+{
+    struct solution guess = {.kind = multiple > 0 ? SOLUTION_RESPONSE : SOLUTION_ORBIT,
+                             .n = s->field.n,
+                             .period = period,
+                             .multiple = multiple};
+    struct solution_curve path;
+    struct curve_place point = {.corrections = 0}, better;
+    struct error ignored;
+    guess.param[0] = s->field.scene.value[s->field.param[0]];
+    memcpy(guess.state, state, (size_t)s->field.n * sizeof *state);
+    if (!solutions_begin(&path, s->request->scene, s->field.param[0], s->field.unit[0], &guess,
+                         s->request->cancel, point.u, &ignored))
+        return false;
+    double held[CURVE_MAX];
+    if (across)
+        hold(&path, across, held);
+    double *room = malloc(2 * SQUARE * sizeof *room);
+    bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
+                solutions_at(&path, &point, true, &orbit->solution);
+    orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
+    if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
+        solutions_correct_at(&path, point.u, 1, &better)) {
+        memcpy(point.u, better.u, sizeof point.u);
+        fine = solutions_at(&path, &point, true, &orbit->solution);
+    }
+    orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
+    if (fine && orbit->family) { /* double ones are no more exact than that */
+        orbit->solution.unstable = 0;
+        for (int i = 0; i < orbit->solution.values; i++)
+            orbit->solution.unstable +=
+                hypot(orbit->solution.value[i].re, orbit->solution.value[i].im) > 1 + SOLUTION_ONE;
+    }
+    s->field.evals += path.field.evals;
+    solutions_end(&path);
+    free(room);
+    const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
+    /* what winds into a rest ever more slowly nearly closes, too */
+    return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
+           (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
+                             orbit->solution.residual < CLOSED * extent));
+}
+
+/* The same, with the smallest period. */
+static bool close_smallest(struct orbit_search *s, const double *state, double period, int multiple,
+                           struct found_orbit *orbit)
+{
+    static const int parts[] = {2, 3, 5, 7};
+    if (!orbit_close(s, state, period, multiple, NULL, orbit))
+        return false;
+    for (size_t k = 0; k < COUNT_OF(parts);) {
+        struct found_orbit part = *orbit;
+        const int of = parts[k];
+        if ((multiple == 0 || orbit->solution.multiple % of == 0) &&
+            closes_after(s, &orbit->solution, of) &&
+            orbit_close(s, orbit->solution.state, orbit->solution.period / of,
+                        orbit->solution.multiple / of, NULL, &part) &&
+            part.solution.period < 0.75 * orbit->solution.period)
+            *orbit = part;
+        else
+            k++;
+    }
+    return true;
+}
+
+static void tell(const struct orbit_search *s)
+{
+    if (s->request->progress)
+        s->request->progress(s->request->context, 0);
+}
+
+/* Takes the first that is stable, and keeps the first of all. True: that is it. */
+static bool take(struct orbit_search *s, const double *state, double period, int multiple)
+{
+    struct found_orbit orbit = {.samples = 0};
+    s->tries++;
+    tell(s);
+    if (!close_smallest(s, state, period, multiple, &orbit))
+        return false;
+    const bool wanted = solution_stable(&orbit.solution) || !s->request->settles;
+    if (wanted || !s->any)
+        *s->found = orbit;
+    s->any = true;
+    return wanted;
+}
+
+/* ---- returns of the motion ---- */
+
+struct returns {
+    int count;
+    double time[RETURNS], distance[RETURNS]; /* part of the extent */
+};
+
+static double off(const struct orbit_search *s, const double *y, int i)
+{
+    const double by = y[i] - s->state[i];
+    return (s->field.turn[i] > 0 ? remainder(by, s->field.turn[i]) : by) / s->field.size[i];
+}
+
+/* Above the plane through the state, across the motion there. */
+static double above(const struct orbit_search *s, const double *y, const double *normal)
+{
+    double sum = 0;
+    for (int i = 0; i < s->field.n; i++)
+        sum += normal[i] * off(s, y, i);
+    return sum;
+}
+
+/* Where it goes up through the plane between two rows of a grid. */
+static double crossing(struct orbit_search *s, double t, const double *from, double h,
+                       const double *normal, double *at)
+{
+    const int n = s->field.n;
+    double grid[FIELD_TIMES * FIELD_VARIABLES];
+    if (!field_follow(&s->field, t, from, h, grid))
+        return NAN;
+    for (int k = 1; k < FIELD_TIMES; k++) {
+        const double *a = grid + (k - 1) * n, *b = grid + k * n;
+        const double g[] = {above(s, a, normal), above(s, b, normal)};
+        if (!(g[0] < 0 && g[1] >= 0))
+            continue;
+        const double share = g[0] / (g[0] - g[1]);
+        for (int i = 0; i < n; i++)
+            at[i] = a[i] + share * (b[i] - a[i]);
+        return h * (k - 1 + share) / (FIELD_TIMES - 1);
+    }
+    return NAN;
+}
+
+/* False: the motion does not get there. */
+static bool look(struct orbit_search *s, double span, struct returns *found, double *end)
+{
+    const int n = s->field.n;
+    double grid[FIELD_TIMES * FIELD_VARIABLES], normal[FIELD_VARIABLES], at[FIELD_VARIABLES];
+    const double h = span / (FIELD_TIMES - 1);
+    field_rate(&s->field, s->state, normal);
+    for (int i = 0; i < n; i++)
+        normal[i] /= s->field.size[i];
+    if (!field_follow(&s->field, s->t, s->state, span, grid))
+        return false;
+    found->count = 0;
+    s->extent = 0;
+    for (int i = 0; i < n; i++) {
+        double top = grid[i], bottom = grid[i];
+        for (int k = 1; k < FIELD_TIMES; k++) {
+            top = fmax(top, grid[k * n + i]);
+            bottom = fmin(bottom, grid[k * n + i]);
+        }
+        const double range =
+            s->field.turn[i] > 0 ? fmin(top - bottom, s->field.turn[i]) : top - bottom;
+        s->extent = fmax(s->extent, range / s->field.size[i]);
+    }
+    for (int k = 2; k < FIELD_TIMES && found->count < RETURNS; k++) {
+        const double *a = grid + (k - 1) * n;
+        if (!(above(s, a, normal) < 0 && above(s, a + n, normal) >= 0))
+            continue;
+        const double by = crossing(s, s->t + (k - 1) * h, a, h, normal, at);
+        double most = 0;
+        for (int i = 0; i < n; i++)
+            most = fmax(most, fabs(off(s, at, i)));
+        if (!isfinite(by))
+            continue;
+        found->time[found->count] = (k - 1) * h + by;
+        found->distance[found->count++] = most / s->extent;
+    }
+    memcpy(end, grid + (FIELD_TIMES - 1) * n, (size_t)n * sizeof *end);
+    return true;
+}
+
+static bool spent(const struct orbit_search *s)
+{
+    return s->field.evals > SEARCH || s->tries >= ALL_TRIES;
+}
+
+/* From those that come near, the earliest first. */
+static bool take_returns(struct orbit_search *s, const struct returns *r, double near)
+{
+    double best = HUGE_VAL;
+    int tried = 0;
+    for (int k = 0; k < r->count; k++)
+        best = fmin(best, r->distance[k]);
+    for (int k = 0; k < r->count && tried < TRIES && !spent(s); k++)
+        if (r->distance[k] <= near && (r->distance[k] <= 1e3 * best || r->distance[k] <= NEAR)) {
+            tried++;
+            if (cancelled(s->request->cancel) || take(s, s->state, r->time[k], 0))
+                return true;
+        }
+    return false;
+}
+
+static bool nothing(struct orbit_search *s, const char *why, struct error *error)
+{
+    if (cancelled(s->request->cancel))
+        return error_set(error, ERROR_CANCELLED, "cancelled");
+    s->found->given_up =
+        s->request->settles && s->any && spent(s) && !solution_stable(&s->found->solution);
+    if (s->any)
+        return true;
+    error_set(error, ERROR_COMMAND, "%s%s", why,
+              spent(s) ? " in as long as is looked: it may be chaotic" : "");
+    return error_hint(error, "a guess helps: orbit period=T and variables, as in %s=1",
+                      system_variable(&s->field.system, 0).name);
+}
+
+static bool find_own(struct orbit_search *s, struct error *error)
+{
+    static const char none[] = "the motion does not come back to where it was";
+    const int n = s->field.n;
+    double span = s->request->span, end[FIELD_VARIABLES];
+    for (int waits = 0, looks = 0; looks < 3 * WAITS; looks++) {
+        struct returns found;
+        tell(s);
+        if (cancelled(s->request->cancel) || !look(s, span, &found, end))
+            return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
+                           error);
+        if (s->extent < STILL)
+            return nothing(s, "the motion comes to rest: that is an equilibrium", error);
+        s->first = fmax(s->first, s->extent);
+        if (found.count == 0 && span < 1e6 * s->request->span && looks < WAITS) {
+            span *= 2;
+            continue;
+        }
+        if (found.count >= RETURNS && looks < WAITS) {
+            span /= 4;
+            continue;
+        }
+        if (take_returns(s, &found, waits < WAITS / 2 ? NEAR : FAR))
+            return nothing(s, none, error) || s->any;
+        if (waits++ == WAITS || !s->request->settles || spent(s))
+            break;
+        memcpy(s->state, end, (size_t)n * sizeof *end);
+    }
+    return nothing(s, s->extent < s->first / 2 ? "the motion dies away" : none, error);
+}
+
+/* Near a guess of the period; of a family the one that has it. */
+static bool find_of_period(struct orbit_search *s, double period, struct error *error)
+{
+    static const char none[] = "no periodic orbit was found near this guess";
+    const struct orbit_request *wanted = s->request;
+    struct orbit_request motion = *wanted;
+    struct error ignored;
+    motion.period = 0;
+    if (!take(s, s->state, period, 0) && !s->any) {
+        s->request = &motion; /* the orbit that it moves on, if that is one of a family */
+        const bool family = find_own(s, &ignored) && s->found->family;
+        s->request = wanted;
+        s->any = family;
+        if (!family)
+            return nothing(s, none, error);
+    }
+    return !s->found->family || orbit_of_period(s, period, error);
+}
+
+/* ---- with a drive ---- */
+
+static bool find_driven(struct orbit_search *s, double drive, struct error *error)
+{
+    const int n = s->field.n;
+    const double t0 = s->field.system.t0;
+    double history[MOST + 1][FIELD_VARIABLES];
+    if (s->request->period > 0) {
+        const double ratio = s->request->period / drive;
+        if (!(fabs(ratio - rint(ratio)) < 0.02 && ratio > 0.5 && ratio < 1000))
+            return error_set(error, ERROR_COMMAND,
+                             "the period is one of the drive's %.9g s, or a multiple of it", drive);
+        return take(s, s->state, s->request->period, (int)lrint(ratio)) ||
+               nothing(s, "no response of that period was found near this guess", error);
+    }
+    /* on to where the drive is as at the start */
+    const double turns = ceil((s->t - t0) / drive - 1e-9), on = t0 + turns * drive - s->t;
+    if (on > 1e-9 * drive && !field_flow(&s->field, s->t, s->state, on, s->state, NULL))
+        return nothing(s, "the motion from there ends", error);
+    struct returns ignored;
+    if (!look(s, drive, &ignored, history[0]))
+        return nothing(s, "the motion from there ends", error);
+    const double extent = fmax(s->extent, STILL);
+    memcpy(history[0], s->state, sizeof history[0]);
+    for (int k = 1; k <= STROBES && s->request->settles; k++) {
+        double *now = history[k % (MOST + 1)], best = HUGE_VAL, distance[MOST + 1];
+        tell(s);
+        if (cancelled(s->request->cancel) ||
+            !field_flow(&s->field, t0, history[(k - 1) % (MOST + 1)], drive, now, NULL))
+            return nothing(s, "the motion from there ends", error);
+        memcpy(s->state, now, sizeof s->state);
+        for (int q = 1; q <= MOST && q <= k; q++) {
+            distance[q] = 0;
+            for (int i = 0; i < n; i++)
+                distance[q] = fmax(distance[q], fabs(off(s, history[(k - q) % (MOST + 1)], i)));
+            best = fmin(best, distance[q]);
+        }
+        if (spent(s))
+            break;
+        if (best > 1e-4 * extent)
+            continue;
+        for (int q = 1; q <= MOST && q <= k; q++)
+            if (distance[q] < NEAR * extent && take(s, now, q * drive, q))
+                return true;
+        if (best < 1e-9 * extent)
+            break;
+    }
+    for (int q = 1; q <= 3; q++)
+        if (!s->any && take(s, s->state, q * drive, q))
+            return true;
+    return nothing(s, "no response of the drive's period, or of a few of them, was found", error);
+}
+
+/* ---- the orbit itself ---- */
+
+#define SAMPLES_MOST 4096
+#define SHARE 0.03 /* of the extent: a longer way between samples is looked at again */
+#define DEPTH 3
+
+static void put_sample(struct found_orbit *orbit, int n, double t, const double *y)
+{
+    double *row = orbit->sample + orbit->samples * (n + 1);
+    for (int i = 0; i < n; i++) {
+        orbit->solution.top[i] = fmax(orbit->solution.top[i], y[i]);
+        orbit->solution.bottom[i] = fmin(orbit->solution.bottom[i], y[i]);
+    }
+    if (orbit->samples == SAMPLES_MOST)
+        return;
+    row[0] = t;
+    memcpy(row + 1, y, (size_t)n * sizeof *y);
+    orbit->samples++;
+}
+
+static bool is_far(const struct solution *s, const double *a, const double *b, double share)
+{
+    bool far = false;
+    for (int i = 0; i < s->n; i++)
+        far = far || fabs(a[i] - b[i]) > share * (s->top[i] - s->bottom[i]);
+    return far;
+}
+
+/* Rows after the start; of those that are closer in time only where it moves far. */
+static bool sample(struct vector_field *field, struct found_orbit *orbit, double t,
+                   const double *start, double span, int depth)
+{
+    const struct solution *s = &orbit->solution;
+    double grid[FIELD_TIMES * FIELD_VARIABLES], last[FIELD_VARIABLES];
+    const double h = span / (FIELD_TIMES - 1);
+    if (!field_follow(field, field->system.t0 + t, start, span, grid))
+        return false;
+    memcpy(last, start, (size_t)s->n * sizeof *last);
+    for (int k = 1; k < FIELD_TIMES; k++) {
+        const double *a = grid + (k - 1) * s->n, *b = a + s->n;
+        if (depth < DEPTH && is_far(s, a, b, SHARE) &&
+            !sample(field, orbit, t + (k - 1) * h, a, h, depth + 1))
+            return false;
+        if (depth > 0 && k + 1 < FIELD_TIMES && !is_far(s, last, b, SHARE / 2))
+            continue;
+        if (depth == 0 || k + 1 < FIELD_TIMES) /* its end is the caller's */
+            put_sample(orbit, s->n, t + k * h, b);
+        memcpy(last, b, (size_t)s->n * sizeof *last);
+    }
+    return true;
+}
+
+/* Of its extent, the nearest that it comes to where it was looked for from. */
+static double away_from(const struct orbit_search *s, const struct found_orbit *orbit)
+{
+    const int n = s->field.n;
+    double nearest = HUGE_VAL;
+    for (int k = 0; k + 1 < orbit->samples; k++) {
+        const double *a = orbit->sample + k * (n + 1) + 1, *b = a + n + 1;
+        double along = 0, length = 0, sum = 0, to[FIELD_VARIABLES], by[FIELD_VARIABLES];
+        for (int i = 0; i < n; i++) {
+            const double off = s->request->state[i] - a[i], turn = s->field.turn[i];
+            to[i] = (turn > 0 ? remainder(off, turn) : off) / s->field.size[i];
+            by[i] = (b[i] - a[i]) / s->field.size[i];
+            along += to[i] * by[i];
+            length += by[i] * by[i];
+        }
+        const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
+        for (int i = 0; i < n; i++)
+            sum += (to[i] - share * by[i]) * (to[i] - share * by[i]);
+        nearest = fmin(nearest, sum);
+    }
+    return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
+}
+
+/* [J] over a period: what a drive puts in; without one, what is put in where power is above 0. */
+static double energy_of(const struct system *system, const struct found_orbit *orbit)
+{
+    const int n = system->n;
+    double sum = 0, last = 0, at = 0;
+    for (int k = 0; k < orbit->samples; k++) {
+        const double *row = orbit->sample + k * (n + 1), t = system->t0 + row[0];
+        const double power = system->autonomous ? fmax(system_power(system, t, row + 1), 0)
+                                                : system_power(system, t, row + 1) -
+                                                      system_dissipation(system, t, row + 1);
+        sum += k > 0 ? (row[0] - at) * (power + last) / 2 : 0;
+        last = power;
+        at = row[0];
+    }
+    return sum;
+}
+
+static bool finish(struct orbit_search *s, struct error *error)
+{
+    struct found_orbit *orbit = s->found;
+    const int n = s->field.n;
+    struct system system;
+    orbit->sample = malloc((size_t)(SAMPLES_MOST * (n + 1)) * sizeof *orbit->sample);
+    if (!orbit->sample)
+        return error_memory(error);
+    put_sample(orbit, n, 0, orbit->solution.state);
+    if (!sample(&s->field, orbit, 0, orbit->solution.state, orbit->solution.period, 0))
+        orbit->samples = 1;
+    orbit->away = orbit->samples > 1 ? away_from(s, orbit) : NAN;
+    if (field_jumps(&s->field, s->field.system.t0, orbit->solution.state, orbit->solution.period)) {
+        orbit->solution.values = 0;
+        orbit->solution.trivial = orbit->error = NAN;
+        orbit->family = false;
+    }
+    orbit->energy_in = NAN;
+    if (scene_bind(s->request->scene, &system, error) && system.order == 2 && system.energy)
+        orbit->energy_in = energy_of(&system, orbit);
+    return true;
+}
+
+/* A parameter that the equations of the search may be differentiated by, as it is no time. */
+static int some_param(const struct scene *scene)
+{
+    for (int i = 0; i < (int)scene_params(scene)->count; i++)
+        if (strcmp(param_at(scene, i)->row.name, "t0") != 0 && scene->value[i] != 0)
+            return i;
+    return 0;
+}
+
+bool orbit_find(const struct orbit_request *request, struct found_orbit *found, struct error *error)
+{
+    const int64_t since = clock_ns();
+    const int param = some_param(request->scene);
+    struct orbit_search s = {.request = request, .found = found, .t = request->t};
+    *found = (struct found_orbit){.samples = 0};
+    if (!field_init(&s.field, request->scene, &param, 1, error))
+        return false;
+    s.field.cancel = request->cancel;
+    memcpy(s.state, request->state, sizeof s.state);
+    for (int i = 0; i < s.field.n; i++)
+        s.field.size[i] = fmax(s.field.size[i], fabs(s.state[i]));
+    const double drive = field_drive(&s.field);
+    bool fine = isnan(drive)
+                    ? error_set(error, ERROR_COMMAND, "forces depend on time, but not periodically")
+                : drive > 0           ? find_driven(&s, drive, error)
+                : request->period > 0 ? find_of_period(&s, request->period, error)
+                                      : find_own(&s, error);
+    fine = fine && finish(&s, error);
+    if (fine && cancelled(request->cancel))
+        fine = error_set(error, ERROR_CANCELLED, "cancelled");
+    found->evals = s.field.evals;
+    found->seconds = clock_seconds(since);
+    field_free(&s.field);
+    return fine;
+}
+
+void orbit_free(struct found_orbit *orbit)
+{
+    free(orbit->sample);
+    *orbit = (struct found_orbit){.samples = 0};
+}

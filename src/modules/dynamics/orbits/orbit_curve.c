@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Periodic orbits as a curve, by multiple shooting: unknowns are the states at the beginning of
+ * each segment and the period, unless the drive gives it. Of an autonomous scene the start lies in
+ * the plane across the orbit before (Seydel 2010, Practical Bifurcation and Stability Analysis,
+ * 7.3).
+ */
+#include <hooke/base/numeric.h>
+#include "modules/dynamics/orbits/problem.h"
+
+#include <math.h>
+#include <string.h>
+
+#define FINE_TOL 1e-13 /* of flows, relative to sizes */
+#define WALK_TOL 1e-8
+#define GROWTH 1e2 /* of a new segment, at most; */
+#define FEWEST 5   /* what grows and dies within a period is seen in its parts */
+#define CARRIED 1e-2
+#define GROWN 3e3     /* it is cut when it has become this */
+#define STRETCHED 0.5 /* of the way that states go in a step: worth a change */
+#define ROOM 0.25     /* of the period, by which it may shrink without a change */
+
+static void state_of(const struct vector_field *field, const double *u, double *y)
+{
+    for (int i = 0; i < field->n; i++)
+        y[i] = u[i] * field->size[i];
+}
+
+double orbit_curve_period(const struct orbit_curve *c, const double *u)
+{
+    return c->forced ? c->multiple * (c->drive > 0 ? c->drive : field_drive(c->field))
+                     : u[c->segments * c->field->n] * c->tsize;
+}
+
+/* [s] since the orbit's beginning */
+static double begins(const struct orbit_curve *c, int i, double period)
+{
+    return c->fixed[i] + period * c->share[i];
+}
+
+static double span_of(const struct orbit_curve *c, int i, double period)
+{
+    return begins(c, i + 1, period) - begins(c, i, period);
+}
+
+/* In units of size, at a time of its own. */
+static void rate_of(struct vector_field *field, double t, const double *y, double *rate)
+{
+    field->evals++;
+    system_derivative(&field->system, t, y, rate);
+    for (int i = 0; i < field->n; i++)
+        rate[i] /= field->size[i];
+}
+
+/* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
+struct shot {
+    double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
+    struct flow_slopes by;
+    double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
+};
+
+static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
+                  struct shot *s)
+{
+    struct vector_field *field = c->field;
+    s->span = span_of(c, i, period);
+    s->t = field->system.t0 + begins(c, i, period);
+    state_of(field, u + i * field->n, s->start);
+    if (!(s->span > 0) || !field_flow(field, s->t, s->start, s->span, s->end, &s->by))
+        return false;
+    rate_of(field, s->t, s->start, s->first);
+    rate_of(field, s->t + s->span, s->end, s->last);
+    return true;
+}
+
+/* By the parameter, where the period changes with it, too: both ends of a segment move in time. */
+static void add_drive(const struct orbit_curve *c, int i, double by, struct shot *s)
+{
+    const int n = c->field->n;
+    const double from = by * c->share[i], to = by * c->share[i + 1];
+    for (int k = 0; k < n; k++) {
+        s->by.by_parameter[0][k] += to * s->last[k];
+        for (int l = 0; l < n; l++)
+            s->by.by_parameter[0][k] -= from * s->by.by_start[k * n + l] * s->first[l];
+    }
+}
+
+static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct shot *s,
+                     double *f, double *jacobian)
+{
+    const int n = c->field->n, all = c->problem.n + 1, next = (i + 1) % c->segments;
+    for (int k = 0; k < n; k++) {
+        const struct vector_field *field = c->field;
+        const int row = i * n + k;
+        const double turned = next == 0 ? c->winding[k] * field->turn[k] : 0;
+        f[row] = (s->end[k] - turned) / field->size[k] - u[next * n + k];
+        for (int l = 0; l < n; l++)
+            jacobian[row * all + i * n + l] += s->by.by_start[k * n + l];
+        jacobian[row * all + next * n + k] -= 1;
+        if (!c->forced)
+            jacobian[row * all + c->segments * n] =
+                s->last[k] * c->tsize * (c->share[i + 1] - c->share[i]);
+        jacobian[row * all + all - 1] = s->by.by_parameter[0][k] * c->psize;
+    }
+}
+
+static void put_phase(const struct orbit_curve *c, const double *u, double *f, double *jacobian)
+{
+    const int n = c->field->n, row = c->segments * n, all = c->problem.n + 1;
+    f[row] = 0;
+    for (int k = 0; k < n; k++) {
+        f[row] += c->along[k] * (u[k] - c->reference[k]);
+        jacobian[row * all + k] = c->along[k];
+    }
+}
+
+static double length_of(int n, const double *a)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * a[i];
+    return sqrt(sum);
+}
+
+static bool residual(void *context, const double *u, double *f, double *jacobian)
+{
+    struct orbit_curve *c = context;
+    struct vector_field *field = c->field;
+    const int n = field->n, all = c->problem.n + 1;
+    double p = u[all - 1] * c->psize;
+    if (cancelled(field->cancel) || !field_set(field, &p))
+        return false;
+    const double period = orbit_curve_period(c, u),
+                 by = c->forced && !(c->drive > 0) ? c->multiple * field_drive_by(field, 0) : 0;
+    if (!(period > 0) || !isfinite(period))
+        return false;
+    memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
+    c->log_determinant = 0;
+    for (int i = 0; i < c->segments; i++) {
+        struct shot s;
+        if (!shoot(c, u, i, period, &s))
+            return false;
+        memcpy(c->map + i * n * n, s.by.by_start, (size_t)(n * n) * sizeof *c->map);
+        memcpy(c->rate + i * n, s.first, (size_t)n * sizeof *c->rate);
+        c->growth[i] = 0;
+        for (int k = 0; k < n * n; k++)
+            c->growth[i] = fmax(c->growth[i], fabs(s.by.by_start[k]));
+        c->log_determinant += s.by.log_determinant;
+        add_drive(c, i, by, &s);
+        put_rows(c, u, i, &s, f, jacobian);
+    }
+    if (!c->forced)
+        put_phase(c, u, f, jacobian);
+    return true;
+}
+
+bool orbit_curve_multipliers(const struct orbit_curve *c, struct multipliers *multipliers)
+{
+    const struct orbit_maps maps = {.n = c->field->n,
+                                    .segments = c->segments,
+                                    .map = c->map,
+                                    .rate = c->forced ? NULL : c->rate,
+                                    .log_determinant = c->log_determinant};
+    return orbit_multipliers(&maps, c->field->tol, multipliers);
+}
+
+void orbit_curve_map(const struct orbit_curve *c, double *map)
+{
+    const int n = c->field->n;
+    double product[FIELD_VARIABLES * FIELD_VARIABLES];
+    memcpy(map, c->map, (size_t)(n * n) * sizeof *map);
+    for (int i = 1; i < c->segments; i++) {
+        matrix_multiply(n, c->map + i * n * n, map, product);
+        memcpy(map, product, (size_t)(n * n) * sizeof *map);
+    }
+}
+
+/* rate [segments][n] where each begins */
+static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
+{
+    const int n = c->field->n;
+    double y[FIELD_VARIABLES];
+    const double period = orbit_curve_period(c, u);
+    for (int i = 0; i < c->segments; i++) {
+        state_of(c->field, u + i * n, y);
+        rate_of(c->field, c->field->system.t0 + begins(c, i, period), y, rate + i * n);
+    }
+}
+
+static void test(void *context, const double *u, const double *jacobian, const double *tangent,
+                 double *value)
+{
+    const struct orbit_curve *c = context;
+    const int n = c->problem.n;
+    double *bordered = c->problem.work->matrix;
+    struct multipliers multipliers;
+    (void)u;
+    memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
+    memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
+    /* where even the direction of motion is not carried along they may have any sign */
+    const bool known = orbit_curve_multipliers(c, &multipliers) && !(multipliers.trivial > CARRIED);
+    value[ORBIT_FOLD] = tangent[n];
+    value[ORBIT_CROSSING] = plain_determinant(n + 1, bordered);
+    value[ORBIT_DOUBLING] = known ? multipliers_doubling(&multipliers) : NAN;
+    value[ORBIT_TORUS] = known ? multipliers_torus(&multipliers) : NAN;
+}
+
+static void aim(void *context, bool fine)
+{
+    struct orbit_curve *c = context;
+    c->field->tol = fine ? FINE_TOL : WALK_TOL;
+}
+
+static void make_unit(int n, double *x)
+{
+    const double length = length_of(n, x);
+    for (int i = 0; i < n; i++)
+        x[i] /= length;
+}
+
+/* Moves all of the orbit that the tangent leads to by the same time, so that it has this phase. */
+static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
+{
+    const int n = c->field->n;
+    double rate[CURVE_MAX] = {0}, off = 0, by = 0;
+    rates_of(c, u, rate);
+    for (int k = 0; k < n; k++) {
+        off += c->along[k] * tangent[k];
+        by += c->along[k] * rate[k];
+    }
+    for (int i = 0; i < c->segments * n; i++)
+        tangent[i] -= off / by * rate[i];
+    make_unit(c->problem.n + 1, tangent);
+}
+
+/* By how much the period [s] may shrink before a segment of these shares has no length. */
+static double room_of(const struct orbit_curve *c, double period, const double *share)
+{
+    double room = HUGE_VAL;
+    for (int i = 0; i < c->segments; i++)
+        room = fmin(room, span_of(c, i, period) / fmax(share[i + 1] - share[i], 0));
+    return room;
+}
+
+/* Shares of what is added to the period: of each segment the more the slower both its ends are. */
+static void slow_shares(const struct orbit_curve *c, double period, const double *rate,
+                        double *share)
+{
+    const int n = c->field->n, m = c->segments;
+    share[0] = 0;
+    for (int i = 0; i < m; i++) {
+        const double speed = fmax(length_of(n, rate + i * n), length_of(n, rate + (i + 1) % m * n));
+        share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
+    }
+    for (int i = 0; i < m; i++)
+        share[i] /= share[m];
+    share[m] = 1;
+}
+
+bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *direction)
+{
+    const int n = c->field->n, m = c->segments;
+    const double period = orbit_curve_period(c, u);
+    double rate[CURVE_MAX], share[CURVE_MAX], moved[CURVE_MAX];
+    if (c->forced)
+        return false;
+    const double room = direction[m * n] < 0 ? ROOM * period : 0;
+    rates_of(c, u, rate);
+    slow_shares(c, period, rate, share);
+    if (!(room_of(c, period, share) > room))
+        for (int i = 0; i < m; i++)
+            share[i] = begins(c, i, period) / period;
+    for (int i = 0; i < m; i++) {
+        const double by = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
+        for (int k = i * n; k < (i + 1) * n; k++)
+            moved[k] = direction[k] + by * rate[k];
+    }
+    if (!(length_of(m * n, moved) < STRETCHED * length_of(m * n, direction)) &&
+        room_of(c, period, c->share) > room)
+        return false;
+    for (int i = 1; i < m; i++) {
+        c->fixed[i] = begins(c, i, period) - share[i] * period;
+        c->share[i] = share[i];
+    }
+    memcpy(direction, moved, (size_t)(m * n) * sizeof *moved);
+    make_unit(c->problem.n + 1, direction);
+    return true;
+}
+
+void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
+{
+    double y[FIELD_VARIABLES];
+    memcpy(c->reference, u, sizeof c->reference);
+    state_of(c->field, u, y);
+    rate_of(c->field, c->field->system.t0, y, c->along);
+    const double length = length_of(c->field->n, c->along);
+    for (int i = 0; i < c->field->n; i++)
+        c->along[i] /= length;
+    if (tangent && !c->forced)
+        turn_tangent(c, u, tangent);
+}
+
+double orbit_curve_upright(const struct orbit_curve *c)
+{
+    const int n = c->field->n;
+    double cosine = 0;
+    for (int i = 0; i < n; i++)
+        cosine += c->along[i] * c->rate[i];
+    return c->forced ? 1 : cosine / length_of(n, c->rate);
+}
+
+bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
+{
+    struct vector_field *field = c->field;
+    const int n = field->n;
+    double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
+    memcpy(y, state, (size_t)n * sizeof *y);
+    for (int i = 0; i < c->segments; i++) {
+        for (int k = 0; k < n; k++)
+            u[i * n + k] = y[k] / field->size[k];
+        if (!field_flow(field, field->system.t0 + begins(c, i, period), y, span_of(c, i, period),
+                        end, NULL))
+            return false;
+        memcpy(y, end, sizeof y);
+    }
+    for (int k = 0; k < n; k++)
+        c->winding[k] = field->turn[k] > 0 ? (int)lrint((y[k] - state[k]) / field->turn[k]) : 0;
+    if (!c->forced)
+        u[c->segments * n] = period / c->tsize;
+    u[c->problem.n] = field->scene.value[field->param[0]] / c->psize;
+    return true;
+}
+
+static bool is_long(const struct orbit_curve *c, int i)
+{
+    return c->growth[i] > GROWN;
+}
+
+bool orbit_curve_is_long(const struct orbit_curve *c)
+{
+    bool any = false;
+    for (int i = 0; i < c->segments; i++)
+        any = any || is_long(c, i);
+    return any && c->problem.n + 1 + c->field->n <= CURVE_MAX;
+}
+
+/* Unknowns with those segments cut into two: each old one, and what it becomes half way. */
+static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double *u, double *cut)
+{
+    struct vector_field *field = c->field;
+    const int n = field->n, m = c->segments, rest = !c->forced;
+    double p = u[m * n + rest] * c->psize;
+    if (!field_set(field, &p))
+        return false;
+    const double period = orbit_curve_period(c, u);
+    int to = 0;
+    for (int i = 0; i < m; i++) {
+        double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
+        memcpy(cut + to++ * n, u + i * n, (size_t)n * sizeof *cut);
+        if (!halved[i])
+            continue;
+        state_of(field, u + i * n, y);
+        if (!field_flow(field, field->system.t0 + begins(c, i, period), y,
+                        span_of(c, i, period) / 2, end, NULL))
+            return false;
+        for (int k = 0; k < n; k++)
+            cut[to * n + k] = end[k] / field->size[k];
+        to++;
+    }
+    memcpy(cut + to * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
+    return true;
+}
+
+static void cut_shares(struct orbit_curve *c, const bool *halved)
+{
+    double share[CURVE_MAX], fixed[CURVE_MAX];
+    int to = 0;
+    for (int i = 0; i < c->segments; i++) {
+        fixed[to] = c->fixed[i];
+        share[to++] = c->share[i];
+        if (!halved[i])
+            continue;
+        fixed[to] = (c->fixed[i] + c->fixed[i + 1]) / 2;
+        share[to++] = (c->share[i] + c->share[i + 1]) / 2;
+    }
+    fixed[to] = 0;
+    share[to] = 1;
+    memcpy(c->fixed, fixed, sizeof fixed);
+    memcpy(c->share, share, sizeof share);
+    c->problem.n += (to - c->segments) * c->field->n;
+    c->segments = to;
+}
+
+#define ASIDE 1e-6
+
+bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
+{
+    double aside[CURVE_MAX], cut[2][CURVE_MAX];
+    bool halved[CURVE_MAX] = {false};
+    for (int i = 0, n = c->problem.n; i < c->segments; i++) {
+        halved[i] = is_long(c, i) && n + 1 + c->field->n <= CURVE_MAX;
+        n += halved[i] ? c->field->n : 0;
+    }
+    for (int i = 0; i <= c->problem.n; i++)
+        aside[i] = u[i] + ASIDE * direction[i];
+    if (!cut_unknowns(c, halved, u, cut[0]) || !cut_unknowns(c, halved, aside, cut[1]))
+        return false;
+    cut_shares(c, halved);
+    memcpy(u, cut[0], sizeof cut[0]);
+    for (int i = 0; i <= c->problem.n; i++)
+        direction[i] = cut[1][i] - cut[0][i];
+    make_unit(c->problem.n + 1, direction);
+    return true;
+}
+
+/* How much a small difference grows over a period: into how many segments to cut it. */
+static int segments_for(struct vector_field *field, const double *state, double period)
+{
+    double end[FIELD_VARIABLES], size = 0;
+    struct flow_slopes by;
+    if (!field_flow(field, field->system.t0, state, period, end, &by))
+        return 0;
+    for (int i = 0; i < field->n * field->n; i++)
+        size = fmax(size, fabs(by.by_start[i]));
+    const int most = (CURVE_MAX - 2) / field->n,
+              wanted = FEWEST + (int)(log(fmax(size, 1)) / log(GROWTH));
+    return wanted < most ? wanted : most;
+}
+
+bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double psize,
+                      const double *state, double period, int multiple)
+{
+    const double drive = field_drive(field);
+    *c = (struct orbit_curve){
+        .field = field, .forced = drive != 0, .multiple = multiple, .psize = psize};
+    field->unit[0] = psize;
+    if (c->forced)
+        period = multiple * drive;
+    if (!(period > 0) || !isfinite(period))
+        return false;
+    /* it stays that where a parameter of 0 takes the drive, or one of several, away */
+    c->drive = c->forced && field_drive_by(field, 0) == 0 ? drive : 0;
+    c->tsize = period;
+    c->segments = segments_for(field, state, period);
+    if (c->segments == 0)
+        return false;
+    for (int i = 0; i <= c->segments; i++)
+        c->share[i] = (double)i / c->segments;
+    c->problem = (struct curve_problem){.context = c,
+                                        .n = c->segments * field->n + !c->forced,
+                                        .residual = residual,
+                                        .test = test,
+                                        .tests = 4,
+                                        .aim = aim,
+                                        .singular = 1u << ORBIT_CROSSING};
+    return true;
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Motion and tangents in the same steps; QR as soon as the tangents lean on each other. */
+#include "modules/dynamics/orbits/tangents.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/scene/typed.h>
+
+#define LEANING 10.0  /* condition, or length, at which tangents are made orthonormal */
+#define BEYOND 1e100  /* of sizes: the motion does not come back */
+#define FAR 1e6       /* likewise, where it cannot go on, either */
+#define HOPELESS 1e-9 /* of the time to go: steps that do not get there, */
+#define HOPES 100     /* so many of them one after another */
+#define JUMP 1e-3     /* of the rates: more than steps across a kink leave */
+
+bool tangents_init(struct tangents *t, const struct scene *scene, int count,
+                   const struct cancel *cancel, struct error *error)
+{
+    memset(t, 0, sizeof *t); /* a literal would be a copy of all its 440 KiB on the stack */
+    t->method = method_find("dop853");
+    if (!field_init(&t->field, scene, NULL, 0, error))
+        return false;
+    t->n = t->field.n;
+    t->count = count > 0 && count < t->n ? count : t->n;
+    t->field.cancel = cancel;
+    enum drag drag = DRAG_DEFAULT;
+    variation_of_tangents(&t->variation, &t->field.system, t->field.size, t->count);
+    variation_add_trace(&t->variation);
+    const struct system *whole = &t->variation.whole;
+    memcpy(t->y, whole->start, (size_t)whole->n * sizeof *t->y);
+    double *work = malloc(method_work_size(t->method, whole->n) * sizeof *work);
+    if (!work || !method_applies(t->method, whole, &drag, error)) {
+        free(work);
+        return work ? false : error_memory(error);
+    }
+    t->step = (struct step){.system = whole, .drag = drag, .y = t->y, .work = work};
+    t->controller = (struct controller){.tol = TANGENT_TOL};
+    method_choose_kernels(t->method, &t->step, true);
+    return true;
+}
+
+void tangents_free(struct tangents *t)
+{
+    free(t->step.work);
+    t->step.work = NULL;
+    field_free(&t->field);
+}
+
+int64_t tangents_evals(const struct tangents *t)
+{
+    return t->step.cost.evals;
+}
+
+void tangents_orthonormalise(int n, int count, double *column, double *diagonal)
+{
+    for (int j = 0; j < count; j++) {
+        double *a = column + n * j, length = 0;
+        for (int k = 0; k < 2 * j; k++) {
+            const double *q = column + n * (k % j);
+            double dot = 0;
+            for (int i = 0; i < n; i++)
+                dot += q[i] * a[i];
+            for (int i = 0; i < n; i++)
+                a[i] -= dot * q[i];
+        }
+        for (int i = 0; i < n; i++)
+            length += a[i] * a[i];
+        diagonal[j] = sqrt(length);
+        for (int i = 0; i < n; i++)
+            a[i] /= diagonal[j];
+    }
+}
+
+/* Takes over what a QR of the tangents gives, where they lean on each other or that is wanted. */
+static void straighten(struct tangents *t, bool wanted)
+{
+    const int n = t->n;
+    double column[FIELD_VARIABLES * FIELD_VARIABLES], diagonal[FIELD_VARIABLES];
+    for (int j = 0; j < t->count; j++)
+        for (int i = 0; i < n; i++)
+            column[n * j + i] = t->y[n * (j + 1) + i] / t->field.size[i];
+    tangents_orthonormalise(n, t->count, column, diagonal);
+    double least = HUGE_VAL, most = 0;
+    for (int j = 0; j < t->count; j++) {
+        least = fmin(least, diagonal[j]);
+        most = fmax(most, diagonal[j]);
+    }
+    /* errors of steps are relative to lengths of 1 */
+    if (!wanted && fmax(most / least, fmax(most, 1 / least)) < LEANING)
+        return;
+    t->condition = fmax(t->condition, most / least);
+    for (int j = 0; j < t->count; j++) {
+        t->growth[j] += log(diagonal[j]);
+        for (int i = 0; i < n; i++)
+            t->y[n * (j + 1) + i] = column[n * j + i] * t->field.size[i];
+    }
+    double *divergence = &t->y[t->variation.whole.n - 1];
+    t->divergence += *divergence;
+    *divergence = 0;
+    t->step.warm = false;
+}
+
+static bool is_beyond(const struct tangents *t, double bound)
+{
+    bool far = false;
+    for (int i = 0; i < t->n; i++)
+        far = far || !(fabs(t->y[i]) < bound * t->field.size[i]);
+    return far;
+}
+
+/* Where forces are linear tangents do not depend on the motion, which may be begun anew. */
+static bool stays(struct tangents *t)
+{
+    const bool far = is_beyond(t, BEYOND);
+    if (!far || !t->field.system.linear)
+        return !far;
+    memset(t->y, 0, (size_t)t->n * sizeof *t->y);
+    t->step.warm = false;
+    return true;
+}
+
+/* Did the equations jump between two branches that a step went across? */
+static bool jumps(const struct tangents *t, double *branch)
+{
+    const struct system *system = &t->variation.base;
+    double now[LIMIT_SWITCHES], rate[2][LIMIT_VARIABLES], size = 0, off = 0;
+    const size_t bytes = (size_t)system->switches * sizeof *now;
+    system_branches(system, t->step.t, t->y, now);
+    if (memcmp(now, branch, bytes) == 0)
+        return false;
+    struct system frozen;
+    for (int s = 0; s < 2; s++) {
+        system_freeze(system, s == 0 ? branch : now, &frozen);
+        system_derivative(&frozen, t->step.t, t->y, rate[s]);
+    }
+    for (int i = 0; i < t->n; i++) {
+        size = fmax(size, fabs(rate[1][i]) / t->field.size[i]);
+        off = fmax(off, fabs(rate[1][i] - rate[0][i]) / t->field.size[i]);
+    }
+    memcpy(branch, now, bytes);
+    return off > JUMP * size;
+}
+
+enum tangents_end tangents_advance(struct tangents *t, double from, double span)
+{
+    const double end = from + span;
+    double branch[LIMIT_SWITCHES];
+    const bool switches = t->variation.base.switches > 0;
+    t->controller.t_low = 0;
+    if (t->step.t != from)
+        t->step.warm = t->controller.sampling = false;
+    t->step.t = from;
+    if (switches)
+        system_branches(&t->variation.base, from, t->y, branch);
+    for (int hopeless = 0; t->step.t != end;) {
+        const enum step_status status = method_adapt(t->method, &t->step, &t->controller, end);
+        if (status != STEP_OK)
+            return status == STEP_NONFINITE ? TANGENTS_LEAVE : TANGENTS_STALL;
+        if (!stays(t))
+            return TANGENTS_LEAVE;
+        if (switches && jumps(t, branch))
+            return TANGENTS_JUMP;
+        hopeless = fabs(t->step.h) < HOPELESS * span ? hopeless + 1 : 0;
+        if (hopeless > HOPES)
+            return is_beyond(t, FAR) ? TANGENTS_LEAVE : switches ? TANGENTS_JUMP : TANGENTS_STALL;
+        straighten(t, t->step.t == end);
+        if ((++t->steps & 63) == 0 && cancelled(t->field.cancel))
+            return TANGENTS_CANCELLED;
+    }
+    t->elapsed += span;
+    return TANGENTS_OK;
+}
+
+void tangents_unwind(struct tangents *t)
+{
+    for (int i = 0; i < t->n; i++) {
+        const double turn = t->field.turn[i];
+        if (turn > 0 && fabs(t->y[i]) > turn) {
+            t->y[i] = remainder(t->y[i], turn);
+            t->step.warm = false;
+        }
+    }
+}

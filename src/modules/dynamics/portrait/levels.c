@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Lines f(x, y) = 0: marching squares (Lorensen, Cline 1987, in the plane) on cells that are cut in
+ * four where the bounds of f contain 0, so that small closed branches are not lost. Points on sides
+ * of cells are found by bisection; neighbours find the same ones, which joins them to lines.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/portrait/portrait.h"
+
+#define FIRST 32      /* cells a side, */
+#define DEEPEST 256   /* where f changes its sign, */
+#define DOUBTFUL 1024 /* where only bounds say that it may */
+#define HALVINGS 46
+#define CELLS 150000 /* looked at */
+
+struct level_segment {
+    double x[2], y[2];
+    bool used;
+};
+
+struct marching {
+    const struct level_request *request;
+    struct level_segment *segment;
+    size_t segments, capacity;
+    int cells;
+    bool failed;
+};
+
+/* ---- points and segments ---- */
+
+static double value_at(const struct marching *m, double x, double y)
+{
+    return m->request->value(m->request->context, x, y);
+}
+
+/* On the side from a to b, where the values have different signs; false: a pole. */
+static bool crossing(const struct marching *m, const double a[3], const double b[3], double out[2])
+{
+    double low[3], high[3];
+    memcpy(low, a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]) ? a : b, sizeof low);
+    memcpy(high, low[0] == a[0] && low[1] == a[1] ? b : a, sizeof high);
+    const double before = fmax(fabs(low[2]), fabs(high[2]));
+    for (int k = 0; k < HALVINGS && low[2] != 0; k++) {
+        const double x = low[0] + (high[0] - low[0]) / 2, y = low[1] + (high[1] - low[1]) / 2;
+        const double v = value_at(m, x, y);
+        double *side = (v < 0) == (low[2] < 0) && v != 0 ? low : high;
+        side[0] = x;
+        side[1] = y;
+        side[2] = v;
+    }
+    const double *at = fabs(low[2]) <= fabs(high[2]) ? low : high;
+    out[0] = at[0];
+    out[1] = at[1];
+    return fabs(at[2]) <= before;
+}
+
+static void add(struct marching *m, const double a[2], const double b[2])
+{
+    if (m->segments == m->capacity) {
+        const size_t capacity = m->capacity > 0 ? 2 * m->capacity : 256;
+        struct level_segment *more = realloc(m->segment, capacity * sizeof *more);
+        if (!more) {
+            m->failed = true;
+            return;
+        }
+        m->segment = more;
+        m->capacity = capacity;
+    }
+    m->segment[m->segments++] = (struct level_segment){{a[0], b[0]}, {a[1], b[1]}, false};
+}
+
+/* ---- cells ---- */
+
+/* Corners in turn, each x, y, value: 0 counts as above. */
+static void march(struct marching *m, double corner[4][3])
+{
+    double at[4][2];
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        const double *a = corner[i], *b = corner[(i + 1) % 4];
+        if (isfinite(a[2]) && isfinite(b[2]) && (a[2] < 0) != (b[2] < 0) &&
+            crossing(m, a, b, at[count]))
+            count++;
+    }
+    if (count == 2) {
+        add(m, at[0], at[1]);
+    } else if (count == 4) { /* a saddle of f: what its middle says */
+        const double middle =
+            value_at(m, (corner[0][0] + corner[2][0]) / 2, (corner[0][1] + corner[2][1]) / 2);
+        const bool same = (middle < 0) == (corner[0][2] < 0);
+        add(m, at[same ? 0 : 3], at[same ? 1 : 0]);
+        add(m, at[same ? 2 : 1], at[same ? 3 : 2]);
+    }
+}
+
+static void look(struct marching *m, const double box[2][2], int cells)
+{
+    const struct level_request *request = m->request;
+    if (m->failed || m->cells++ >= CELLS || cancelled(request->cancel))
+        return;
+    if (request->may_be_zero && !request->may_be_zero(request->context, box))
+        return;
+    double corner[4][3];
+    int below = 0;
+    for (int i = 0; i < 4; i++) {
+        corner[i][0] = box[0][i == 1 || i == 2];
+        corner[i][1] = box[1][i >= 2];
+        corner[i][2] = value_at(m, corner[i][0], corner[i][1]);
+        below += corner[i][2] < 0;
+    }
+    const bool changes = below > 0 && below < 4;
+    if (cells >= (changes || !request->may_be_zero ? DEEPEST : DOUBTFUL)) {
+        if (changes)
+            march(m, corner);
+        return;
+    }
+    const double x[] = {box[0][0], box[0][0] + (box[0][1] - box[0][0]) / 2, box[0][1]},
+                 y[] = {box[1][0], box[1][0] + (box[1][1] - box[1][0]) / 2, box[1][1]};
+    for (int i = 0; i < 4; i++)
+        look(m, (const double[2][2]){{x[i % 2], x[i % 2 + 1]}, {y[i / 2], y[i / 2 + 1]}},
+             2 * cells);
+}
+
+/* ---- lines ---- */
+
+/* A segment that goes on from this point; its other end. NULL: there is none. */
+static const struct level_segment *next(struct marching *m, double *x, double *y)
+{
+    for (size_t i = 0; i < m->segments; i++) {
+        struct level_segment *s = &m->segment[i];
+        for (int end = 0; end < 2 && !s->used; end++)
+            if (s->x[end] == *x && s->y[end] == *y) {
+                s->used = true;
+                *x = s->x[!end];
+                *y = s->y[!end];
+                return s;
+            }
+    }
+    return NULL;
+}
+
+static bool join(struct marching *m, struct polyline *line)
+{
+    for (size_t i = 0; i < m->segments; i++) {
+        struct level_segment *first = &m->segment[i];
+        if (first->used)
+            continue;
+        first->used = true;
+        /* back to where it begins, then forth */
+        double x = first->x[0], y = first->y[0], begin[2] = {x, y};
+        const size_t from = line->n;
+        while (next(m, &x, &y))
+            if (!polyline_put(line, x, y))
+                return false;
+        for (size_t a = from, b = line->n; a + 1 < b; a++) {
+            const double sx = line->x[a], sy = line->y[a];
+            line->x[a] = line->x[--b];
+            line->y[a] = line->y[b];
+            line->x[b] = sx;
+            line->y[b] = sy;
+        }
+        x = first->x[1];
+        y = first->y[1];
+        if (!polyline_put(line, begin[0], begin[1]) || !polyline_put(line, x, y))
+            return false;
+        while (next(m, &x, &y))
+            if (!polyline_put(line, x, y))
+                return false;
+        if (!polyline_gap(line))
+            return false;
+    }
+    return true;
+}
+
+bool level_lines(const struct level_request *request, struct polyline *line)
+{
+    struct marching m = {.request = request};
+    const double(*box)[2] = request->box;
+    double side[2][FIRST + 1];
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i <= FIRST; i++)
+            side[k][i] = i == FIRST ? box[k][1] : box[k][0] + i * (box[k][1] - box[k][0]) / FIRST;
+    for (int i = 0; i < FIRST; i++)
+        for (int j = 0; j < FIRST; j++)
+            look(&m,
+                 (const double[2][2]){{side[0][i], side[0][i + 1]}, {side[1][j], side[1][j + 1]}},
+                 FIRST);
+    const bool fine = !m.failed && join(&m, line);
+    free(m.segment);
+    return fine;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the parts of a portrait share. */
+#ifndef HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
+#define HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
+
+#include "modules/dynamics/portrait.h"
+
+#include "modules/dynamics/orbits/field.h"
+
+struct portrait_work {
+    const struct portrait_request *request;
+    struct portrait *portrait;
+    struct vector_field field;
+    const struct system *bounded; /* has bounds; NULL: it has none */
+};
+
+bool polyline_gap(struct polyline *line);
+
+/* Lines f = 0 in the box by marching squares; `bounds`: of f on a cell, NULL: none, then what is
+ * smaller than a cell is lost. */
+struct level_request {
+    double (*value)(const void *context, double x, double y);
+    bool (*may_be_zero)(const void *context, const double box[2][2]);
+    const void *context;
+    const double (*box)[2];
+    const struct cancel *cancel;
+};
+bool level_lines(const struct level_request *request, struct polyline *line);
+
+bool portrait_separatrices(struct portrait_work *work); /* false: no memory */
+
+#endif

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Trajectories across the plane of a portrait, and those along the eigenvectors of saddles. They
+ * begin 1e-6 of the size away: what lies across the eigenvector, of second order, shrinks on the
+ * way out.
+ */
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/portrait/portrait.h"
+
+#define AWAY 1e-6   /* of the box */
+#define STRIDE 0.02 /* of the box, from point to point */
+#define NEAR 1e-3   /* of the box: an equilibrium has been reached */
+#define POINTS 1500
+#define BEYOND 1e-9 /* of the box: the frame */
+#define REFINEMENTS 12
+
+struct plane_walk {
+    struct portrait_work *work;
+    double y[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], t;
+    double width[2];
+    bool wraps[2];   /* an angle whose range is one turn */
+    int sign;        /* of time */
+    double rate_max; /* [1/s] 0: not known; no longer steps than of its time constant */
+    struct polyline *line;
+    struct separatrix *separatrix; /* NULL: a trajectory */
+};
+
+static int variable_of(const struct plane_walk *w, int k)
+{
+    return w->work->request->variable[k];
+}
+
+static void rate_here(struct plane_walk *w)
+{
+    system_derivative(&w->work->field.system, w->t, w->y, w->rate);
+}
+
+/* [s] to the next point */
+static double stride(const struct plane_walk *w)
+{
+    double speed = 0;
+    for (int k = 0; k < 2; k++)
+        speed = fmax(speed, fabs(w->rate[variable_of(w, k)]) / w->width[k]);
+    const double calm = w->rate_max > 0 ? 0.5 / w->rate_max : HUGE_VAL;
+    return w->sign * fmin(speed > 0 ? STRIDE / speed : HUGE_VAL, calm);
+}
+
+/* An angle that has left its range comes back on the other side: the line has a gap there. */
+static bool wrap(struct plane_walk *w)
+{
+    bool turned = false;
+    for (int k = 0; k < 2; k++) {
+        const double *range = w->work->request->box[k];
+        double *y = &w->y[variable_of(w, k)];
+        while (w->wraps[k] && (*y > range[1] || *y < range[0])) {
+            *y += *y > range[1] ? -w->width[k] : w->width[k];
+            turned = true;
+        }
+    }
+    return turned;
+}
+
+static bool outside(const struct plane_walk *w)
+{
+    for (int k = 0; k < 2; k++) {
+        const double *range = w->work->request->box[k], y = w->y[variable_of(w, k)];
+        if (!(y >= range[0] - BEYOND * w->width[k] && y <= range[1] + BEYOND * w->width[k]))
+            return true;
+    }
+    return false;
+}
+
+/* [of the box] from a state; an angle the short way round */
+static double distance(const struct plane_walk *w, const double *state)
+{
+    double far = 0;
+    for (int k = 0; k < 2; k++) {
+        double apart = w->y[variable_of(w, k)] - state[variable_of(w, k)];
+        if (w->wraps[k])
+            apart = remainder(apart, w->width[k]);
+        far = fmax(far, fabs(apart) / w->width[k]);
+    }
+    return far;
+}
+
+/* The equilibrium, but for `except`, that the walk has come to; -1: none. */
+static int reached(const struct plane_walk *w, int except)
+{
+    const struct equilibria *found = &w->work->portrait->found;
+    for (int e = 0; e < found->count; e++)
+        if (e != except && distance(w, found->of[e].state) < NEAR)
+            return e;
+    return -1;
+}
+
+/* ---- crossings ---- */
+
+/* Where variable k has this value, between the state before and the one `span` later. */
+static void cross(struct plane_walk *w, const double *before, double span, int k, double value)
+{
+    struct separatrix *s = w->separatrix;
+    double at[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], low = 0, high = 1;
+    const double sign = before[variable_of(w, k)] - value;
+    double part = sign / (before[variable_of(w, k)] - w->y[variable_of(w, k)]);
+    for (int i = 0; i < REFINEMENTS; i++) {
+        if (!field_flow(&w->work->field, w->t, before, part * span, at, NULL))
+            return;
+        const double miss = at[variable_of(w, k)] - value;
+        *((miss > 0) == (sign > 0) ? &low : &high) = part;
+        system_derivative(&w->work->field.system, w->t, at, rate);
+        const double on = -miss / (rate[variable_of(w, k)] * span);
+        if (fabs(on) < 1e-15 || miss == 0)
+            break;
+        part = part + on > low && part + on < high ? part + on : low + (high - low) / 2;
+    }
+    if (s->crossings < CROSSINGS_MAX)
+        s->crossing[s->crossings++] = (struct portrait_crossing){k, value, at[variable_of(w, !k)]};
+}
+
+static void look_for_crossings(struct plane_walk *w, const double *before, double span)
+{
+    const struct equilibria *found = &w->work->portrait->found;
+    for (int k = 0; k < 2; k++) {
+        double seen[64];
+        int count = 0;
+        for (int e = -1; e < found->count && count < 64; e++) { /* and 0 */
+            const double value = e < 0 ? 0 : found->of[e].state[variable_of(w, k)];
+            const double a = before[variable_of(w, k)] - value, b = w->y[variable_of(w, k)] - value;
+            bool known = false;
+            for (int i = 0; i < count; i++)
+                known = known || fabs(seen[i] - value) <= 1e-9 * w->width[k];
+            seen[count++] = value;
+            if (!known && ((a < 0) != (b < 0)) && fabs(a) > 10 * AWAY * w->width[k])
+                cross(w, before, span, k, value);
+        }
+    }
+}
+
+/* ---- the way ---- */
+
+enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
+
+/* One stride; past the frame it ends on it. */
+static enum walk_end advance(struct plane_walk *w, double span, int except)
+{
+    double before[LIMIT_VARIABLES];
+    memcpy(before, w->y, sizeof before);
+    if (!field_flow(&w->work->field, w->t, before, span, w->y, NULL))
+        return WALK_FRAME;
+    if (w->separatrix)
+        look_for_crossings(w, before, span);
+    if (!polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)]))
+        return WALK_MEMORY;
+    w->t += span;
+    if (wrap(w) && (!polyline_gap(w->line) ||
+                    !polyline_put(w->line, w->y[variable_of(w, 0)], w->y[variable_of(w, 1)])))
+        return WALK_MEMORY;
+    if (outside(w))
+        return WALK_FRAME;
+    const int at = reached(w, except);
+    if (w->separatrix)
+        w->separatrix->to = at;
+    return at >= 0 ? WALK_REST : WALK_ON;
+}
+
+static void begin(struct plane_walk *w, struct portrait_work *work)
+{
+    *w = (struct plane_walk){.work = work, .sign = 1, .t = work->request->t};
+    for (int k = 0; k < 2; k++) {
+        const double *range = work->request->box[k], turn = work->field.turn[variable_of(w, k)];
+        w->width[k] = range[1] - range[0];
+        w->wraps[k] = turn > 0 && fabs(w->width[k] - turn) <= 1e-6 * turn;
+    }
+}
+
+static bool follow(struct portrait_work *work, int e, int value, int side)
+{
+    struct portrait *portrait = work->portrait;
+    const struct solution *from = &portrait->found.of[e];
+    struct separatrix *more =
+        realloc(portrait->separatrix, ((size_t)portrait->separatrices + 1) * sizeof *more);
+    if (!more)
+        return false;
+    portrait->separatrix = more;
+    struct separatrix *s = &more[portrait->separatrices++];
+    *s = (struct separatrix){e, from->value[value].re < 0, side, "goes on", -1, 0, {{0}}};
+    struct plane_walk w;
+    begin(&w, work);
+    w.sign = s->stable ? -1 : 1;
+    w.rate_max = fabs(from->value[value].re);
+    w.separatrix = s;
+    w.line = &portrait->line[s->stable ? PORTRAIT_SEPARATRIX : PORTRAIT_SEPARATRIX_UNSTABLE];
+    double size = 0;
+    for (int k = 0; k < 2; k++)
+        size = fmax(size, fabs(portrait->found.form[e].re[value][variable_of(&w, k)]) / w.width[k]);
+    for (int i = 0; i < work->field.n; i++)
+        w.y[i] = from->state[i] +
+                 side * AWAY / (size > 0 ? size : 1) * portrait->found.form[e].re[value][i];
+    if (!polyline_put(w.line, from->state[variable_of(&w, 0)], from->state[variable_of(&w, 1)]))
+        return false;
+    if (wrap(&w) && (!polyline_gap(w.line) ||
+                     !polyline_put(w.line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)])))
+        return false;
+    enum walk_end end = WALK_ON;
+    bool away = false;
+    for (int i = 0; i < POINTS && end == WALK_ON && !cancelled(work->request->cancel); i++) {
+        rate_here(&w);
+        end = advance(&w, stride(&w), away ? -1 : e);
+        away = away || distance(&w, from->state) > 10 * NEAR;
+    }
+    s->end = end == WALK_FRAME ? "frame" : end == WALK_REST ? "equilibrium" : "goes on";
+    return end != WALK_MEMORY && polyline_gap(w.line);
+}
+
+bool portrait_separatrices(struct portrait_work *work)
+{
+    const struct equilibria *found = &work->portrait->found;
+    for (int e = 0; e < found->count; e++) {
+        const struct solution *s = &found->of[e];
+        if (found->form[e].type != EQUILIBRIUM_SADDLE)
+            continue;
+        int growing = 0, decaying = 0;
+        for (int k = 0; k < s->values; k++) {
+            growing += s->value[k].re > 0;
+            decaying += s->value[k].re < 0;
+        }
+        for (int k = 0; k < s->values; k++)
+            for (int side = 1; side >= -1; side -= 2)
+                if (s->value[k].im == 0 && s->value[k].re != 0 &&
+                    (s->value[k].re > 0 ? growing : decaying) == 1 &&
+                    !cancelled(work->request->cancel) && !follow(work, e, k, side))
+                    return false;
+    }
+    return true;
+}
+
+bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
+                         struct polyline *line)
+{
+    struct portrait none = {.cancelled = false};
+    struct portrait_work work = {.request = request, .portrait = &none};
+    struct plane_walk w;
+    struct error ignored;
+    if (!field_init(&work.field, request->scene, NULL, 0, &ignored))
+        return true;
+    work.field.cancel = request->cancel;
+    work.field.tol = 1e-9;
+    begin(&w, &work);
+    memcpy(w.y, start, (size_t)work.field.n * sizeof *start);
+    w.sign = span < 0 ? -1 : 1;
+    w.line = line;
+    wrap(&w);
+    bool fine = polyline_put(line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)]);
+    enum walk_end end = WALK_ON;
+    for (double gone = 0; fine && end == WALK_ON && gone < fabs(span) && line->n < 20 * POINTS &&
+                          !cancelled(request->cancel);) {
+        rate_here(&w);
+        double on = stride(&w);
+        if (!(fabs(on) < fabs(span) - gone))
+            on = w.sign * (fabs(span) - gone);
+        gone += fabs(on);
+        end = advance(&w, on, -1);
+        fine = end != WALK_MEMORY;
+    }
+    field_free(&work.field);
+    return fine && polyline_gap(line);
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* start */
+#ifndef COMMAND_ROWS
+#include <hooke/plot.h>
+#include <hooke/report.h>
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <string.h>
+
+/* What is not named is as the scene, or its run, has it at present. It is NAN where the scene has
+ * no start, which is then the error. */
+static void present_state(const struct session *session, const struct system *system, double *state,
+                          struct error *error)
+{
+    const struct run *run = session_run(session);
+    struct system start;
+    for (int i = 0; i < system->n; i++)
+        state[i] = NAN;
+    if (run && run->scene.model == system->model)
+        memcpy(state, run->y, (size_t)system->n * sizeof *state);
+    else if (scene_bind_motion(&session->setup.scene, &start, error))
+        memcpy(state, start.start, (size_t)system->n * sizeof *state);
+}
+
+/* Of the point on the portrait, else of the run where cursor A stands. */
+static bool state_at_cursor(const struct session *session, const struct system *system,
+                            double *state, struct error *error)
+{
+    const struct run *run = session_run(session);
+    const struct cursors *cursors = &session->view.cursors;
+    struct plot_plane plane;
+    if (cursors->shown && cursors->plane && cursor_plane(session, &plane)) {
+        struct error unknown; /* of what the plane does not show */
+        present_state(session, system, state, &unknown);
+        for (int k = 0; k < 2; k++)
+            state[plane.variable[k]] = cursors->point[k];
+        return true;
+    }
+    if (!run || run->scene.model != system->model || !cursors->at[0].set) {
+        error_set(error, ERROR_COMMAND, "no cursor stands on a run of this scene");
+        return error_hint(error, "cursor A TIME sets one");
+    }
+    size_t row = trace_row_at(run->trace, cursors->at[0].t);
+    row = row < trace_count(run->trace) ? row : trace_count(run->trace) - 1;
+    memcpy(state, trace_state(run->trace, row), (size_t)system->n * sizeof *state);
+    return true;
+}
+
+static bool read_part(struct session *session, const struct arguments *args, struct text item,
+                      const struct system *system, double *state, struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, item};
+    struct item value = {0};
+    struct text name = peek_name(item);
+    name.len += name.len < item.len && item.at[name.len] == '\'';
+    const int i = name.len > 0 ? model_state(system->model, name) : -1;
+    if (i < 0) {
+        error_at(error, name.len > 0 ? name : item, "'%.*s' is no variable of the scene",
+                 (int)item.len, item.at);
+        return error_hint(error, "a start is NAME=VALUE,NAME=VALUE, for example %s=1",
+                          system->model->variable[0].name);
+    }
+    parser.rest = text_trim((struct text){item.at + name.len, item.len - name.len});
+    if (!text_starts(parser.rest, TEXT("=")))
+        return error_at(error, item, "%.*s needs a value", (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const struct variable variable = system_variable(system, i);
+    if (!parse_value(&parser, variable.name, variable.quantity, &value, error) ||
+        !refuse_rest(&parser, &value, error))
+        return false;
+    state[i] = value.value.value;
+    return true;
+}
+
+/* From the first or a later one on. */
+static void list_starts(const struct session *session, const struct system *system, int first,
+                        struct reply *reply)
+{
+    const struct view *view = &session->view;
+    const int starts = view->start_n == system->n ? view->starts : 0;
+    if (starts == 0)
+        reply_line(reply, "no trajectory has been started: start %s=VALUE",
+                   system->model->variable[0].name);
+    for (int k = first; k < starts; k++) {
+        struct buffer text = {0};
+        buffer_format(&text, "%3d ", k + 1);
+        reply_begin(reply, "start");
+        reply_int(reply, "n", k + 1);
+        reply_object(reply, "state");
+        for (int i = 0; i < system->n; i++) {
+            const struct variable variable = system_variable(system, i);
+            buffer_format(&text, " %s = ", variable.name);
+            buffer_quantity(&text, view->start[k][i], variable.quantity, 6);
+            reply_real(reply, variable.name, view->start[k][i]);
+        }
+        reply_close(reply);
+        reply_end(reply);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+    }
+}
+
+HANDLER(start)
+{
+    const struct argument_value *what = argument_value(args, "NAME=VALUE");
+    struct view *view = &session->view;
+    const struct model *model = session->setup.scene.model;
+    const struct system system = {.model = model, .n = model->n};
+    double state[LIMIT_VARIABLES];
+    struct error unknown = {0}; /* why there is no present state */
+    if (system.n < 2 || system.n > STARTS_VARIABLES)
+        return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",
+                         STARTS_VARIABLES);
+    struct text rest = what->count ? text_trim(what->item->text) : TEXT(""), item;
+    if (text_is(rest, "clear")) {
+        view->starts = 0;
+        reply_line(reply, "no trajectory is drawn from a start any more");
+        session_changed(session);
+        return true;
+    }
+    if (rest.len == 0) {
+        list_starts(session, &system, 0, reply);
+        return true;
+    }
+    if (text_is(rest, "cursor")) {
+        if (!state_at_cursor(session, &system, state, error))
+            return false;
+        rest = TEXT("");
+    } else {
+        present_state(session, &system, state, &unknown);
+    }
+    while (rest.len > 0 && text_split(&rest, ',', &item))
+        if (!read_part(session, args, text_trim(item), &system, state, error))
+            return false;
+    for (int i = 0; i < system.n; i++)
+        if (isnan(state[i])) {
+            *error = unknown;
+            return false;
+        }
+    if (view->start_n != system.n)
+        view->starts = 0;
+    if (view->starts == LIMIT_STARTS) {
+        error_at(error, what->item->text, "there are %d starts already", LIMIT_STARTS);
+        return error_hint(error, "start clear");
+    }
+    view->start_n = system.n;
+    memset(view->start[view->starts], 0, sizeof view->start[0]);
+    memcpy(view->start[view->starts++], state, (size_t)system.n * sizeof *state);
+    list_starts(session, &system, view->starts - 1, reply);
+    session_changed(session);
+    return true;
+}
+#endif
+
+COMMAND(
+    start,
+    .row = {"start", "", "one more trajectory in the portrait, from a state, both ways", "", NULL},
+    .group = "DYNAMICS",
+    .text = "A state, values that are not named as they are at present: 'plot portrait' and its "
+            "pane draw where it goes\n"
+            "and where it comes from. 'start cursor' takes the point that 'cursor' (F7) moves in "
+            "the portrait's "
+            "pane, else the run's state at cursor A. At most "
+            "16; without a state they are listed, 'start clear' "
+            "takes them away.",
+    .examples = "scene pendulum; start theta=1,rate=2; plot portrait\n"
+                "start clear",
+    .see = "plot equilibria focus cursor", .flags = COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))

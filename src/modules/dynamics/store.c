@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What was found of the present equations: each equilibrium list, orbit and branch a record that is
+ * written once. */
+#include "modules/dynamics/kept.h"
+#include <hooke/session/read.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- writing ---- */
+
+static int count_of(const struct dynamics *d)
+{
+    return (d->equilibria.id != 0) + d->orbits + d->branches;
+}
+
+/* In the order equilibria, orbits, branches. */
+static uint64_t id_of(const struct dynamics *d, int i)
+{
+    i -= d->equilibria.id != 0;
+    return i < 0 ? d->equilibria.id : i < d->orbits ? d->orbit[i].id : d->branch[i - d->orbits]->id;
+}
+
+void dynamics_put_head(const void *part, struct buffer *to)
+{
+    const struct dynamics *d = ((const struct dynamics_part *)part)->found;
+    if (!d)
+        return;
+    const size_t begun = field_begin(to, "dynamics");
+    field_text(to, "equations", text_of(d->equations));
+    field_put(to, "params", &d->params, sizeof d->params);
+    field_put(to, "n", &d->n, sizeof d->n);
+    field_put(to, "next_id", &d->next_id, sizeof d->next_id);
+    field_put(to, "next_orbit", &d->next_orbit, sizeof d->next_orbit);
+    field_put(to, "next_branch", &d->next_branch, sizeof d->next_branch);
+    field_put(to, "next_point", d->next_point, sizeof d->next_point);
+    const size_t ids = field_begin(to, "ids");
+    for (int i = 0; i < count_of(d); i++) {
+        const uint64_t id = id_of(d, i);
+        buffer_put(to, (struct text){(const char *)&id, sizeof id});
+    }
+    field_end(to, ids);
+    field_end(to, begun);
+}
+
+static void put_array(struct buffer *to, const char *name, const void *of, int count, size_t item)
+{
+    field_put(to, name, of, (size_t)count * item);
+}
+
+static void put_branch(const struct kept_branch *b, struct buffer *to)
+{
+    field_put(to, "number", &b->number, sizeof b->number);
+    field_put(to, "varies", &b->params, sizeof b->params);
+    field_put(to, "param", b->param, sizeof b->param);
+    field_put(to, "from", b->from, sizeof b->from);
+    field_put(to, "to", b->to, sizeof b->to);
+    field_text(to, "of", text_of(b->of));
+    field_put(to, "branch",
+              &(struct branch){.kind = b->branch.kind,
+                               .count = b->branch.count,
+                               .evals = b->branch.evals,
+                               .seconds = b->branch.seconds,
+                               .closed = b->branch.closed,
+                               .cancelled = b->branch.cancelled},
+              offsetof(struct branch, ends));
+    for (int k = 0; k < 2; k++)
+        field_text(to, k ? "end1" : "end0", text_of(b->branch.ends[k]));
+    put_array(to, "points", b->branch.point, b->branch.count, sizeof *b->branch.point);
+    put_array(to, "specials", b->special, b->specials, sizeof *b->special);
+}
+
+static void put_one(const struct dynamics *d, int i, struct buffer *to)
+{
+    const uint64_t id = id_of(d, i);
+    const struct kept_equilibria *rests = &d->equilibria;
+    const char *kind = "equilibria";
+    const double *value = rests->value;
+    i -= rests->id != 0;
+    if (i >= 0) {
+        kind = i < d->orbits ? "orbit" : "branch";
+        value = i < d->orbits ? d->orbit[i].value : d->branch[i - d->orbits]->value;
+    }
+    field_put(to, "id", &id, sizeof id);
+    field_text(to, "kind", text_of(kind));
+    put_array(to, "value", value, d->params, sizeof *value);
+    if (i < 0) {
+        put_array(to, "of", rests->of, rests->count, sizeof *rests->of);
+        put_array(to, "form", rests->form, rests->count, sizeof *rests->form);
+        field_put(to, "forced", &rests->forced, sizeof rests->forced);
+        field_put(to, "complete", &rests->complete, sizeof rests->complete);
+    } else if (i < d->orbits) {
+        field_put(to, "number", &d->orbit[i].number, sizeof d->orbit[i].number);
+        put_array(to, "solution", &d->orbit[i].solution, 1, sizeof d->orbit[i].solution);
+        put_array(to, "sample", d->orbit[i].sample, d->orbit[i].samples * (d->n + 1),
+                  sizeof *d->orbit[i].sample);
+    } else {
+        put_branch(d->branch[i - d->orbits], to);
+    }
+}
+
+bool dynamics_put_next(const void *part, struct stored *stored, int *next)
+{
+    const struct dynamics *d = ((const struct dynamics_part *)part)->found;
+    for (int i = *next; d && i < count_of(d); i++) {
+        int k = 0;
+        while (k < stored->found && stored->found_id[k] != id_of(d, i))
+            k++;
+        if (k < stored->found)
+            continue;
+        put_one(d, i, &stored->record);
+        stored->found_id[k] = id_of(d, i);
+        stored->found_bytes[k] = stored->record.len;
+        stored->found++;
+        *next = i + 1;
+        return true;
+    }
+    return false;
+}
+
+void dynamics_forget(const void *part, struct stored *stored)
+{
+    const struct dynamics *d = ((const struct dynamics_part *)part)->found;
+    int kept = 0;
+    for (int k = 0; k < stored->found; k++) {
+        bool there = false;
+        for (int i = 0; d && i < count_of(d) && !there; i++)
+            there = id_of(d, i) == stored->found_id[k];
+        if (!there)
+            stored->live -= stored->found_bytes[k];
+        stored->found_id[kept] = stored->found_id[k];
+        stored->found_bytes[kept] = stored->found_bytes[k];
+        kept += there;
+    }
+    stored->found = kept;
+}
+
+/* ---- reading ---- */
+
+/* A copy, whose length has to be so many items; *count -1: any. NULL: it is not there. */
+static void *get_array(struct text in, const char *name, int *count, size_t item)
+{
+    struct text of;
+    if (!field_find(in, name, &of) || of.len % item != 0 || of.len / item > INT32_MAX ||
+        (*count >= 0 && of.len != (size_t)*count * item))
+        return NULL;
+    void *copy = malloc(of.len + item);
+    if (copy && of.len > 0)
+        memcpy(copy, of.at, of.len);
+    *count = (int)(of.len / item);
+    return copy;
+}
+
+static bool sound(const struct dynamics *d, const struct solution *s)
+{
+    return s->kind <= SOLUTION_RESPONSE && s->n == d->n && s->values >= 0 &&
+           s->values <= DYNAMICS_VARIABLES && s->multiple >= 0 && s->unstable >= 0 &&
+           s->unstable <= s->values;
+}
+
+/* Numbers of what was found, as they stand in its names. */
+static bool sound_number(int number)
+{
+    return number >= 0 && number <= INT32_MAX / 2;
+}
+
+static bool get_equilibria(struct dynamics *d, struct text in, uint64_t id, double *value)
+{
+    struct kept_equilibria *rests = &d->equilibria;
+    int count = -1;
+    struct solution *of = get_array(in, "of", &count, sizeof *of);
+    struct equilibrium_form *form = of ? get_array(in, "form", &count, sizeof *form) : NULL;
+    bool ok = form != NULL && rests->id == 0;
+    for (int i = 0; i < count && ok; i++)
+        ok = sound(d, &of[i]) && form[i].type < equilibrium_catalog.count;
+    if (!ok) {
+        free(of);
+        free(form);
+        return false;
+    }
+    *rests =
+        (struct kept_equilibria){.id = id, .value = value, .count = count, .of = of, .form = form};
+    const struct field flags[] = {FIELD_OF(struct kept_equilibria, forced),
+                                  FIELD_OF(struct kept_equilibria, complete)};
+    for (size_t i = 0; i < COUNT_OF(flags); i++)
+        fields_get(in, &flags[i], 1, rests);
+    return true;
+}
+
+static bool get_orbit(struct dynamics *d, struct text in, uint64_t id, double *value)
+{
+    struct kept_orbit orbit = {.id = id, .value = value};
+    int numbers = -1;
+    orbit.sample = get_array(in, "sample", &numbers, sizeof *orbit.sample);
+    if (!orbit.sample || numbers % (d->n + 1) != 0 || d->orbits == LIMIT_ORBITS ||
+        !field_get(in, "number", &orbit.number, sizeof orbit.number) ||
+        !field_get(in, "solution", &orbit.solution, sizeof orbit.solution) ||
+        !sound_number(orbit.number) || !sound(d, &orbit.solution)) {
+        free(orbit.sample);
+        return false;
+    }
+    orbit.samples = numbers / (d->n + 1);
+    d->orbit[d->orbits++] = orbit;
+    return true;
+}
+
+static bool sound_branch(const struct dynamics *d, const struct kept_branch *b)
+{
+    const struct field flags[] = {FIELD_OF(struct branch, closed),
+                                  FIELD_OF(struct branch, cancelled)};
+    bool ok = b->params >= 1 && b->params <= 2 && sound_number(b->number) &&
+              b->branch.kind <= SOLUTION_RESPONSE &&
+              fields_sound(flags, COUNT_OF(flags), &b->branch);
+    for (int j = 0; j < 2 && ok; j++)
+        ok = b->param[j] >= 0 && b->param[j] < d->params;
+    for (int i = 0; i < b->branch.count && ok; i++)
+        ok = sound(d, &b->branch.point[i].solution) && b->branch.point[i].special < SPECIAL_COUNT;
+    for (int k = 0; k < b->specials && ok; k++)
+        ok = b->special[k].at >= 0 && b->special[k].at < b->branch.count &&
+             sound_number(b->special[k].number) && b->special[k].special > SPECIAL_NONE &&
+             b->special[k].special < SPECIAL_COUNT;
+    return ok;
+}
+
+static bool get_branch(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id,
+                       double *value)
+{
+    struct kept_branch *b = calloc(1, sizeof *b);
+    struct text of, end[2];
+    if (!b)
+        return false;
+    b->specials = -1;
+    bool ok = field_get(in, "number", &b->number, sizeof b->number) &&
+              field_get(in, "varies", &b->params, sizeof b->params) &&
+              field_get(in, "param", b->param, sizeof b->param) &&
+              field_get(in, "from", b->from, sizeof b->from) &&
+              field_get(in, "to", b->to, sizeof b->to) && field_find(in, "of", &of) &&
+              of.len < sizeof b->of &&
+              field_get(in, "branch", &b->branch, offsetof(struct branch, ends)) &&
+              field_find(in, "end0", &end[0]) && field_find(in, "end1", &end[1]) &&
+              end[0].len < sizeof b->branch.ends[0] && end[1].len < sizeof b->branch.ends[1] &&
+              b->branch.count >= 0 && d->branches < LIMIT_BRANCHES;
+    for (int j = 0; j < 2 && ok; j++) {
+        const int at = b->param[j];
+        b->param[j] = at >= 0 && at < reader->places.count ? reader->places.row[at] : -1;
+    }
+    b->branch.point = NULL;
+    if (ok) {
+        b->branch.point = get_array(in, "points", &b->branch.count, sizeof *b->branch.point);
+        b->special = get_array(in, "specials", &b->specials, sizeof *b->special);
+    }
+    if (!ok || !b->branch.point || !b->special || !sound_branch(d, b)) {
+        free(b->branch.point);
+        free(b->special);
+        free(b);
+        return false;
+    }
+    memcpy(b->of, of.at, of.len);
+    for (int k = 0; k < 2; k++)
+        memcpy(b->branch.ends[k], end[k].at, end[k].len);
+    b->id = id;
+    b->value = value;
+    d->branch[d->branches++] = b;
+    return true;
+}
+
+/* The values of the scene's parameters in the file; those that it has none of are the scene's. */
+static double *get_values(const struct reader *reader, const struct dynamics *d, struct text in)
+{
+    double *value = malloc(((size_t)d->params + 1) * sizeof *value);
+    if (value)
+        memcpy(value, reader->session->setup.scene.value, (size_t)d->params * sizeof *value);
+    if (value && field_get_placed(in, "value", &reader->places, value, sizeof *value))
+        return value;
+    free(value);
+    return NULL;
+}
+
+static bool get_one(const struct reader *reader, struct dynamics *d, struct text in, uint64_t id)
+{
+    struct text kind;
+    double *value = get_values(reader, d, in);
+    const bool ok = value && field_find(in, "kind", &kind) &&
+                    (text_is(kind, "equilibria") ? get_equilibria(d, in, id, value)
+                     : text_is(kind, "orbit")    ? get_orbit(d, in, id, value)
+                                                 : get_branch(reader, d, in, id, value));
+    if (!ok)
+        free(value);
+    return ok;
+}
+
+static struct dynamics *get_head(struct text in, struct text *ids)
+{
+    static const struct field numbers[] = {
+        FIELD_IN(struct dynamics, next_orbit, 0, INT32_MAX / 2),
+        FIELD_IN(struct dynamics, next_branch, 0, INT32_MAX / 2),
+        FIELD_IN(struct dynamics, next_point, 0, INT32_MAX / 2),
+    };
+    struct dynamics *d = calloc(1, sizeof *d);
+    struct text equations;
+    if (d && field_find(in, "equations", &equations) &&
+        field_get(in, "params", &d->params, sizeof d->params) &&
+        field_get(in, "n", &d->n, sizeof d->n) &&
+        field_get(in, "next_id", &d->next_id, sizeof d->next_id) &&
+        field_get(in, "next_orbit", &d->next_orbit, sizeof d->next_orbit) &&
+        field_get(in, "next_branch", &d->next_branch, sizeof d->next_branch) &&
+        field_get(in, "next_point", d->next_point, sizeof d->next_point) &&
+        field_find(in, "ids", ids) && d->params >= 0 && d->params <= LIMIT_PARAMETERS &&
+        d->n >= 0 && d->n <= DYNAMICS_VARIABLES && d->next_id <= UINT64_MAX / 2 &&
+        fields_sound(numbers, COUNT_OF(numbers), d) &&
+        (d->equations = strndup(equations.at, equations.len)))
+        return d;
+    free(d);
+    return NULL;
+}
+
+/* Those that are whole; labels of others are not given again. */
+void dynamics_read(struct reader *reader)
+{
+    struct text in, ids;
+    if (!field_find(reader->state, "dynamics", &in))
+        return;
+    struct dynamics *d = get_head(in, &ids);
+    struct field_places *places = &reader->places;
+    size_t lost = 0;
+    if (d && d->params != places->count) { /* of another scene than the present one */
+        places->rows = places->count = d->params;
+        for (int i = 0; i < d->params; i++)
+            places->at[i] = places->row[i] = i;
+    }
+    if (d)
+        d->params = places->rows;
+    for (uint64_t id; d && ids.len >= sizeof id; ids.at += sizeof id, ids.len -= sizeof id) {
+        bool ok = false;
+        memcpy(&id, ids.at, sizeof id);
+        for (size_t i = 0; i < reader->records && !ok; i++) {
+            uint64_t own;
+            const struct read_record *record = &reader->record[i];
+            ok = record->kind == RECORD_FOUND &&
+                 field_get(record->content, "id", &own, sizeof own) && own == id &&
+                 get_one(reader, d, record->content, id);
+        }
+        lost += !ok;
+    }
+    if (!d)
+        reader_note(reader, "what was found of the equations is left out");
+    else if (lost > 0)
+        reader_note(reader,
+                    "%zu of the orbits and branches left out: damaged, or of another version",
+                    lost);
+    struct dynamics_part *part = session_part(reader->session, &dynamics_module);
+    if (!part) {
+        dynamics_free(d);
+        return;
+    }
+    dynamics_free(part->found);
+    part->found = d;
+}

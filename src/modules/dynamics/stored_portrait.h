@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The phase portrait that a session shows. */
+#ifndef HOOKE_MODULES_DYNAMICS_STORED_PORTRAIT_H
+#define HOOKE_MODULES_DYNAMICS_STORED_PORTRAIT_H
+
+#include <hooke/session.h>
+#include "modules/dynamics/portrait.h"
+
+/* What was made last, and of what: nothing of it is the user's. */
+struct stored_portrait {
+    bool known; /* whole: what was stopped is made again */
+    struct scene scene;
+    struct portrait_request request;
+    struct portrait portrait;
+};
+
+/* That of the session, which knows none at first. NULL: no memory. */
+struct stored_portrait *stored_portrait(const struct session *session);
+/* Is it of that scene with these values, and of these variables? */
+bool portrait_is_of(const struct stored_portrait *stored, const struct portrait_request *request);
+/* Made where it is not the last one; it is there until the next one is made. NULL: error. */
+const struct portrait *session_portrait(const struct session *session,
+                                        const struct portrait_request *request,
+                                        struct error *error);
+void stored_portrait_clear(struct stored_portrait *stored);
+
+#endif
