@@ -40,6 +40,11 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
         item->index = catalog_index(argument->choices, item->row);
         return true;
     }
+    char what[64];
+    snprintf(what, sizeof what, "%s %.*s", argument->choices->kind, (int)item->text.len,
+             item->text.at);
+    if (!module_is_in(what, item->text, error))
+        return false;
     catalog_unknown(argument->choices, item->text, error);
     if (!error->hint[0] && argument->choices->count <= 20) {
         struct buffer all = {0};

@@ -53,8 +53,8 @@ static bool use_label(HANDLER_PARAMETERS)
     for (size_t i = 0; module_list[i]; i++)
         if (module_list[i]->labels.use)
             return module_list[i]->labels.use(session, args, reply, error);
-    error_set(error, ERROR_COMMAND, "use takes a run: this program has no module with labels");
-    return error_hint(error, "'hooke --version' names the modules that are in");
+    return module_is_in("use LABEL", TEXT(""), error) &&
+           error_set(error, ERROR_COMMAND, "use takes a run");
 }
 
 HANDLER(use)

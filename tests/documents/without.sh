@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Modules can be left out: the program without any and without one, chosen by the day (LONG=1: without each), builds without a
+# warning, holds none of their symbols, says of their words which module they belong to, with status 2, and passes the scenarios
+# and the tests of rows that are left.
+set -u
+n=0 bad=0
+ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; sed 's/^/#   /' "$work/log" | tail -12; fi; }
+skip() { echo "1..0 # SKIP $1"; exit 0; }
+[ "${CONFIG:-release}" = release ] && [ "${HOOKE:-build/hooke}" = build/hooke ] || skip "of the release build"
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+unset MAKEFLAGS MAKEOVERRIDES MFLAGS TOP CONFIG
+
+mapfile -t modules < <(for path in src/modules/*/; do basename "$path"; done)
+chosen=("${modules[$(($(date +%-j) % ${#modules[@]}))]}")
+[ -z "${LONG:-}" ] || chosen=("${modules[@]}")
+
+# What functions and tables a module has that others can see.
+symbols() { # objects...
+    nm "$@" 2>/dev/null | awk '$2 ~ /^[TDRB]$/ {print $3}' | sort -u
+}
+
+without() { # NAME, or all
+    local name=$1 folder=build/release-without/$1 left=("$1") test
+    [ "$name" != all ] || left=("${modules[@]}")
+    make -j"$(nproc)" WITHOUT="$name" WERROR=1 "$folder/hooke" "$folder"/tests/unit/command/{scripts,catalog,rows} >"$work/log" 2>&1
+    ok "without $name it is built" $?
+    for module in "${left[@]}"; do
+        comm -12 <(symbols build/release/modules/"$module"/*.o build/release/modules/"$module"/*/*.o) <(symbols "$folder/hooke") >"$work/log"
+        [ ! -s "$work/log" ]
+        ok "and has no symbol of $module" $?
+        while IFS=, read -r word of; do
+            "$folder/hooke" -n -c "$word" >"$work/log" 2>&1
+            [ $? -eq 2 ] && grep -q "'$word' belongs to the module $of, which this program was built without" "$work/log"
+            ok "without $name: $word" $?
+        done < <(sed -n 's/^MISSING("\([a-z]*\)", "\(.*\)")$/\1,\2/p' "$folder/lists/missing.def" | grep ",$module$")
+    done
+    "$folder/hooke" -n -c "scene spring; method verlet; run 2 s; step 3; undo; plot position; export $work/$name.csv; print y" >"$work/log" 2>&1
+    ok "without $name the spring runs" $?
+    for test in scripts catalog rows; do
+        [ "$test" = scripts ] && [ "$name" != all ] && [ -z "${LONG:-}" ] && continue # nearly a minute
+        "$folder/tests/unit/command/$test" >"$work/log" 2>&1
+        ok "without $name: unit/command/$test" $?
+    done
+}
+
+for name in "${chosen[@]}" all; do without "$name"; done
+echo "1..$n"
+exit $bad
