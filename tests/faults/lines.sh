@@ -151,7 +151,7 @@ fi
 
 # ---- an instrument: sigrok-cli's demo device, a sine of 5 Hz at 100 samples a second
 if ! command -v sigrok-cli >/dev/null; then
-    skip "sigrok-cli's demo device" "sigrok-cli is not installed"
+    skip "sigrok-cli's demo device" "without sigrok-cli, an optional judge"
 elif ! sigrok-cli -d demo --config samplerate=100 --samples 3 -C A1 -O analog 2>/dev/null | grep -q '^A1: '; then
     skip "sigrok-cli's demo device" "it has no channel A1"
 else
@@ -167,8 +167,10 @@ else
 fi
 # ---- the recipes of examples/collect, as they are written there
 recipes=$here/examples/collect
-if ! command -v curl >/dev/null || ! command -v python3 >/dev/null; then
-    skip "phyphox.sh" "curl or python3 is not installed"
+if ! command -v python3 >/dev/null; then
+    skip "phyphox.sh" "python3 is not installed"
+elif ! command -v curl >/dev/null; then
+    skip "phyphox.sh" "without curl, an optional program"
 else
     cat >phone.py <<'end'
 import http.server, math, sys, time

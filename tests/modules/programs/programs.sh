@@ -178,14 +178,14 @@ elif have octave-cli; then
     close "$(state own45.csv)" "$(state p45.out)" 1e-6
     ok "ode45 has the same end" $?
 else
-    skip "Octave has the same end" "octave-cli is not installed"
+    skip "Octave has the same end" "without octave-cli, an optional judge"
 fi
 if have xppaut; then
     timeout 120 xppaut p.ode -silent -outfile p.dat >/dev/null 2>&1 </dev/null
     close "$(state own.csv)" "$(state p.dat)" 1e-6
     ok "XPPAUT has the same end" $?
 else
-    skip "XPPAUT has the same end" "xppaut is not installed"
+    skip "XPPAUT has the same end" "without xppaut, an optional judge"
 fi
 if have pdflatex && kpsewhich siunitx.sty >/dev/null; then
     "$hooke" -n -q -c "${typed[driven-typed]}; export scene q.tex" >/dev/null

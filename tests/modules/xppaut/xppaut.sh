@@ -79,7 +79,7 @@ ok "what 'export scene' writes comes back: $equal of $written scenes run with th
 
 files=$(dpkg -L xppaut 2>/dev/null | grep '\.ode$')
 if ! command -v xppaut >/dev/null || [ -z "$files" ]; then
-    skip "XPPAUT's own files" "xppaut is not installed"
+    skip "XPPAUT's own files" "without xppaut, an optional judge"
 else
     printf "table w %% 6 -2 3 p*exp(-t^2)\npar p=2\nx'=w(t-4)-x\ny'=w(x*3)\naux z=w(.3)\n@ total=9,meth=euler\ndone\n" >table.ode
     printf "table g %% 5 -2 2 (t+3)^2/50\nspecial a=conv(even,4,2,g,u0)\nspecial b=conv(periodic,4,2,g,v0)\nspecial c=conv(0,4,2,g,w0)\n\
