@@ -51,14 +51,15 @@ struct regrowth {
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
     bool follows_jumps; /* of the run, by starting from each row of it */
-    struct system system;
-    struct follower base, displaced;
     double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
     double rest[LIMIT_VARIABLES];       /* and their values there, */
     double rest_width[LIMIT_VARIABLES]; /* which are that uncertain */
     double size[LIMIT_VARIABLES];       /* the largest values of the run so far */
     /* initial distance of the two, in sizes along the run, and the last one that was seen */
     double displacement, before;
+    /* Set where variables came to rest: they are large, and most runs need none. */
+    struct system system;
+    struct follower base, displaced;
 };
 
 /* Size of a variable along the run, as step control had it at each row (struct controller). */
@@ -410,7 +411,8 @@ static bool look_by(struct regrowth *r, const struct method *method, struct grow
 /* Returns true if variables came to rest, which it finds. */
 static bool find_resting(struct regrowth *r, struct run *run)
 {
-    *r = (struct regrowth){.run = run};
+    memset(r, 0, offsetof(struct regrowth, system));
+    r->run = run;
     for (int i = 0; i < run->system.n; i++)
         find_rest(r, i);
     return r->any;
@@ -440,6 +442,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     r.follows_jumps = p->kicks > 0 || p->epochs > 1;
     r.system = run->system;
     system_turn_at_kinks(&r.system);
+    r.base = r.displaced = (struct follower){0};
     p->regrowth_work = 0;
     const double max = fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * run_evaluations(run));
     /* The other one where dop853 has to take short steps for its stability. */
