@@ -5,6 +5,7 @@
 #include <hooke/language.h>
 #include <hooke/scene/dimension.h>
 #include <hooke/scene/formula.h>
+#include <hooke/scene/unit_word.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -341,57 +342,6 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     return true;
 }
 
-/* The unit that is spelled out, or shortened in another way: grams, sec. */
-static const struct unit *spelled_unit(struct text word)
-{
-    const size_t len = word.len - (word.len > 3 && word.at[word.len - 1] == 's');
-    for (size_t i = 0; i < unit_catalog.count; i++) {
-        const struct row *row = catalog_row(&unit_catalog, i);
-        if (len >= 3 && !strchr(row->brief, ' ') &&
-            text_starts(text_of(row->brief), (struct text){word.at, len}))
-            return (const struct unit *)(const void *)row;
-    }
-    return NULL;
-}
-
-/* A name or a number, as of 2pi. */
-static bool is_factor(const struct parser *parser, struct text word)
-{
-    const struct text name = peek_name(word);
-    int slot;
-    return text_is(name, "pi") || catalog_find(&function_catalog, name) ||
-           (parser->scope && parser->scope->find(parser->scope->context, name, &slot));
-}
-
-static bool unknown_unit(const struct parser *parser, struct text word, const struct item *number,
-                         struct error *error)
-{
-    const enum quantity quantity = number->quantity;
-    const struct unit *spelled = spelled_unit(word), *known = unit_match(word);
-    const struct text value = number->text;
-    if (known && word.len == strlen(known->row.name)) {
-        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", (int)word.len,
-                 word.at, quantity_name(known->quantity));
-        return known->quantity == QUANTITY_TIME &&
-               error_hint(error, "'run %.*s %.*s' goes on for a time", shown_length(value),
-                          value.at, (int)word.len, word.at);
-    }
-    catalog_unknown(&unit_catalog, word, error);
-    if (spelled || is_factor(parser, word))
-        error->hint[0] = '\0';
-    if (spelled)
-        error_hint(error, "write %.*s %s", shown_length(value), value.at, spelled->row.name);
-    else if (is_factor(parser, word))
-        error_hint(error, "write %.*s*%.*s: a product has its sign", shown_length(value), value.at,
-                   shown_length(word), word.at);
-    struct buffer units = {0};
-    quantity_units(quantity, &units);
-    if (units.len > 0)
-        error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
-    buffer_free(&units);
-    return false;
-}
-
 static bool decimal_comma(struct text rest, struct error *error)
 {
     /* rest.at[-1] is the last digit of the number before the comma. */
@@ -417,11 +367,12 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     text_skip_blanks(&rest);
     if (rest.len == 0)
         return true;
+    if (number && !number->unit && is_name_start(rest.at[0]))
+        return refuse_unit_word(parser->scope, unit_word(rest), number->text, number->quantity,
+                                error);
     struct text word = peek_word(rest, "");
     if (word.len == 0)
         word = rest;
-    if (number && !number->unit && is_name_start(word.at[0]))
-        return unknown_unit(parser, word, number, error);
     error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
     if (!number || !number->unit)
         return false;

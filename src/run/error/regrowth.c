@@ -50,7 +50,7 @@ struct regrowth {
     size_t row;                    /* the first one where variables rest */
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
-    bool follows_jumps; /* of the run, by starting from each row of it */
+    bool follows_jumps;                 /* of the run, by starting from each row of it */
     double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
     double rest[LIMIT_VARIABLES];       /* and their values there, */
     double rest_width[LIMIT_VARIABLES]; /* which are that uncertain */

@@ -4,6 +4,8 @@
  * with constants folded. Nothing recurses; the stacks of the parser and of the evaluator are
  * bounded by LIMIT_EXPR_DEPTH.
  */
+#include <hooke/scene/unit_word.h>
+
 #include <string.h>
 
 #include "scene/formula/compiler.h"
@@ -372,6 +374,40 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
                          (size_t)open->arguments + 1);
 }
 
+/* Returns true if a number without a unit is followed by a word that is written as a unit: right
+ * after the number, or before an operator, a closing parenthesis or the end of the text. */
+static bool is_unit_wanted(const struct compiler *c)
+{
+    if (!c->operand || c->last != LAST_NUMBER || !is_letter(peek(c, 0)))
+        return false;
+    size_t next = unit_word(compiler_slice(c, c->at, c->text.len - c->at)).len;
+    while (peek(c, next) == ' ' || peek(c, next) == '\t')
+        next++;
+    return c->end == c->at || c->at + next == c->text.len || strchr(")+-*/^,<>", peek(c, next));
+}
+
+/* Emits what waits where the text of the expression ends. */
+static bool close_expression(struct compiler *c)
+{
+    const struct pending *open = innermost(c),
+                         *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
+    const bool sums = top && top->what == WAIT_OPERATOR && top->precedence == SUM && c->values > 1;
+    const struct text number = c->operand ? c->operand[c->values - 1].text : (struct text){0};
+    const enum quantity quantity = sums && c->operand
+                                       ? dimension_quantity(&c->operand[c->values - 2].dimension)
+                                       : QUANTITY_OTHER;
+    if (!open && reduce(c, 0))
+        return true;
+    const struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
+    if (is_unit_wanted(c))
+        return refuse_unit_word(c->scope, unit_word(rest), number, quantity, c->error);
+    if (!open)
+        return false;
+    error_at(c->error, open->where, "missing ')' for '%.*s'", (int)open->where.len, open->where.at);
+    return c->operand && is_letter(peek(c, 0)) &&
+           error_hint(c->error, "'%.*s' is no unit", (int)word_end(c, 0), c->text.at + c->at);
+}
+
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error)
 {
@@ -393,15 +429,7 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
         if (!(complete ? read_operator(c, &complete, &over) : read_operand(c, &complete)))
             return NULL;
     }
-    const struct pending *open = innermost(c);
-    if (open) {
-        error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
-                 open->where.at);
-        if (c->operand && is_letter(peek(c, 0)))
-            error_hint(error, "'%.*s' is no unit", (int)word_end(c, 0), c->text.at + c->at);
-        return NULL;
-    }
-    if (!reduce(c, 0))
+    if (!close_expression(c))
         return NULL;
     *used = c->end;
     if (c->operand)

@@ -208,7 +208,8 @@ static void test_mistakes(void **state)
     expect_mistake("(1 + 2", "missing ')' for '('", "(", "");
     expect_mistake("2*sin(1 + 2", "missing ')' for 'sin('", "sin(", "");
     expect_mistake("(1, 2)", "missing ')' for '('", "(", "");
-    expect_mistake("(5 foo)", "missing ')' for '('", "(", "'foo' is no unit");
+    expect_mistake("(5 foo)", "unknown unit 'foo'", "foo", "");
+    expect_mistake("(5 foo bar)", "missing ')' for '('", "(", "'foo' is no unit");
     expect_mistake("5 + 1 cm",
                    "'5' (number) and '1 cm' (length) do not add: a unit belongs to the number "
                    "before it",

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Words that follow a number, where a unit would be, and are none. */
+#include <hooke/scene/formula.h>
+#include <hooke/scene/unit_word.h>
+
+#include <string.h>
+
+struct text unit_word(struct text text)
+{
+    struct text word = peek_word(text, "+-*()<>=,:");
+    for (size_t i = 0; i + 1 < word.len; i++) {
+        const char next = word.at[i + 1];
+        const bool digit = next >= '0' && next <= '9';
+        if ((word.at[i] == '/' && !is_name_start(next)) || (word.at[i] == '^' && !digit))
+            word.len = i;
+    }
+    if (word.len > 0 && strchr("/^", word.at[word.len - 1]))
+        word.len--;
+    return word;
+}
+
+/* The unit that is spelled out, or shortened in another way: grams, sec. */
+static const struct unit *spelled_unit(struct text word)
+{
+    const size_t len = word.len - (word.len > 3 && word.at[word.len - 1] == 's');
+    for (size_t i = 0; i < unit_catalog.count; i++) {
+        const struct row *row = catalog_row(&unit_catalog, i);
+        if (len >= 3 && !strchr(row->brief, ' ') &&
+            text_starts(text_of(row->brief), (struct text){word.at, len}))
+            return (const struct unit *)(const void *)row;
+    }
+    return NULL;
+}
+
+/* A name or a number, as of 2pi. */
+static bool is_factor(const struct expr_scope *scope, struct text word)
+{
+    const struct text name = peek_name(word);
+    int slot;
+    return text_is(name, "pi") || catalog_find(&function_catalog, name) ||
+           (scope && scope->find(scope->context, name, &slot));
+}
+
+bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct text number,
+                      enum quantity quantity, struct error *error)
+{
+    const struct unit *spelled = spelled_unit(word), *known = unit_match(word);
+    const bool factor = is_factor(scope, word);
+    const int shown = (int)(number.len < 80 ? number.len : 80), length = (int)word.len;
+    if (known && word.len == strlen(known->row.name)) {
+        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", length, word.at,
+                 quantity_name(known->quantity));
+        return known->quantity == QUANTITY_TIME &&
+               error_hint(error, "'run %.*s %.*s' goes on for a time", shown, number.at, length,
+                          word.at);
+    }
+    catalog_unknown(&unit_catalog, word, error);
+    if (spelled || factor)
+        error->hint[0] = '\0';
+    if (spelled)
+        error_hint(error, "write %.*s %s", shown, number.at, spelled->row.name);
+    else if (factor)
+        error_hint(error, "write %.*s*%.*s: a product has its sign", shown, number.at, length,
+                   word.at);
+    struct buffer units = {0};
+    quantity_units(quantity, &units);
+    if (units.len > 0)
+        error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
+    buffer_free(&units);
+    return false;
+}
