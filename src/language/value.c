@@ -356,6 +356,18 @@ static bool decimal_comma(struct text rest, struct error *error)
                       (int)(to - rest.at - 1), rest.at + 1);
 }
 
+/* Returns true if no unit follows the last number: that of the uncertainty, if there is one. */
+static bool lacks_unit(const struct item *number)
+{
+    struct text last = number->text;
+    double value;
+    while (last.len > 2 && !starts_uncertainty(last))
+        last = (struct text){last.at + 1, last.len - 1};
+    if (last.len <= 2)
+        return !number->unit;
+    return real_parse(text_trim((struct text){last.at + 2, last.len - 2}), &value) == REAL_OK;
+}
+
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;
@@ -367,7 +379,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     text_skip_blanks(&rest);
     if (rest.len == 0)
         return true;
-    if (number && !number->unit && is_name_start(rest.at[0]))
+    if (number && is_name_start(rest.at[0]) && lacks_unit(number))
         return refuse_unit_word(parser->scope, unit_word(rest), number->text, number->quantity,
                                 error);
     struct text word = peek_word(rest, "");

@@ -2,6 +2,7 @@
 /* event */
 #ifndef COMMAND_ROWS
 #include <hooke/scene/formula.h>
+#include <hooke/scene/unit_word.h>
 #include <hooke/command/handler.h>
 #include "command/run/event_pass.h"
 
@@ -109,6 +110,10 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
         return error_at(error, (struct text){when.at, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);
     struct parser parser = {session, &scope, arena, after(when, used)};
+    const char last = used > 0 ? when.at[used - 1] : ' ';
+    if (last >= '0' && last <= '9' && used < when.len && is_name_start(when.at[used]))
+        return refuse_unit_word(&scope, unit_word(parser.rest), (struct text){when.at, used},
+                                QUANTITY_OTHER, error);
     if (!read_action(&parser, &line, &commands, error))
         return false;
     const struct events *events =
