@@ -391,7 +391,7 @@ lint: ## clang-tidy and cppcheck, of what changed
 
 # Flags that a compiler needs for all files at once.
 lint-flags:
-	@echo $(OPTIONAL_CPPFLAGS) $(LINE_CFLAGS) $(GSL_CFLAGS)
+	@echo -I$(D) $(OPTIONAL_CPPFLAGS) $(LINE_CFLAGS) $(GSL_CFLAGS)
 
 format: ## clang-format in place
 	$(Q)clang-format -i $$(git ls-files '*.c' '*.h')

@@ -186,8 +186,9 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     for (int i = 0; i <= STEPS; i++)
         for (int j = 0; j <= STEPS; j++) {
             struct times_model *m = &model[i][j];
-            m->scatter = i == 0 ? 0 : spread * first_scatter * pow(step, i - 1);
-            m->walk = j == 0 ? 0 : spread * first_walk / (double)n * pow(step, j - 1);
+            *m = (struct times_model){
+                .scatter = i == 0 ? 0 : spread * first_scatter * pow(step, i - 1),
+                .walk = j == 0 ? 0 : spread * first_walk / (double)n * pow(step, j - 1)};
             follow_times(time, n, spread, m);
             const double prior = (i == 0 ? 1 : 1.0 / STEPS) * (j == 0 ? 1 : 1.0 / STEPS),
                          w = prior * exp(fmin(m->likelihood - none->likelihood, 600));

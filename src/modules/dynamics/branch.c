@@ -384,7 +384,7 @@ static void reply_branch(const struct session *session, const struct kept_branch
 HANDLER(branch)
 {
     struct branch_words words = {.params = 0};
-    struct kept_reference start = {.orbit = NULL};
+    struct kept_reference start = {.scene = session->setup.scene};
     struct kept_branch like = {.params = 1};
     struct buffer text = {0};
     if (!read_words(session, args, &words, error) ||

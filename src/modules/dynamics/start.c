@@ -107,7 +107,7 @@ HANDLER(start)
     struct view *view = &session->view;
     const struct model *model = session->setup.scene.model;
     const struct system system = {.model = model, .n = model->n};
-    double state[LIMIT_VARIABLES];
+    double state[LIMIT_VARIABLES] = {0};
     struct error unknown = {0}; /* why there is no present state */
     if (system.n < 2 || system.n > STARTS_VARIABLES)
         return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",

@@ -101,8 +101,10 @@ static bool choose(struct drawing *d, struct system *system, struct portrait_req
     struct scene *scene = arena_array(d->arena, 1, sizeof *scene);
     const struct run *run = session_run(d->session);
     double box[LIMIT_VARIABLES][2];
-    if (!scene)
-        return error_memory(d->error);
+    if (!scene) {
+        error_memory(d->error);
+        return false;
+    }
     *scene = d->session->setup.scene;
     *wanted = (struct portrait_request){.scene = scene, .cancel = d->session->front.cancel};
     for (int i = 0; i < scene->model->n; i++)
