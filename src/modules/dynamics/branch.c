@@ -234,7 +234,8 @@ static bool bind_start(struct kept_reference *start, struct error *error)
 {
     struct system system;
     double box[LIMIT_VARIABLES][2];
-    for (int i = 0; i < start->scene.model->n; i++)
+    const struct model *model = start->scene.model;
+    for (int i = 0; model && i < model->n; i++)
         box[i][0] = box[i][1] = start->solution.state[i];
     return scene_bind_inside(&start->scene, box, &system, error);
 }
