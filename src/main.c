@@ -307,10 +307,7 @@ int main(int argc, char **argv)
             options_help(&text);
         } else if (options.version) {
             buffer_put(&text, TEXT("hooke " HOOKE_VERSION "\n"));
-            buffer_put(&text, TEXT("modules:"));
-            for (size_t i = 0; module_list[i]; i++)
-                buffer_format(&text, " %s", module_list[i]->row.name);
-            buffer_put(&text, module_list[0] ? TEXT("\n") : TEXT(" none\n"));
+            modules_put(&text);
             confine_say(&text);
         }
         if (options.help || options.version) {

@@ -74,6 +74,8 @@ struct module {
 
 /* The modules of this build, in the order of their names, then NULL. */
 extern const struct module *const module_list[];
+/* Appends the line "modules   NAME NAME": those that are in. */
+void modules_put(struct buffer *text);
 
 /*
  * Returns false, with status 2 and the module's name in `error`, where this program was built

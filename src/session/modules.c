@@ -15,6 +15,14 @@ const struct module *const module_list[] = {
     NULL,
 };
 
+void modules_put(struct buffer *text)
+{
+    buffer_put(text, TEXT("modules  "));
+    for (size_t i = 0; module_list[i]; i++)
+        buffer_format(text, " %s", module_list[i]->row.name);
+    buffer_put(text, module_list[0] ? TEXT("\n") : TEXT(" none\n"));
+}
+
 /* ---- those that are not in ---- */
 
 bool module_is_in(const char *what, struct text word, struct error *error)

@@ -51,7 +51,7 @@ static const struct option_row {
          "only records, warnings and errors; a run's own error is not estimated (help run)"),
     FLAG('v', "verbose", verbose, "show each line on standard error before it is executed"),
     FLAG('h', "help", help, "this list"),
-    FLAG('V', "version", version, "the version"),
+    FLAG('V', "version", version, "the version, and the modules that are in"),
 #undef FLAG
 };
 

@@ -38,6 +38,9 @@ without() { # NAME, or all
     done
     "$folder/hooke" -n -c "scene spring; method verlet; run 2 s; step 3; undo; plot position; export $work/$name.csv; print y" >"$work/log" 2>&1
     ok "without $name the spring runs" $?
+    "$folder/hooke" -n -c plan >"$work/log" 2>&1
+    grep -q "^modules   $([ "$name" = all ] && echo none || printf '%s\n' "${modules[@]}" | grep -vx "$name" | xargs)$" "$work/log"
+    ok "without $name: plan names those that are in" $?
     for test in scripts catalog rows; do
         [ "$test" = scripts ] && [ "$name" != all ] && [ -z "${LONG:-}" ] && continue # nearly a minute
         "$folder/tests/unit/command/$test" >"$work/log" 2>&1
