@@ -115,7 +115,8 @@ ALONE  := $(wildcard src/terminal/alone/*.c)
 STATIC := build/static$(if $(filter release,$(CONFIG)),,-$(CONFIG))/hooke
 
 # What is compiled with the lists of modules that are in: $(D)/lists/*.def, written by scripts/modules.
-LIST_SOURCES := src/session/modules.c src/command/commands.c src/language/choices.c src/plot/plots.c
+LIST_SOURCES := src/session/modules.c src/command/commands.c src/language/choices.c src/plot/plots.c \
+  src/report/results.c src/command/session/topics.c
 ABSENT := $(wildcard $(foreach m,$(LEFT_OUT),src/modules/$(m)/*.c src/modules/$(m)/*/*.c))
 $(shell scripts/modules $(D)/lists $(MODULES))
 ifneq ($(.SHELLSTATUS),0)

@@ -62,16 +62,6 @@ static const struct result_row rows[] = {
     STUDIED("stress", "a row for each case and method"),
     STUDIED("selftest", "a row for each method"),
     STUDIED("sweep", "a row for each point"),
-    STUDIED("lyapunov", "exponents with errors, what was checked"),
-    STUDIED("basins", "a row for each start, after basins"),
-    FOUND("basin", "a row for each attractor: its share of the starts", "basins"),
-    {.row = {"equilibria", "", "a row for each equilibrium", "", NULL},
-     .kind = "equilibrium",
-     .study = true,
-     .type = "equilibria"},
-    STUDIED("orbit", "states along the last one, over a period"),
-    STUDIED("branch", "a row for each point of the last one"),
-    FOUND("branch-point", "special points of the last one", "branch NAME=FROM:TO"),
     FOUND("fit", "the last one: its values, laws and parameters", "fit"),
     FOUND("measure", "the last value that was measured", "measure period"),
     FOUND("peak", "lines of the last spectrum", "plot spectrum"),
@@ -83,6 +73,7 @@ static const struct result_row rows[] = {
      .type = "list methods",
      .sceneless = true},
     FOUND("loaded", "a table read from a file", "load FILE"),
+#include "lists/results.def"
 };
 
 const struct catalog result_catalog = CATALOG("result", rows);

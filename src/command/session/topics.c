@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What `help` alone offers: ten ways to begin, each with lines that can be pasted one after
- * another. */
+/* What `help` alone offers: ways to begin, of the core and of modules, each with lines that can be
+ * pasted one after another. */
 #include "command/session/topics.h"
 
 #define TOPIC(word, says, explains, lines)                                                         \
@@ -96,28 +96,6 @@ static const struct guide_topic topics[] = {
           "sweep omega=6:12:0.2 gamma=0.1:1:0.1 measure=amplitude\n"
           "export map.csv table --force"),
     TOPIC(
-        "dynamics", "phase plane, rests, cycles, branches, Poincare sections, chaos",
-        "'plot phase' and 'plot y against x' show orbits; an event recorded once a drive's period "
-        "makes a section, --next a return map. 'plot spectrum' has the frequencies, 'lyapunov' "
-        "says "
-        "how fast near motions part, 'basins' where starts end. In the pane "
-        "portrait ('focus portrait full') F7 is a point: arrows move it, Enter starts a "
-        "trajectory. 'equilibria' and 'orbit' find rests and cycles with their stability, 'branch' "
-        "follows them with a parameter, 'lyapunov' measures chaos, 'basins' says which start ends "
-        "where.",
-        "scene duffing-driven; method dopri5 tol=1e-9\n"
-        "plot portrait; orbit\n"
-        "branch omega=0.5:3 of response; plot branches\n"
-        "event stroke when sin(omega*t) rising do record\n"
-        "run 150 s\n"
-        "plot phase\n"
-        "plot v against y at stroke\n"
-        "plot spectrum\n"
-        "lyapunov over 1000 s\n"
-        "F0 = 0\n"
-        "basins y=-2:2:0.1 v=-2:2:0.1\n"
-        "plot basins"),
-    TOPIC(
         "output", "tables, pictures, the lab's report, saved sessions, scripts",
         "'plot ... > FILE' writes a picture (.svg .pdf .png) or text, 'export' columns of runs, "
         "recordings, events, measurements and tables of studies, 'report' the folder that the lab "
@@ -129,6 +107,7 @@ static const struct guide_topic topics[] = {
         "measure period; export values.csv measurements --force\n"
         "report handin --force\n"
         "save session.hk --force"),
+#include "lists/topics.def"
 };
 
 const struct catalog guide_catalog = CATALOG("topic", topics);
