@@ -6,7 +6,7 @@
 set -u
 n=0 bad=0
 ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; sed 's/^/#   /' "$work/log" | tail -12; fi; }
-skip() { echo "1..0 # SKIP $1"; exit 0; }
+skip() { echo "ok 1 - modules that are left out # SKIP $1"; echo "1..1"; exit 0; }
 [ "${CONFIG:-release}" = release ] && [ "${HOOKE:-build/hooke}" = build/hooke ] || skip "of the release build"
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
