@@ -7,7 +7,11 @@ set -u
 n=0 bad=0
 ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; sed 's/^/#   /' "$work/log" | tail -12; fi; }
 skip() { echo "ok 1 - modules that are left out # SKIP $1"; echo "1..1"; exit 0; }
-[ "${CONFIG:-release}" = release ] && [ "${HOOKE:-build/hooke}" = build/hooke ] || skip "of the release build"
+case ${CONFIG:-release}-${HOOKE:-build/hooke} in
+release-build/hooke) optional=yes built=build/release-without ;;
+release-build/plain/hooke) optional=no built=build/plain-without ;;
+*) skip "of the release build" ;;
+esac
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 unset MAKEFLAGS MAKEOVERRIDES MFLAGS TOP CONFIG
@@ -22,9 +26,9 @@ symbols() { # objects...
 }
 
 without() { # NAME, or all
-    local name=$1 folder=build/release-without/$1 left=("$1") test
+    local name=$1 folder=$built/$1 left=("$1") test
     [ "$name" != all ] || left=("${modules[@]}")
-    make -j"$(nproc)" WITHOUT="$name" WERROR=1 "$folder/hooke" "$folder"/tests/unit/command/{scripts,catalog,rows} >"$work/log" 2>&1
+    make -j"$(nproc)" OPTIONAL=$optional WITHOUT="$name" WERROR=1 "$folder/hooke" "$folder"/tests/unit/command/{scripts,catalog,rows} >"$work/log" 2>&1
     ok "without $name it is built" $?
     for module in "${left[@]}"; do
         comm -12 <(symbols build/release/modules/"$module"/*.o build/release/modules/"$module"/*/*.o) <(symbols "$folder/hooke") >"$work/log"
