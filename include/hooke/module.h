@@ -74,6 +74,8 @@ struct module {
 
 /* The modules of this build, in the order of their names, then NULL. */
 extern const struct module *const module_list[];
+/* The names of those that it was built without, then NULL. */
+extern const char *const module_left_out[];
 /* Appends the line "modules   NAME NAME": those that are in. */
 void modules_put(struct buffer *text);
 

@@ -15,6 +15,11 @@ const struct module *const module_list[] = {
     NULL,
 };
 
+const char *const module_left_out[] = {
+#include "lists/left_out.def"
+    NULL,
+};
+
 void modules_put(struct buffer *text)
 {
     buffer_put(text, TEXT("modules  "));

@@ -465,6 +465,11 @@ static void read_all(struct reader *reader)
     for (size_t i = 0; module_list[i]; i++)
         if (module_list[i]->store.read)
             module_list[i]->store.read(reader);
+    for (size_t i = 0; module_left_out[i]; i++)
+        if (field_find(reader->state, module_left_out[i], &ids))
+            reader_note(reader,
+                        "what the module %s keeps is left out: this program was built without it",
+                        module_left_out[i]);
     read_view(reader);
     read_lesson(reader);
     undo_clear(session);
