@@ -53,7 +53,8 @@ HANDLER(plan)
     if (plot_row(focus)->planned && plot_offered(session, focus))
         buffer_put(&text, text_of(plot_row(focus)->planned));
     plan_prices(session, &system, &settings, &plan, &text);
-    modules_put(&text);
+    if (module_left_out[0])
+        modules_put(&text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -66,8 +67,8 @@ COMMAND(plan,
         .group = "SCENE",
         .text = "Shows the forces that act, steps, memory, the predicted growth a step, and two "
                 "lists: what 'run' computes and what it leaves out, with the price of each in "
-                "percent of the run; last the modules that the program has. Prices are counted in "
-                "operations, not timed. The first steps "
+                "percent of the run; of a program that was built without some modules, too, those "
+                "that it has. Prices are counted in operations, not timed. The first steps "
                 "are tried where their number, or that of their evaluations, is not known before.",
         .examples = "plan\nmethod verlet; plan", .see = "scene method run",
         .flags = COMMAND_ANYTIME)
