@@ -41,6 +41,9 @@ bool text_is(struct text a, const char *z);
 bool text_starts(struct text a, struct text prefix);
 struct text text_trim(struct text a);              /* without blanks, tabs, CR at both ends */
 struct text text_last_component(struct text path); /* behind the last / */
+/* Returns what follows the last point of a file's name; nothing where it has none but at its begin.
+ */
+struct text text_ending(struct text path);
 /* cuts the head off; false: nothing left */
 bool text_split(struct text *rest, char separator, struct text *head);
 

@@ -282,10 +282,11 @@ enum listed {
     LIST_RECORDINGS
 };
 
-/* What `list` lists; kinds of modules stand behind those of the enum. */
+/* A kind of thing that `list` lists. Kinds of modules follow those of the enum. */
 struct list_kind {
     struct row row;
-    /* Of a module: lists it. Returns false where there was no memory. NULL: list.c does. */
+    /* Lists it, for kinds of modules. Returns false if out of memory. NULL for those of the enum.
+     */
     bool (*list)(struct session *session, struct arena *arena, struct reply *reply);
 };
 

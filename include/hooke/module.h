@@ -18,7 +18,7 @@ struct stored; /* hooke/session/stored.h */
 
 /* Reads scenes of another program, for `load scene FILE`. */
 struct scene_reader {
-    const char *ending; /* of the files' names, with its dot; NULL: this module reads none */
+    const char *ending; /* "ode" for files NAME.ode; NULL if the module reads no scenes */
     const char *kind;   /* for messages: "files of XPPAUT" */
     /*
      * Makes the file's scene that of the session; `set`: the set of values that was asked for, "":
@@ -30,14 +30,14 @@ struct scene_reader {
 
 /* Writes the session's scene for another program, for `export scene FILE`. */
 struct scene_writer {
-    const char *endings; /* of the files' names, with blanks between; NULL: it writes none */
-    const struct catalog *kinds; /* by these endings, without their dots */
+    const char *endings;         /* ".c .py"; NULL if the module writes no scenes */
+    const struct catalog *kinds; /* rows are named by these endings, without their points */
     /* Appends the file's content; kind: place in `kinds`. Returns false with `error` filled. */
     bool (*write)(const struct session *session, size_t kind, struct arena *arena,
                   struct buffer *out, struct error *error);
 };
 
-/* How its part is kept in the session's file; functions that are NULL do nothing. */
+/* Functions that keep a module's part in the session's file. Each may be NULL. */
 struct module_store {
     /* Appends its fields to the record of the session's state. */
     void (*put)(const void *part, struct buffer *to);
@@ -49,9 +49,10 @@ struct module_store {
     void (*read)(struct reader *reader);
 };
 
-/* Labels of what it has found, which `use LABEL` goes to. */
+/* Labels of results that `use LABEL` goes back to. */
 struct module_labels {
-    bool (*is_label)(struct text word); /* may the word be one? NULL: the module has none */
+    bool (*is_label)(
+        struct text word); /* whether the word has the form of a label; NULL: none has */
     void (*complete)(struct completion *completion);
     bool (*use)(struct session *session, const struct arguments *arguments, struct reply *reply,
                 struct error *error);
@@ -62,14 +63,13 @@ struct module {
     const char *needs; /* the modules without which it is not built: names with blanks between */
     struct scene_reader reader;
     struct scene_writer writer;
-    /* What it keeps in a session: so many bytes, which are 0 at first. */
-    size_t part_size;
-    void (*part_free)(void *part); /* frees what the part points to; NULL: nothing */
-    /* Whether the part needs a typed model; NULL: it needs none. */
+    size_t part_size; /* [byte] size of its part of a session, which is zeroed at first */
+    void (*part_free)(void *part); /* frees what the part points to; may be NULL */
+    /* Returns true while the part needs a typed model; may be NULL. */
     bool (*part_uses)(const void *part, const struct model *model);
     struct module_store store;
     struct module_labels labels;
-    find_attractor *attractor; /* what a motion ends in, for `sweep measure=attractor`; NULL */
+    find_attractor *attractor; /* computes `sweep measure=attractor`; may be NULL */
 };
 
 /* The modules of this build, in the order of their names, then NULL. */

@@ -33,19 +33,19 @@ enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
 enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
 
 struct reply;
-struct drawing; /* a figure while it is built up: src/plot/figure/drawing.h */
+struct drawing; /* a figure while it is built up: hooke/plot/drawing.h */
 
 /* The plane of a plot whose points are states of the scene. */
 struct plot_plane {
-    const struct scene *scene; /* that was drawn */
+    const struct scene *scene; /* the scene that was drawn */
     int variable[2];           /* across, up */
     double box[2][2];
-    double state[LIMIT_VARIABLES]; /* of the variables that are not shown */
+    double state[LIMIT_VARIABLES]; /* SI; gives the variables that are not shown */
 };
 
-/* What the cursors' point needs of such a plot. */
+/* Functions that move the cursors' point on such a plane. */
 struct plane_row {
-    /* The plane as it was drawn last; false: it was not drawn of the present scene. */
+    /* Gives the plane as it was drawn last. Returns false if none was drawn of this scene. */
     bool (*drawn)(const struct session *session, struct plot_plane *plane);
     /* Moves the point to the next, or the previous, special state. */
     bool (*next)(const struct session *session, const struct plot_plane *plane, bool forward,
@@ -80,8 +80,8 @@ struct plot_row {
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
     void (*note)(const struct drawing *d, struct buffer *text); /* of its own; NULL: none */
-    const struct plane_row *plane;                              /* NULL: its points are no states */
-    /* Adds what it holds in numbers to the reply; NULL: nothing. */
+    const struct plane_row *plane; /* NULL where its points are no states */
+    /* Adds the numbers behind the figure to the reply. NULL: there are none. */
     void (*reply)(const struct session *session, struct reply *reply);
     const char *planned; /* a line of `plan` while its pane has the focus; NULL: none */
     bool takes_column;   /* a column may follow its name: what is drawn of it */

@@ -311,7 +311,7 @@ struct collecting {
     struct feed *feed;
 };
 
-/* What modules keep in a session: hooke/module.h. */
+/* The parts of a session that modules keep: hooke/module.h. */
 struct module;
 struct session_part {
     const struct module *module;

@@ -39,6 +39,15 @@ struct text text_last_component(struct text path)
     return (struct text){path.at + at, path.len - at};
 }
 
+struct text text_ending(struct text path)
+{
+    const struct text name = text_last_component(path);
+    size_t dot = name.len;
+    while (dot > 0 && name.at[dot - 1] != '.')
+        dot--;
+    return dot > 1 ? (struct text){name.at + dot, name.len - dot} : TEXT("");
+}
+
 struct text text_trim(struct text a)
 {
     while (a.len > 0 && is_blank(a.at[a.len - 1]))

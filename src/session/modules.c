@@ -14,6 +14,7 @@ const struct module *const module_list[] = {
 #include "lists/modules.def"
     NULL,
 };
+_Static_assert(COUNT_OF(module_list) <= LIMIT_MODULES + 1, "more modules than parts of a session");
 
 const char *const module_left_out[] = {
 #include "lists/left_out.def"

@@ -16,15 +16,6 @@
 #define CLONES_FOR(...) __attribute__((target_clones("default", __VA_ARGS__)))
 #else
 #define CLONES_FOR(...)
-/* ---- square matrices [n][n], row by row ---- */
-
-void matrix_multiply(int n, const double *a, const double *b, double *product);
-/* Returns the largest sum of magnitudes in a row. */
-double matrix_norm(int n, const double *a);
-/* Replaces a by exp(a) 2^-k and returns k, which is 0 unless exp(a) is out of the range of numbers
- * (Moler, Van Loan 2003, SIAM Rev. 45:3, method 3). work has 2 n^2 doubles. */
-double matrix_exponential(int n, double *a, double *work);
-
 #endif
 #define CLONES CLONES_FOR("avx2", "avx512f")
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Private to the commands that draw or describe a figure. */
+/* The arguments of commands that draw or describe a figure. */
 #ifndef HOOKE_COMMAND_FIGURE_ARGUMENTS_H
 #define HOOKE_COMMAND_FIGURE_ARGUMENTS_H
 

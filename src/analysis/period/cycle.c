@@ -167,8 +167,10 @@ static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
                         struct arena *arena)
 {
     const double span = x->t[x->n - 1] - x->t[0], samples = guess / (span / (double)(x->n - 1));
-    static const double much_max = 2; /* more is worth a cycle */
-    enum { ENOUGH = 5 };
+    /* A cut that changes by more than this, against the quietest, is worth the loss of a cycle,
+     * where more than so many are left. */
+    static const double change_max = 2;
+    enum { CYCLES_LEFT_MIN = 5 };
     *c = (struct cycles){.samples = x, .period = guess, .count = (size_t)(span / guess + 0.02)};
     c->bins = (size_t)fmin(fmax(samples, BINS_MIN), BINS_MAX);
     if (c->count < CYCLES_MIN || samples < BINS_MIN / 2)
@@ -179,7 +181,7 @@ static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
     if (!c->cycle || !c->shape || !c->weight)
         return false;
     double much, begin = quiet_begin(x, guess, fmax(span / guess - (double)c->count, 0), &much);
-    if (much > much_max && c->count > ENOUGH) {
+    if (much > change_max && c->count > CYCLES_LEFT_MIN) {
         c->count--;
         begin = quiet_begin(x, guess, 1, &much);
     }

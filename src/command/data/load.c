@@ -295,26 +295,24 @@ static bool load_scene(struct session *session, const struct arguments *args, st
                        struct error *error)
 {
     const struct text file = argument_value(args, "scene")->item->text;
-    const struct module *reads = NULL;
+    const struct text ending = text_ending(file);
+    const struct scene_reader *other = NULL; /* that would read another ending */
     char what[32];
     for (size_t i = 0; module_list[i]; i++) {
-        const char *ending = module_list[i]->reader.ending;
-        const size_t len = ending ? strlen(ending) : 0;
-        if (len && file.len >= len && memcmp(file.at + file.len - len, ending, len) == 0)
-            return module_list[i]->reader.load(session, args, file, text_of_argument(args, "set"),
-                                               reply, error);
-        reads = len ? module_list[i] : reads;
+        const struct scene_reader *reader = &module_list[i]->reader;
+        if (!reader->ending)
+            continue;
+        if (text_is(ending, reader->ending))
+            return reader->load(session, args, file, text_of_argument(args, "set"), reply, error);
+        other = reader;
     }
-    size_t dot = file.len;
-    while (dot > 0 && file.at[dot - 1] != '.')
-        dot--;
-    snprintf(what, sizeof what, "load .%.*s", (int)(file.len - dot), file.at + dot);
+    snprintf(what, sizeof what, "load .%.*s", (int)ending.len, ending.at);
     if (!module_is_in(what, file, error))
         return false;
-    if (!reads)
-        return error_at(error, file, "this program was built without what reads scenes from files");
-    return error_at(error, file, "scenes are read from %s, which end in %s", reads->reader.kind,
-                    reads->reader.ending);
+    if (!other)
+        return error_at(error, file, "this program has no module that reads scenes from files");
+    return error_at(error, file, "scenes are read from %s, which end in .%s", other->kind,
+                    other->ending);
 }
 
 HANDLER(load)

@@ -14,22 +14,12 @@
 #define ROWS 4096    /* shown between two looks */
 #define PIECE 65536u /* [byte] of what is shown, at least, between two looks */
 
-/* The end of the name, after its last point; empty: it has none. */
-static struct text ending_of(struct text path)
-{
-    size_t dot = path.len;
-    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
-        dot--;
-    const bool has_point = dot > 1 && path.at[dot - 1] == '.' && path.at[dot - 2] != '/';
-    return has_point ? (struct text){path.at + dot, path.len - dot} : TEXT("");
-}
-
 /* Without an ending: CSV. */
 static bool choose_format(const struct arguments *args, struct text path, enum table_format *format,
                           struct error *error)
 {
     const struct argument_value *chosen = argument_value(args, "format");
-    const struct text end = ending_of(path);
+    const struct text end = text_ending(path);
     const struct row *row = catalog_find(&table_format_catalog, end);
     *format = chosen->count ? (enum table_format)chosen->item->index
               : row         ? (enum table_format)catalog_index(&table_format_catalog, row)
@@ -138,7 +128,7 @@ static bool export_scene(struct session *session, const struct arguments *args, 
         writer = &module_list[i]->writer;
         if (!writer->kinds)
             continue;
-        kind = catalog_find(writer->kinds, ending_of(file));
+        kind = catalog_find(writer->kinds, text_ending(file));
         snprintf(endings + strlen(endings), sizeof endings - strlen(endings), "%s, and ",
                  writer->endings);
     }
@@ -146,7 +136,8 @@ static bool export_scene(struct session *session, const struct arguments *args, 
     struct buffer text = {0}, shown = {0};
     if (!kind) {
         char what[32];
-        snprintf(what, sizeof what, "export .%.*s", (int)ending_of(file).len, ending_of(file).at);
+        snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len,
+                 text_ending(file).at);
         if (!module_is_in(what, file, error))
             return false;
         error_at(error, file, "a scene is not written as '%s'", what + strlen("export "));

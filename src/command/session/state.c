@@ -60,13 +60,10 @@ HANDLER(restore)
 /* What ends as a picture or a table has another command. */
 static bool is_setup_file(struct text path, struct error *error)
 {
-    size_t dot = path.len;
-    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
-        dot--;
-    const struct text end = {path.at + dot, path.len - dot};
+    const struct text end = text_ending(path);
     const bool picture = catalog_find(&picture_catalog, end),
                table = catalog_find(&table_format_catalog, end);
-    if (dot < 2 || path.at[dot - 1] != '.' || (!picture && !table))
+    if (!picture && !table)
         return true;
     error_at(error, path, "save writes the commands of the set-up, not a %s",
              picture ? "picture" : "table");

@@ -234,8 +234,7 @@ static bool bind_start(struct kept_reference *start, struct error *error)
 {
     struct system system;
     double box[LIMIT_VARIABLES][2];
-    const struct model *model = start->scene.model;
-    for (int i = 0; model && i < model->n; i++)
+    for (int i = 0; i < start->scene.model->n; i++)
         box[i][0] = box[i][1] = start->solution.state[i];
     return scene_bind_inside(&start->scene, box, &system, error);
 }

@@ -103,7 +103,7 @@ double basins_value(const struct basins_request *request, int axis, int64_t plac
 /* Of a share of so many starts, as if they were drawn: one standard error. */
 double basins_error(int64_t count, int64_t of);
 
-/* See <hooke/study/attractor.h>. */
+/* Finds what the motion from the scene's own start ends in: a find_attractor. */
 double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin);
 
 #endif

@@ -260,7 +260,7 @@ const struct module xppaut_module = {
     .needs = "",
     .reader =
         {
-            .ending = ".ode",
+            .ending = "ode",
             .kind = "files of XPPAUT",
             .load = load,
         },

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#define ON 0.01 /* of the box: the point stands on an equilibrium */
+/* Share of the box within which the point stands on an equilibrium. */
+static const double on_equilibrium_max = 0.01;
 
 static bool plane_drawn(const struct session *session, struct plot_plane *plane)
 {
@@ -14,7 +15,7 @@ static bool plane_drawn(const struct session *session, struct plot_plane *plane)
     const struct stored_portrait *stored = part ? &part->portrait : NULL;
     if (!stored || !stored->request.scene || stored->scene.model != session->setup.scene.model)
         return false;
-    plane->scene = &stored->scene;
+    *plane = (struct plot_plane){.scene = &stored->scene};
     memcpy(plane->variable, stored->request.variable, sizeof plane->variable);
     memcpy(plane->box, stored->request.box, sizeof plane->box);
     memcpy(plane->state, stored->request.state, sizeof stored->request.state);
@@ -60,7 +61,7 @@ static int equilibrium_there(const struct session *session, const struct plot_pl
             off = fmax(
                 off, fabs(found->of[e].state[plane->variable[k]] - session->view.cursors.point[k]) /
                          (plane->box[k][1] - plane->box[k][0]));
-        if (off < ON)
+        if (off < on_equilibrium_max)
             return e;
     }
     return -1;
