@@ -11,7 +11,7 @@ HOOKE_NIST ?= ../shared/nist
 VERSION := 0.1.0
 
 # Layers, left to right: an include may only go left, and each layer's tests link without the layers to its right.
-LIBRARY_LAYERS := base result scene method run data analysis figure study
+LIBRARY_LAYERS := base result scene method run data figure
 PROGRAM_LAYERS := session language plot report command modules view api terminal
 LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
 
@@ -62,6 +62,10 @@ OPT_watch    := -O2 -g -DHOOKE_WATCH -fno-omit-frame-pointer $(FORTIFY)
 PKG := pkg-config
 GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
 GSL_LIBS    := $(shell $(PKG) --libs gsl 2>/dev/null || echo -lgsl -lgslcblas -lm)
+# The program has GSL from its archives where there are any: a library of its size is most of what a start relocates.
+GSL_ARCHIVES := $(shell echo 'double gsl_hypot(double, double); int main(int c, char **v) { return gsl_hypot(c, !v) > 9; }' | \
+  $(CC) -fPIE -pie -x c -o /dev/null - -l:libgsl.a -l:libgslcblas.a -lm >/dev/null 2>&1 && \
+  echo -l:libgsl.a -l:libgslcblas.a)
 LINE_CFLAGS := $(shell $(PKG) --cflags readline ncursesw 2>/dev/null)
 LINE_LIBS   := $(shell $(PKG) --libs readline ncursesw 2>/dev/null || echo -lreadline -lncursesw -ltinfo)
 TEST_LIBS   := $(shell $(PKG) --libs cmocka 2>/dev/null || echo -lcmocka)
@@ -82,9 +86,9 @@ CONTAINER_CFLAGS := $(foreach l,archive expat freexl,$(shell p=$(if $(filter arc
 endif
 OPTIONAL_CPPFLAGS := $(CONTAINER_CFLAGS) $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
 # What is compiled with them.
-OPTIONAL_SOURCES := $(wildcard src/figure/surface/*.c tests/unit/figure/*.c) src/method/rows/catalog.c src/method/step/cvode.c \
-  $(addprefix src/data/container/,archive.c xml.c workbook_old.c) $(wildcard tests/unit/data/container*.c) \
-  tests/terminal/terminal/pixels.c
+OPTIONAL_SOURCES := $(wildcard src/modules/pictures/surface/*.c tests/modules/pictures/*.c) src/method/rows/catalog.c src/method/step/cvode.c \
+  $(addprefix src/modules/recording/container/,archive.c xml.c workbook_old.c) $(wildcard tests/modules/recording/data/container*.c) \
+  tests/modules/pixels/pixels.c
 # Tests that say something else with them than without.
 OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
@@ -93,6 +97,7 @@ TEST_CPPFLAGS := -D_GNU_SOURCE -Itests $(if $(filter fuzz,$(CONFIG)),-DFUZZING)
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIC -fvisibility=hidden $(CFLAGS_EXTRA)
 LDFLAGS  := $(patsubst %-no-link,%,$(filter -fsanitize% --coverage,$(OPT_$(CONFIG)))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
+PROGRAM_LIBS := $(SUNDIALS_LIBS) $(or $(GSL_ARCHIVES),$(GSL_LIBS)) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
 
@@ -116,7 +121,9 @@ STATIC := build/static$(if $(filter release,$(CONFIG)),,-$(CONFIG))/hooke
 
 # What is compiled with the lists of modules that are in: $(D)/lists/*.def, written by scripts/modules.
 LIST_SOURCES := src/session/modules.c src/command/commands.c src/language/choices.c src/plot/plots.c \
-  src/report/results.c src/command/session/topics.c
+  src/report/results.c src/report/table_kinds.c src/command/session/topics.c src/command/finding.c src/session/settings.c \
+  src/terminal/parts.c \
+  src/modules/recording/formats/formats.c src/modules/report/lesson_steps.c
 ABSENT := $(wildcard $(foreach m,$(LEFT_OUT),src/modules/$(m)/*.c src/modules/$(m)/*/*.c))
 $(shell scripts/modules $(D)/lists $(MODULES))
 ifneq ($(.SHELLSTATUS),0)
@@ -125,13 +132,11 @@ endif
 
 # Objects of sources: src/PATH.c is $(B)/PATH.o, tests/PATH.c is $(B)/tests/PATH.o.
 object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES) $(LIST_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
-objects  = $(call object,$(filter-out $(ALONE) $(ABSENT),$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c))))
+# A module's folder `terminal` belongs to the terminal layer.
+PARTS    := $(wildcard src/modules/*/terminal/*.c)
+objects  = $(call object,$(filter-out $(ALONE) $(ABSENT) $(if $(filter modules,$(1)),$(PARTS)),$(sort \
+  $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c) $(if $(filter terminal,$(1)),$(PARTS)))))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
-
-# A format is one file: src/data/formats/NAME.def with its functions and its row. The list of them follows from the folder.
-FORMATS := $(sort $(wildcard src/data/formats/*.def))
-$(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.new && \
-  { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
 
 # Terminals that the program describes where the system does not: compiled entries of terminfo(5), each as the value that
 # TERMINFO may have.
@@ -141,20 +146,33 @@ build/terminals.def: build/terminals
 	  infocmp -q -x -Q2 $$t 2>/dev/null | tr -d '\n' | od -An -v -tu1 | tr -s ' \n' ',' | \
 	    sed "s/^,*\(.*[0-9]\),*$$/{\"$$t\", (const char[]){\1,0}},\n/"; done >$@
 
-# The library is all but the terminal; programs use its api, or the layers as far as study.
+# Texts that people read, as rows of C: src/PATH.txt is build/texts/PATH.def.
+TEXTS := $(patsubst src/%.txt,build/texts/%.def,$(wildcard src/*/*.txt src/*/*/*.txt))
+$(TEXTS): build/texts/%.def: src/%.txt scripts/texts
+	@mkdir -p $(@D)
+	@awk -f scripts/texts $< >$@
+texts: $(TEXTS)
+
+# The library is all but the terminal; programs use its api, or the layers as far as figure.
 LIBRARY_OBJECTS := $(foreach l,$(filter-out terminal,$(LAYERS)),$(call objects,$(l)))
 PROGRAM_OBJECTS := $(call objects,terminal) $(B)/main.o \
   $(if $(filter watch,$(CONFIG)),$(B)/tests/cancel/watch.o)
 
-TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) \
-  $(filter-out $(LEFT_OUT:xppaut=tests/fuzz/ode.c),$(wildcard tests/fuzz/*.c)) $(foreach m,$(MODULES),tests/modules/$(m)/*.c)))
+# Tests elsewhere that need a module.
+NEEDING := $(if $(filter xppaut,$(LEFT_OUT)),tests/fuzz/ode.c) \
+  $(if $(filter resume,$(LEFT_OUT)),tests/fuzz/kept.c tests/fuzz/session_file.c tests/faults/terminal/ladder.c)
+TEST_SOURCES := $(sort $(filter-out $(NEEDING),$(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) \
+  tests/fuzz/*.c $(foreach m,$(MODULES),tests/modules/$(m)/*.c tests/modules/$(m)/*/*.c))))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
+STORY_PROGRAMS := $(D)/tests/unit/command/scripts $(filter $(D)/tests/faults/%,$(TEST_PROGRAMS))
 TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh $(foreach m,$(MODULES),tests/modules/$(m)/*.sh)))
 FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SUFFIXES:
+
+$(LIBRARY_OBJECTS): | $(TEXTS)
 
 # Manual pages and completion, from the program's own rows.
 PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
@@ -176,7 +194,7 @@ $(TOP)/libhooke.so.0: $(call objects,api) $(TOP)/libhooke.a src/api/libhooke.map
 
 $(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a $(LINK_STAMP)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LINE_LIBS) $(LIBS)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LINE_LIBS) $(PROGRAM_LIBS)
 
 $(PAGES): $(TOP)/pages/%: scripts/pages/% $(TOP)/hooke scripts/reference $(EXAMPLES)
 	$(call say,PAGE,$@)
@@ -199,7 +217,7 @@ $(STATIC): $(PROGRAM_OBJECTS) $(call object,$(ALONE)) $(TOP)/libhooke.a $(dir $(
 	$(Q)strip -o $@ $@.whole && rm $@.whole
 
 # Readline's archive where each function that is weak in ours is weak, too, and there as own_NAME besides.
-$(dir $(STATIC))libreadline.a: $(B)/terminal/edit.o $(B)/terminal/line.o
+$(dir $(STATIC))libreadline.a: $(B)/terminal/line.o
 	@mkdir -p $(@D)
 	$(Q)cp "$$($(CC) -print-file-name=libreadline.a)" $@ && cd $(@D) && nm $(abspath $^) | awk '$$2 == "W" {print $$3}' | \
 	while read -r name; do \
@@ -216,17 +234,18 @@ static: ## one static program that needs nothing of the system it runs on: build
 # -O2 but for these, where the configuration is for speed at all:
 
 # What goes once through a command, a table, a picture or a screen, and not once through each step: a quarter shorter.
-# What studies evaluate at each step is not among it.
-EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o modules/dynamics/orbits/matrix.o) $(call objects,study/sweep)
-ONCE := $(filter-out $(EACH),$(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l)))) $(B)/main.o
+# What studies evaluate at each step is not among it, nor what modules compute in their folders `compute` and these.
+COMPUTED := clean container fit formats law lines modes period series table
+EACH := $(patsubst src/%.c,$(B)/%.o,$(wildcard $(foreach f,compute $(COMPUTED),src/modules/*/$(f)/*.c))) $(B)/scene/typed/parts.o
+ONCE := $(filter-out $(EACH),$(foreach l,result scene/typed figure $(PROGRAM_LAYERS),$(call objects,$(l)))) $(B)/main.o
 # Loops over many steps: unrolled and vectorised.
-LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o)
+LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o modules/recording/law/equation.o)
 # In vectors, twice: loops for what remains of a block are not worth their length.
 WORK_TERMS := $(B)/run/energy/work_terms.o
-FORMULA_LANES := $(B)/scene/formula/program/lanes.o
-KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c src/method/kernel/*/*.c))
+LANES := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/modules/lanes/compute/*.c))
+KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c src/modules/lanes/compute/shapes.c))
 # Of these, those that gain by -O3: in the others the force is waited for.
-FAST_KERNELS := $(filter $(addprefix %/,lane/steps.o lane/terms.o kernel.o controlled.o adapt.o rosenbrock.o),$(KERNELS))
+FAST_KERNELS := $(filter $(addprefix %/,kernel.o controlled.o adapt.o rosenbrock.o),$(KERNELS))
 
 ifneq ($(filter -O2,$(OPT_$(CONFIG))),)
 # Without the passes that take longest to compile.
@@ -234,23 +253,23 @@ O_ONCE          := -Os $(call probe,-fno-expensive-optimizations -fno-gcse -fno-
   -fno-schedule-insns2 -fno-code-hoisting)
 O_LOOPS         := -O3
 O_WORK_TERMS    := -ftree-vectorize $(call probe,-fvect-cost-model=dynamic) $(call probe,--param=vect-epilogues-nomask=0)
-O_FORMULA_LANES := -O3
+O_LANES         := -O3
 O_FAST_KERNELS  := -O3
 endif
-O_FORMULA_LANES += -fno-math-errno
+O_LANES += -fno-math-errno
 # Packing position and velocity into one register lengthens the chain from step to step. Roots without a way out to a
 # library that would say what is wrong with them: nothing reads that. Hundreds of unrolled bodies: under the sanitizers
 # they would take minutes to compile; the general path, which gives the same bits, is instrumented.
 O_KERNELS += $(call probe,-fno-tree-slp-vectorize) -fno-math-errno $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 
-# What stands before functions of readline (src/terminal/edit.c, line.c) and, in tests, of the C library has to be seen by those.
+# What stands before functions of readline (src/terminal/line.c) and, in tests, of the C library has to be seen by those.
 SEEN   := $(call objects,terminal) $(call object,$(TEST_SOURCES))
 O_SEEN := -fvisibility=default
 
-KINDS := ONCE LOOPS WORK_TERMS FORMULA_LANES KERNELS FAST_KERNELS SEEN
+KINDS := ONCE LOOPS WORK_TERMS LANES KERNELS FAST_KERNELS SEEN
 ifeq ($(CONFIG),fuzz)
 # What is compared there are numbers that no input has.
-COMPUTING := $(filter-out $(KERNELS),$(foreach l,scene method run analysis study,$(call objects,$(l))))
+COMPUTING := $(filter-out $(KERNELS),$(foreach l,scene method run modules,$(call objects,$(l))))
 O_COMPUTING := -fno-sanitize-coverage=trace-cmp
 KINDS += COMPUTING
 endif
@@ -272,7 +291,7 @@ $(call stamp,$(FLAGS_STAMP),$(filter-out -Werror,$(COMPILER) $(CPPFLAGS) $(TEST_
   $(foreach kind,$(KINDS),$(kind) $(O_$(kind))))
 $(call stamp,build/terminals,$(TERMINALS))
 $(call stamp,$(LINE_STAMP),$(LINE_CFLAGS))
-$(call stamp,$(LINK_STAMP),$(LDFLAGS) $(LINE_LIBS) $(LIBS) $(TEST_LIBS))
+$(call stamp,$(LINK_STAMP),$(LDFLAGS) $(LINE_LIBS) $(LIBS) $(PROGRAM_LIBS) $(TEST_LIBS))
 $(call stamp,$(OPTIONAL_STAMP),$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS))
 
 # Only the terminal's files see curses and readline.
@@ -289,11 +308,9 @@ $(B)/%.o: src/%.c $(FLAGS_STAMP)
 $(B)/terminal/screen.o: build/terminals.def
 
 # The lessons are in the program, too.
-$(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
-# So are the sources of functions that programs get.
-$(B)/modules/programs/helpers.o: $(wildcard src/base/elementary/*) include/hooke/base/circle.h src/scene/formula/functions.c \
-  src/scene/formula/expr.h src/method/step/lu_body.h src/method/control/factor.h \
-  $(wildcard src/modules/programs/own*)
+$(call object,src/modules/report/lesson_steps.c): $(wildcard examples/lessons/*.hk)
+# So are the templates of programs.
+$(call object,src/modules/programs/template.c): $(wildcard src/modules/programs/*.template)
 
 OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
 $(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)
@@ -326,7 +343,7 @@ $(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c $(FLAGS_ST
 endif
 
 layer_of = $(if $(findstring fuzz/,$(1)),$(if $(findstring fuzz/keys,$(1)),terminal,view),$(if \
-  $(findstring modules/,$(1)),modules,$(word 2,$(subst /, ,$(1)))))
+  $(findstring modules/,$(1)),$(if $(findstring /terminal/,$(1)),terminal,modules),$(word 2,$(subst /, ,$(1)))))
 linked = $(foreach l,$(call upto,$(if $(filter $(LIBRARY_LAYERS) terminal,$(1)),$(1),api),$(LAYERS)),$(call objects,$(l)))
 
 .SECONDEXPANSION:
@@ -351,7 +368,7 @@ check: $(call filtered,$(TEST_PROGRAMS)) $(TOP)/hooke $(TOP)/libhooke.a $$(TRIED
 	$(Q)$(RUN_TESTS) $(call filtered,$(TEST_PROGRAMS) $(TEST_SCRIPTS))
 
 # The tests of one layer: check-run, check-data, check-terminal ...
-$(addprefix check-,$(LAYERS) $(MODULES)): check-%:
+$(addprefix check-,$(sort $(LAYERS) $(MODULES))): check-%:
 	$(Q)$(MAKE) --no-print-directory check FILTER='/$*/'
 
 check-optional: tests-build ## the tests that depend on optional libraries (OPTIONAL=no: a build without them)
@@ -374,6 +391,11 @@ coverage: ## lines that the quick tests execute, by layer (minutes; wanted by sc
 	$(Q)$(MAKE) --no-print-directory tests-build CONFIG=coverage
 	$(Q)HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' scripts/coverage build/coverage \
 	  $(patsubst $(D)/%,build/coverage/%,$(TEST_PROGRAMS)) $(TEST_SCRIPTS)
+
+stories: ## lines that no story (tests/stories) and no failure test executes, by layer
+	$(Q)$(MAKE) --no-print-directory $(patsubst $(D)/%,build/coverage/%,$(STORY_PROGRAMS)) build/coverage/hooke CONFIG=coverage
+	$(Q)scripts/coverage --stories build/coverage $(patsubst $(D)/%,build/coverage/%,$(STORY_PROGRAMS)) \
+	  $(filter tests/faults/%,$(TEST_SCRIPTS))
 
 bench: all ## speed as ratios, measured in one run (never a test); BENCH=adaptive: that topic only
 	$(Q)CC='$(CC)' FLAGS='$(CFLAGS)' LIBS='$(LIBS)' BUILD='$(TOP)' BENCH='$(BENCH)' scripts/bench
@@ -419,7 +441,7 @@ install: all ## install program, library, headers, manual, examples and completi
 	  'Name: hooke' 'Description: oscillators and numerical integration' 'Version: $(VERSION)' 'Requires.private: gsl' \
 	  'Libs: -L$${libdir} -lhooke' 'Libs.private: $(SUNDIALS_LIBS) -lm -ldl -lpthread' 'Cflags: -I$${includedir}' \
 	  >$(TOP)/hooke.pc && install -D -m 644 $(TOP)/hooke.pc $(DESTDIR)$(LIBDIR)/pkgconfig/hooke.pc
-	cd include && for header in hooke/hooke.h hooke/api.h $(foreach l,$(LIBRARY_LAYERS),hooke/$l.h $(patsubst include/%,%,$(wildcard include/hooke/$l/*.h))); do \
+	cd include && for header in hooke/hooke.h hooke/api.h $(foreach l,$(LIBRARY_LAYERS),$(patsubst include/%,%,$(wildcard include/hooke/$l.h include/hooke/$l/*.h))); do \
 	  install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/$$header || exit; done
 	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
 	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
@@ -447,7 +469,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all static dist optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint lint-flags format reference screens-update install uninstall clean help
+.PHONY: all static texts dist optional tests-build check check-optional check-all check-asan check-valgrind coverage stories bench fresh fuzz house lint lint-flags format reference screens-update install uninstall clean help
 .SECONDARY:
 
 -include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES) $(ALONE)))

@@ -1,30 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* hooke: options, then the front end that fits. */
-#include "terminal/sensor/sensor.h"
+#include "terminal/parts.h"
 
+#include <hooke/base/cancel.h>
 #include <hooke/module.h>
-#include <hooke/report/sweep.h>
 #include <hooke/session/log.h>
 
 #include <langinfo.h>
-#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* Character widths come from the locale; numbers, messages and the order of names never do. */
-static void choose_locale(void)
-{
-    if (!setlocale(LC_CTYPE, "")) {
-        const char *wish = getenv("LC_ALL");
-        wish = wish && *wish ? wish : getenv("LC_CTYPE");
-        wish = wish && *wish ? wish : getenv("LANG");
-        if (wish && (strstr(wish, "UTF-8") || strstr(wish, "utf8"))) {
-            setlocale(LC_CTYPE, "C.UTF-8");
-        }
-    }
-}
 
 /* A setting given as an option: --charset, --color, --format. */
 static bool option_setting(struct session *session, const char *name, const char *value)
@@ -32,8 +18,7 @@ static bool option_setting(struct session *session, const char *name, const char
     if (!value) {
         return true;
     }
-    const struct setting *setting =
-        (const struct setting *)(const void *)catalog_find(&setting_catalog, text_of(name));
+    const struct setting *setting = setting_by_name(text_of(name));
     const struct row *choice = catalog_find(setting->choices, text_of(value));
     if (!choice) {
         struct error error = {0};
@@ -53,7 +38,7 @@ static bool option_setting(struct session *session, const char *name, const char
 /* No commands come from standard input. */
 static bool input_is_free(const struct options *options, enum front_kind kind)
 {
-    bool is_free = kind == FRONT_END && options->tasks > 0 && !options->check;
+    bool is_free = kind == FRONT_END && options->tasks > 0 && !options->only;
     for (int i = 0; i < options->tasks; i++)
         is_free = is_free && strcmp(options->task[i].text, "-") != 0;
     return is_free;
@@ -64,10 +49,11 @@ static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
     const bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    if (options->batch || options->check || options->check_sweep || !terminal ||
+    if (options->batch || options->only || !terminal ||
         (options->tasks > 0 && !options->interactive)) {
         return FRONT_END;
     }
+    front_load_locale();
     describe_terminal();
     if (options->plain) {
         return FRONT_IS_PLAIN;
@@ -79,32 +65,31 @@ static enum front_kind choose_front(const struct options *options)
     return FRONT_IS_PLAIN;
 }
 
-/* The session saves itself; told on standard error, where it can be read after panes, too. */
-static void save_at_end(struct autosave *autosave)
-{
-    struct error error;
-    if (!autosave_write(autosave, &error)) {
-        fprintf(stderr, "hooke: warning: %s\n", error.text);
-    }
-}
-
-static struct autosave *last_save;
-
 static void save_without_memory(void)
 {
     struct error error;
-    autosave_write(last_save, &error);
+    if (session_keeper())
+        session_keeper()->write(&error);
+}
+
+/* What keeps the session tells on standard error, where it can be read after panes, too. */
+static void keep_at_end(const struct session_keeper *keeper)
+{
+    struct error error;
+    if (!keeper->write(&error))
+        fprintf(stderr, "hooke: warning: %s\n", error.text);
+    keeper->end();
 }
 
 /* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
 static void talk(struct front_program *program, enum front_kind kind)
 {
-    struct autosave autosave;
-    autosave_begin(&autosave, program->session);
-    program->autosave = last_save = &autosave;
+    const struct session_keeper *keeper = session_keeper();
+    if (keeper)
+        keeper->begin(program->session);
     crash_last_act(save_without_memory);
     for (program->next = kind;
-         program->next != FRONT_END && !program->session->quit && !signals_ending();) {
+         program->next != FRONT_END && !program->session->execution.quit && !signals_ending();) {
         if (program->next == FRONT_IS_PANES) {
             panes_run(program);
         } else {
@@ -112,8 +97,8 @@ static void talk(struct front_program *program, enum front_kind kind)
         }
     }
     crash_last_act(NULL);
-    save_at_end(&autosave);
-    autosave_end(&autosave);
+    if (keeper)
+        keep_at_end(keeper);
 }
 
 static void print_log(const struct session *session, struct streams *streams)
@@ -128,7 +113,8 @@ static bool begin_session(struct session **session, const struct options *option
                           struct buffer *messages)
 {
     struct error error = {0};
-    if (options->resume && !autosave_resume(session, options->resume_name, messages, &error)) {
+    if (options->resume &&
+        !session_keeper()->resume(session, options->resume_name, messages, &error)) {
         fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text,
                 *error.hint ? "; " : "", error.hint);
         return false;
@@ -138,30 +124,26 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
-/* Checks the files, or hand-ins, that are named among the options. */
-static int check_named(struct session *session, const struct options *options, struct reply *reply)
+/* Runs an option of a module with the words of the command line. Returns the exit status. */
+static int run_option(struct session *session, const struct options *options, struct reply *reply)
 {
-    const char **path = malloc(((size_t)options->tasks + 1) * sizeof *path);
+    const char **word = malloc(((size_t)options->tasks + 1) * sizeof *word);
     int count = 0, status = ERROR_USAGE, others = 0;
-    if (path && options->check)
-        path[count++] = options->check;
-    for (int i = 0; path && i < options->tasks; i++) {
+    if (word && options->first)
+        word[count++] = options->first;
+    for (int i = 0; word && i < options->tasks; i++) {
         if (options->task[i].kind == TASK_FILE)
-            path[count++] = options->task[i].text;
+            word[count++] = options->task[i].text;
         else
             others++;
     }
     if (count == 0 || others > 0) {
-        reply_note(reply, "hooke: error: %s, and nothing else",
-                   options->check ? "--check needs folders" : "--check-sweep needs files");
-    } else if (options->check) {
-        status = hand_ins_check(session, path, count, reply);
+        reply_note(reply, "hooke: error: --%s needs %s, and nothing else", options->only->word,
+                   options->only->wants);
     } else {
-        reply_command_begin(reply, (enum output_format)session->setup.settings.format);
-        status = sweep_check(path, count, session->front.cancel, reply);
-        reply_command_end(reply, "check-sweep");
+        status = options->only->run(session, word, count, reply);
     }
-    free(path);
+    free(word);
     return status;
 }
 
@@ -169,11 +151,11 @@ static int check_named(struct session *session, const struct options *options, s
 static void work(struct session *session, const struct options *options, enum front_kind kind,
                  struct reply *reply, struct streams *streams)
 {
-    if (!options->check && !options->check_sweep) {
+    if (!options->only) {
         strays_sweep_path("."); /* of programs that were killed */
     }
-    if (options->check || options->check_sweep) {
-        session->status = check_named(session, options, reply);
+    if (options->only) {
+        session->execution.status = run_option(session, options, reply);
     } else {
         batch_run(session, options, kind == FRONT_END && options->tasks == 0, reply, streams);
     }
@@ -192,36 +174,24 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
-static int run_sensor(const struct options *options)
-{
-    const struct front front = {.cancel = &interrupt};
-    struct session *session = session_create(&front);
-    const int status =
-        session ? simulate_sensor(session, options->sensor, options->task, options->tasks)
-                : ERROR_COMMAND;
-    session_destroy(session);
-    return status;
-}
-
 static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
     struct front front = {.cancel = &interrupt,
                           .input = input_is_free(options, kind),
-                          .feed = &sensor_feed,
                           .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);
-    pixels_offer(&front, &streams);
+    terminal_offer(&front, &streams);
     struct session *session = session_create(&front);
     if (!session) {
         fputs("hooke: error: out of memory\n", stderr);
         return ERROR_COMMAND;
     }
-    session->keep_going = options->keep_going;
-    session->safe = options->safe;
-    session->verbose = options->verbose;
+    session->options.keep_going = options->keep_going;
+    session->options.safe = options->safe;
+    session->options.verbose = options->verbose;
     struct reply reply;
     reply_init(&reply, streams_sink(&streams));
     reply.quiet = options->quiet;
@@ -251,12 +221,12 @@ static int run(const struct options *options)
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
             /* a mistake in the rc file has been told; it does not make this run a failure */
-            session->status = 0;
+            session->execution.status = 0;
         }
         work(session, options, kind, &reply, &streams);
         /* what is typed at the prompt afterwards has been answered there */
-        status = session->status;
-        if (kind != FRONT_END && !session->quit && !signals_ending()) {
+        status = session->execution.status;
+        if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
             struct front_program program = {
                 .session = session, .options = options, .streams = &streams, .reply = &reply};
             talk(&program, kind);
@@ -296,9 +266,7 @@ static int run(const struct options *options)
 int main(int argc, char **argv)
 {
     streams_reserve();
-    choose_locale();
     signals_install();
-    crash_install();
     struct options options;
     int status = ERROR_USAGE;
     if (options_read(&options, argc, argv)) {
@@ -313,7 +281,7 @@ int main(int argc, char **argv)
         if (options.help || options.version) {
             status = fputs(buffer_view(&text), stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
         } else {
-            status = options.sensor ? run_sensor(&options) : run(&options);
+            status = run(&options);
         }
         buffer_free(&text);
     }

@@ -11,14 +11,16 @@
 
 #include <hooke/language.h>
 
+struct catalog;
+
 /* ---- executing ---- */
 
 /*
  * Executes one line, which may hold several statements. Each statement is atomic: everything is
  * checked before the session changes. The first error ends the line: it is written to the reply,
- * session->status is set, and the result is false. May be called again from inside front.slice;
- * what would disturb the run that goes on is then refused. A run that was paused ends the line too,
- * with a note if something stands after it.
+ * session->execution.status is set, and the result is false. May be called again from inside
+ * front.slice; what would disturb the run that goes on is then refused. A run that was paused ends
+ * the line too, with a note if something stands after it.
  */
 bool command_exec(struct session *session, struct text line, const struct source *where,
                   struct reply *reply);
@@ -72,32 +74,6 @@ const char *command_complete(struct session *session, struct text line, size_t c
  * "help measure period", "help k" in an expression, "help run" at a number, "help" without a word.
  */
 void help_line(struct text line, size_t cursor, struct buffer *text);
-
-/* ---- what a student does next ---- */
-
-/*
- * Appends the line that the lab does next with the recording that was loaded last, by what was done
- * with it since: measure it, fit it, take the fit into the scene, run, plot, compare. Nothing: no
- * recording was loaded, or all is done. Only offered: an empty Enter at the prompt executes it.
- */
-void command_next(const struct session *session, struct buffer *line);
-
-/* After a typed line: on to the lesson's next step, if that was what it waited for, and says it. */
-void lesson_follow(struct session *session, struct reply *reply);
-
-/* ---- a hand-in, run again ---- */
-
-/*
- * Runs session.hk of each folder that `report` wrote, in a session of its own and writing nothing,
- * and reports which values, figures and files of the folder are not what it gives. Values are
- * compared within their uncertainty (those without one in six digits), data number by number,
- * figures byte by byte, and of documents the lines that hold digits. Adds the record `check` of
- * each: differences [{file, what, detail}], folder, agrees, values, figures, files, moved. Returns
- * the largest exit status: 0 if all agree, ERROR_COMMAND if some differ, ERROR_USAGE if a folder
- * has no session to run.
- */
-int hand_ins_check(struct session *session, const char *const *folder, int folders,
-                   struct reply *reply);
 
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * figure: a plot as data, then as cells or as a picture file: ranges, ticks, axes, polylines,
- * legends, ASCII and braille raster, SVG, PDF and PNG.
+ * figure: a plot as data, then as cells: ranges, ticks, axes, polylines, legends, ASCII and braille
+ * raster.
  *
  * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a
  * terminal needs to know.
@@ -9,7 +9,7 @@
 #ifndef HOOKE_FIGURE_H
 #define HOOKE_FIGURE_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
 
 /* ---- canvas: a rectangle of character cells ---- */
 
@@ -43,16 +43,35 @@ int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum styl
 /* Lines without trailing blanks; colour escapes only when `color`. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
-/* CHARSET_WORDS: figures as sentences and tables, for those who are read to. */
-enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE, CHARSET_WORDS };
+struct cancel;
+struct figure;
+struct heat;
+
+/* Dots of one cell: what a character set can resolve. */
+struct dot_grid {
+    int across, down;
+};
+
+/* Says figures in sentences and tables, for those who are read to. All return false only if out of
+ * memory. */
+struct figure_words {
+    bool (*describe)(const struct figure *figure, struct buffer *out); /* sentences alone */
+    bool (*print)(const struct figure *figure, int width, struct buffer *out);
+    bool (*print_heat)(const struct heat *heat, int width, struct buffer *out);
+    bool (*draw)(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                 int height);
+};
+
+/* A set of characters that figures are drawn with. */
+struct charset {
+    struct dot_grid dots;
+    bool plain;                       /* frames are '-' and '|' */
+    const struct figure_words *words; /* which take the place of drawings; NULL: they are drawn */
+};
+extern const struct charset charset_ascii, charset_block, charset_braille;
 
 /* Columns enough for a figure in words: no oscillation is drawn as its envelope. */
 #define WORDS_COLUMNS 4000
-
-static inline bool charset_is_plain(enum charset charset) /* lines of '-' and '|' */
-{
-    return charset == CHARSET_ASCII || charset == CHARSET_WORDS;
-}
 
 /* ---- figures ---- */
 
@@ -89,13 +108,6 @@ struct curve {
     const struct cancel *cancel; /* ends every loop over its samples; NULL: nobody can */
 };
 
-/* Whether a loop over its samples has sample i to come to. Once it was cancelled it has none: what
- * is made of it is dropped. */
-static inline bool curve_goes_on(const struct curve *curve, size_t i)
-{
-    return i < curve->n && (i % LOOK_EACH_ROWS != 0 || !cancelled(curve->cancel));
-}
-
 struct figure {
     const char *title;
     struct axis x, y;
@@ -122,6 +134,14 @@ struct figure {
     const char *words;
 };
 
+/* The factor of an axis that numbers shown are divided by; of a unit, so that nothing overflows. */
+static inline double axis_factor(const struct axis *axis)
+{
+    return axis->factor > 1e-30 && axis->factor < 1e30 ? axis->factor : 1;
+}
+
+/* Returns the glyph of a curve, or 0 if it is drawn with dots. */
+char figure_mark(const struct figure *figure, int curve);
 /* Whether a curve was cancelled: what was made of it is to be dropped. */
 bool figure_stopped(const struct figure *figure);
 /* The first curve (of this panel) that has a band with a name; NULL: none. */
@@ -158,7 +178,7 @@ double scale_fraction(const struct scale *scale, double value);
 /* What figure_draw will do with a rectangle: for cursors, and for callers that keep ranges and
  * gutters steady. */
 struct figure_layout {
-    enum charset charset;
+    const struct charset *charset;
     bool frame, x_labels, y_labels;
     int gutter;                   /* width of the y labels */
     int left, top, columns, rows; /* [cell] the plot, in the rectangle */
@@ -167,8 +187,8 @@ struct figure_layout {
     bool x_decades, y_decades;     /* ticks are powers of ten */
     size_t hidden; /* values that a log axis does not show: <= 0, or below axis.least */
 };
-void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
-                   struct figure_layout *layout);
+void figure_layout(const struct figure *figure, int width, int height,
+                   const struct charset *charset, struct figure_layout *layout);
 /* A figure of two panels is drawn as two figures. */
 struct figure_panel {
     struct figure figure;
@@ -178,7 +198,7 @@ struct figure_panel {
 #define PANELS_MAX 2
 /* How many there are, and where: labels aligned where panels share an axis. One where there is no
  * room for two. */
-int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
+int figure_panels(const struct figure *figure, int width, int height, const struct charset *charset,
                   struct figure_panel panel[PANELS_MAX]);
 
 /* What of a curve the axes do not hold. Samples beyond a window of time are left out on purpose and
@@ -199,9 +219,9 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
 /* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it
  * fits. */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
-                 int height, enum charset charset);
+                 int height, const struct charset *charset);
 /* The whole figure as text lines; false: no memory, or it was stopped. */
-bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
+bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *out);
 
 /* ---- heat map: a value over two axes, as shades ----
@@ -224,38 +244,12 @@ struct heat {
     const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
 };
 
-/* As text lines, legend included, of at most width x height cells; false: no memory. */
-bool heat_print(const struct heat *heat, int width, int height, enum charset charset,
-                struct buffer *out);
+/* ---- pictures, which modules make ---- */
 
-/* ---- pictures ---- */
-
-/* What comes behind PICTURE_PNG is for terminals: no file ends in it. */
-enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_SIXEL };
-
-/* struct row at the enum's place; the names are what files end in */
-extern const struct catalog picture_catalog;
-
-#define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
-#define PICTURE_HEIGHT 400
 #define PICTURE_MIN 0.03 /* [m] a side of a page, as users choose it */
 #define PICTURE_MAX 1.0
 #define POINTS_PER_METRE (72 / 0.0254)
 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
 #define PICTURE_COLUMNS 250
-
-/*
- * Appends the figure as a picture file of width x height points (0: the sizes above; PNG and sixel:
- * 2 pixels a point), with the ranges, ticks, units and legend that figure_draw would choose for
- * that room. Curves are told apart by dashes and marks as well as by colour. The
- * legend stands where it covers nothing. Of long curves only what can be seen is kept, within 0.3
- * px: no SVG of a curve is larger than 200 kB. The same figure gives the same picture. Draws
- * through cairo, which is loaded for it; ERROR_COMMAND where it is not there. After false `out` is
- * not to be used.
- */
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
-                    struct buffer *out, struct error *error);
-/* Can it be drawn here at all? If not, why. */
-bool picture_offered(enum picture kind, struct error *error);
 
 #endif

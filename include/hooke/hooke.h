@@ -1,8 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library part of hooke: base, scene, method, run, data, analysis, figure, study. */
+/* The library part of hooke: base, result, scene, method, run, data, figure. */
 #ifndef HOOKE_H
 #define HOOKE_H
 
-#include <hooke/study.h>
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+
+#include <hooke/data.h>
+#include <hooke/figure.h>
+#include <hooke/method.h>
+#include <hooke/result.h>
+#include <hooke/run.h>
+#include <hooke/scene.h>
 
 #endif

@@ -3,7 +3,10 @@
 #ifndef HOOKE_LANGUAGE_H
 #define HOOKE_LANGUAGE_H
 
+#include <hooke/result.h>
 #include <hooke/session/subject.h>
+
+struct unit;
 
 /* ---- how the arguments of a command are described ---- */
 
@@ -50,6 +53,7 @@ struct argument {
     enum argument_form form;
     const char *name; /* for usage and messages: "DURATION"; what is typed: "to", "dt", "force" */
     enum argument_type type;
+    const struct argument_type_row *own_type; /* of a module, instead of `type`; NULL: none */
     unsigned flags;
     enum quantity quantity;
     const struct catalog *choices;
@@ -73,6 +77,8 @@ struct argument_type_row {
 };
 
 const struct argument_type_row *argument_type(const struct argument *argument);
+/* The row of src/language/types.def. */
+const struct argument_type_row *argument_type_row(enum argument_type type);
 
 static inline bool type_is(const struct argument *argument, unsigned flags)
 {
@@ -102,7 +108,7 @@ enum command_flag {
 /* What can stand after it, where its arguments do not say it. */
 enum completes {
     COMPLETES_ARGUMENTS,
-    COMPLETES_SWEEP,    /* NAME=FROM:TO */
+    COMPLETES_GRID,     /* NAME=FROM:TO */
     COMPLETES_TOPICS,   /* of help */
     COMPLETES_ATOL,     /* variables, then values */
     COMPLETES_KINDS,    /* kinds of lists, then kinds of methods */
@@ -190,6 +196,10 @@ static inline bool has_argument(const struct arguments *arguments, const char *n
     return argument_value(arguments, name)->count > 0;
 }
 
+/* Returns what was given for an argument that a module adds to the command. Returns NULL if nothing
+ * was given, or if the module is left out. */
+const struct argument_value *added_argument(const struct arguments *arguments, const char *name);
+
 /* ---- parsing ---- */
 
 struct parser {
@@ -220,8 +230,11 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error);
 /* find, or the only row that starts so at the prompt. */
-const struct row *choose(const struct session *session, const struct catalog *catalog,
-                         struct text name);
+const struct row *catalog_choose(const struct session *session, const struct catalog *catalog,
+                                 struct text name);
+/* Returns false with `error` filled if the name is that of a row which a module brings that this
+ * program was built without. */
+bool choice_is_in(const struct catalog *catalog, struct text name, struct error *error);
 
 /* Reads the value of a setting from the parser into `settings`. */
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings,
@@ -274,12 +287,10 @@ enum listed {
     LIST_SETTINGS,
     LIST_UNITS,
     LIST_FUNCTIONS,
-    LIST_FORMATS,
     LIST_LIMITS,
     LIST_MEASUREMENTS,
     LIST_EVENTS,
-    LIST_RUNS,
-    LIST_RECORDINGS
+    LIST_RUNS
 };
 
 /* A kind of thing that `list` lists. Kinds of modules follow those of the enum. */

@@ -8,11 +8,13 @@
 #ifndef HOOKE_METHOD_H
 #define HOOKE_METHOD_H
 
+#include <hooke/method/drag.h>
 #include <hooke/scene/model.h>
 
+struct catalog;
+struct controller;
 struct method;
 struct step;
-struct controller;
 
 enum step_status {
     STEP_OK,
@@ -23,19 +25,14 @@ enum step_status {
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
-/* One accepted step, as method_adapt(). */
-typedef enum step_status controlled_function(const struct method *method, struct step *step,
-                                             struct controller *controller, double t_end);
+/* Accepted steps, as method_adapt_many(). */
+typedef int64_t controlled_function(struct step *step, struct controller *controller, double t_end,
+                                    int64_t count, double *row, enum step_status *status);
 
 /* The force at a displacement: towards rest, none, away from it. */
 enum stiffness_sign { STIFFNESS_POSITIVE, STIFFNESS_ZERO, STIFFNESS_NEGATIVE };
 
 double stiffness_sign_value(enum stiffness_sign sign); /* 1, 0, -1 */
-
-/* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row
- * says. */
-
-enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
 
 /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
 extern const struct catalog drag_catalog;
@@ -77,7 +74,7 @@ struct step {
     /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
     step_function *kernel;
     controlled_function
-        *controlled; /* and an accepted one, by method_controlled_kernel(); NULL: there is none */
+        *controlled; /* and accepted ones, by method_controlled_kernel(); NULL: there is none */
     /* By method_adapt(): */
     /* the last step was taken back: what was evaluated at t and y before it still holds */
     bool again;
@@ -160,7 +157,10 @@ struct method {
 };
 
 extern const struct catalog method_catalog;
-const struct method *method_find(const char *name); /* NULL: this build has no such method */
+const struct method *method_by_name(struct text name); /* by exact name or alias; NULL if none */
+const struct method *method_at(size_t i);
+const struct method *method_from(const struct row *row); /* of the catalog */
+const struct method *method_find(const char *name);      /* NULL if not in this build */
 
 /* Whether this method can step this system with this drag variant; false: a reason. Resolves
  * DRAG_DEFAULT. */
@@ -265,56 +265,6 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
 int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
                      enum step_status *status);
 
-/* ---- many trajectories at once ----
- *
- * LANES systems of one kind, stepped side by side in vectors: each gets the bits that
- * method_turning_march() would give it alone. Explicit Runge-Kutta methods and splittings, fixed
- * steps forward in time, oscillators, pendulums, typed scenes.
- */
-#define LANES 64
-
-struct lanes;
-
-/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step?
- * Two of them together? */
-bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
-bool lanes_alike(const struct system *a, const struct system *b);
-struct lanes *lanes_create(void); /* NULL: no memory */
-void lanes_destroy(struct lanes *lanes);
-/* For systems like this one. False: no memory. */
-bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
-                 const struct system *like, double h);
-/* Before the first step: this lane starts as the system says, which stays where it is. Every lane
- * has to be set, by a copy if need be. */
-void lanes_set(struct lanes *lanes, int lane, const struct system *system);
-/* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
-void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
-/* The next steps of all of them, nothing checked. row [count][2][LANES]: the first variable and how
- * fast it changes, after them; NULL: not wanted. */
-void lanes_march(struct lanes *lanes, int64_t count, double *row);
-void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANES], now */
-void lanes_state(const struct lanes *lanes, int lane, double *y);
-int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
-/*
- * The same by steps of method_adapt(), each lane by its own control from a fresh one with the step
- * of lanes_begin(): can such
- * systems go in lanes? After lanes_begin() and lanes_set() of all lanes lanes_control() takes the
- * first step of the first `used` ones, tol [used]. creep: a lane whose next step becomes shorter
- * than this part of the time since the start goes no further, unless the system is linear. Then
- * lanes_adapt() attempts so many steps; false: all have ended. row [count][3][LANES]: t [s], the
- * variable and how fast it changes, after each attempt, as before it where that was rejected; NULL:
- * not wanted.
- */
-bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
-                     double h);
-void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep);
-bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
-void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANES], now */
-/* False: this lane has not come to t_end, and says nothing of what would happen alone. */
-bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals);
-/* Does a step begin with what the one before has left? */
-bool lanes_carry(const struct method *method, enum drag drag);
-
 /* ---- step-size control ----
  *
  * One accepted step of an adaptive method with |error_i| <= share tol max(scale_i, |y_i|) in the
@@ -375,6 +325,13 @@ struct controller {
 
 enum step_status method_adapt(const struct method *method, struct step *step,
                               struct controller *controller, double t_end);
+/* Returns true if the next steps can be taken by method_adapt_many(). */
+bool method_adapts_many(const struct step *step, const struct controller *controller);
+/* Takes up to `count` > 0 steps, the same ones as method_adapt(), and writes the state and the time
+ * after each to row [count][n + 1], unless that is NULL. Ends early within rounding of t_end.
+ * Returns how many were taken; *status says what became of the next one, if it was tried. */
+int64_t method_adapt_many(struct step *step, struct controller *controller, double t_end,
+                          int64_t count, double *row, enum step_status *status);
 /* The system that the last adaptive step was taken of: frozen, if it has switches. */
 const struct system *method_adapted(const struct system *system,
                                     const struct controller *controller, struct sliding *sliding,

@@ -5,7 +5,11 @@
 #ifndef HOOKE_PLOT_H
 #define HOOKE_PLOT_H
 
+#include <hooke/data/series.h>
+#include <hooke/figure.h>
 #include <hooke/session.h>
+
+struct catalog;
 
 /* ---- figures of the session ---- */
 
@@ -16,14 +20,8 @@ enum plot_kind {
     PLOT_PHASE,
     PLOT_VELOCITY,
     PLOT_ERROR,
-    PLOT_RESIDUAL,
-    PLOT_SPECTRUM,
     PLOT_ORBIT, /* of two coordinates */
     PLOT_ACCELERATION,
-    PLOT_ENVELOPE,  /* amplitudes read window by window */
-    PLOT_PERIOD,    /* against the amplitude, window by window */
-    PLOT_PRECISION, /* of the last precision study, not of runs */
-    PLOT_SWEEP,     /* the last sweep: what was measured over the parameter */
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
@@ -34,6 +32,7 @@ enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECOR
 
 struct reply;
 struct drawing; /* a figure while it is built up: hooke/plot/drawing.h */
+struct figure_request;
 
 /* The plane of a plot whose points are states of the scene. */
 struct plot_plane {
@@ -72,17 +71,26 @@ struct plot_row {
     enum plot_recorded recorded;
     bool any_recording; /* without a run it shows whatever was recorded */
     bool of_motion;     /* of a recording's velocities, which are found from its positions */
-    bool residual;      /* what is left of a recording beside a fit or a run */
-    bool study;         /* of the last precision study, not of runs */
-    bool of_scene;      /* of the scene, and of its run where there is one */
+    /* draws what is left of a recording beside a fit or a run; NULL: it is no such plot */
+    bool (*residual)(struct drawing *d, const struct recording *recording);
+    bool of_study; /* of what a study has found, not of runs; its figure fails without one */
+    bool whole;    /* its axes hold all points: ranges are refused */
+    bool of_scene; /* of the scene, and of its run where there is one */
     /* Its curves; NULL: columns of the trace. Of the whole figure nothing else is done then. */
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
     void (*note)(const struct drawing *d, struct buffer *text); /* of its own; NULL: none */
-    const struct plane_row *plane; /* NULL where its points are no states */
+    struct axis (*axis)(const struct drawing *d); /* horizontal, in place of the usual; or NULL */
+    const struct plane_row *plane;                /* NULL where its points are no states */
     /* Adds the numbers behind the figure to the reply. NULL: there are none. */
-    void (*reply)(const struct session *session, struct reply *reply);
+    void (*reply)(const struct session *session, const struct figure_request *request,
+                  struct reply *reply);
+    /* Gives curves that have only marks their names, for pictures and in words; may be NULL. */
+    bool (*name_curves)(const struct session *session, struct arena *arena, struct figure *figure,
+                        struct error *error);
+    /* Appends lines of that width [cell] that stand below the figure in cells; may be NULL. */
+    void (*legend)(const struct session *session, int width, struct buffer *text);
     const char *planned; /* a line of `plan` while its pane has the focus; NULL: none */
     bool takes_column;   /* a column may follow its name: what is drawn of it */
     bool coordinates;    /* all of one quantity, on one axis */
@@ -172,8 +180,8 @@ struct figure_request {
     bool full;        /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
-    enum charset charset;
-    double trail; /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
+    const struct charset *charset; /* NULL counts as charset_ascii */
+    double trail;                  /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
     /* no other plot shares the time axis: each period has to be seen only where this one needs
@@ -202,15 +210,6 @@ int plot_coordinates(const struct model *model);
 /* Place of the recording that belongs into such a plot without being asked for: the current one,
  * where it overlaps the run; -1: none. */
 int figure_recording(const struct session *session, enum plot_kind kind);
-
-/* ---- a precision study ---- */
-
-/* Letter of a curve in tables and figure. */
-char precision_letter(int curve);
-/* Error over time, both logarithmic (over evaluations where nothing was timed); memory from the
- * arena. */
-bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
-                      struct error *error);
 
 /* ---- cursors ---- */
 
@@ -281,24 +280,5 @@ void put_bare(const struct recording *recording, struct buffer *text);
 int recorded_derivative(const struct recording *recording, const struct run *run);
 struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);
-
-/* ---- the band of an adopted fit (figure_band.c) ---- */
-
-/* Whether the run has one: it is of the scene that was adopted, unchanged on its way, forwards.
- * where: the option as typed. ERROR_COMMAND says what is missing. */
-bool band_of_run(const struct session *session, const struct run *run, struct text where,
-                 struct error *error);
-/* Half the width [n] of a state variable's band at ascending times [s]. */
-bool band_half(const struct session *session, const struct run *run, int variable, const double *t,
-               size_t n, struct arena *arena, double *half, struct error *error);
-
-/* The band that panes show, found once after a statement: 'set band on'. Nothing is done where it
- * is off, nothing was adopted, or it is known. */
-void session_store_band(struct session *session);
-/* Half the width of that band at a time; NAN: there is none. */
-double stored_band_at(const struct fit_band *band, int variable, double t);
-
-/* For `plan`: that the scene has a band, and what it takes; nothing: it has none. */
-void band_plan(const struct session *session, const struct system *system, struct buffer *text);
 
 #endif

@@ -3,9 +3,12 @@
 #ifndef HOOKE_REPORT_H
 #define HOOKE_REPORT_H
 
+#include <hooke/run.h>
 #include <hooke/language.h>
 #include <hooke/plot.h>
 #include <hooke/scene.h>
+
+struct catalog;
 
 /* ---- tables made from a session; all memory from the arena ---- */
 
@@ -20,22 +23,24 @@ struct export
 bool export_runs(const struct session *session, const struct argument_value *runs,
                  const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error);
-/* Adds NAME_low and NAME_high to the table of one run: the band of the adopted fit about each
- * variable of the state in it. where: the option as typed. */
-bool export_band(const struct session *session, const struct argument_value *runs,
-                 struct text where, struct export *export, struct error *error);
-/* Of a hand-in: t and y of every sample, and used (0, 1) where some are outside the window or
- * masked. */
-bool export_recording(const struct session *session, struct export *export, struct error *error);
-/* column: t, y, v, energy; none means t and y. */
-bool export_recorded(const struct session *session, const struct argument_value *column,
-                     const struct argument_value *every, struct export *export,
-                     struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int index, struct export *export,
                      struct error *error);
 /* The same: the present scene. */
 bool export_scene_keys(const struct session *session, struct export *export, struct error *error);
+
+/* ---- files of tables ---- */
+
+struct table_kind {
+    struct row row; /* its name is what files end in */
+    table_format *format;
+};
+extern const struct catalog table_format_catalog; /* of struct table_kind */
+
+static inline table_format *format_of_kind(const struct row *kind)
+{
+    return ((const struct table_kind *)(const void *)kind)->format;
+}
 
 /* ---- results that are tables (results.c) ---- */
 
@@ -123,7 +128,13 @@ struct run_record {
     double rest;    /* [s] held by dry friction from then on; NAN */
     double seconds; /* [s] that it took; NAN with 'timing off' */
     struct data_distance data;
+    double t; /* [s] */
+    int64_t steps;
+    struct cost cost;
     /* Only for records: */
+    double kinetic; /* [J] where there is no potential for all of it */
+    /* of the second solution: NAN where nothing is known */
+    double opinion_error, opinion_max, opinion_t, opinion_lost;
     struct ledger ledger;
     struct run_errors errors;
     double below[LIMIT_VARIABLES];
@@ -134,57 +145,5 @@ void run_record_init(struct run_record *record, const struct session *session,
 void reply_run_record(struct run_record *record, struct reply *reply);
 /* Of the current run, where there is one. */
 void reply_current_run(const struct session *session, struct reply *reply);
-
-/* ---- a precision study as tables, figure and records ---- */
-
-#define LEVELS 13
-/* One table a method, or that of one method only (NULL: of all); a wide one has more columns. */
-void precision_tables(const struct precision *precision, const struct method *only, int width,
-                      struct arena *arena, struct buffer *out);
-/* One line a method: its slope, and what it costs at best. */
-void precision_overview(const struct precision *precision, struct buffer *out);
-/* The fastest methods for an error of 1e-3, 1e-6 ..., in lines of that width. */
-void precision_winners(const struct precision *precision, int width, struct arena *arena,
-                       struct buffer *out);
-/* "fastest method for error 1e-k", and where it is an undamped oscillator predicted against
- * measured evaluations. */
-void precision_summary(const struct precision *precision, struct arena *arena, struct buffer *out);
-/* "a euler  b verlet …", in lines of that width. */
-void precision_legend(const struct precision *precision, int width, struct buffer *out);
-void reply_precision(const struct session *session, const struct precision *precision,
-                     struct arena *arena, struct reply *reply);
-
-/* ---- a sweep as text ---- */
-
-/* What was swept, with the names of its measures. */
-struct swept {
-    const struct sweep *sweep;
-    const struct sweep_measure *measure;
-    const struct model *model;
-    int measures;
-    const struct sweep_section *section;     /* NULL: measured over the duration */
-    const struct sweep_attractor *attractor; /* [attractors] where they are measured */
-    int attractors;
-};
-
-/* rows: what fits into that many lines, figures before tables; 0: everything. */
-void sweep_text(const struct session *session, const struct swept *swept, int rows,
-                struct arena *arena, struct buffer *text);
-/* Columns: point, the axes, the measures, status. False: no memory. */
-bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table);
-
-/* At a section: how many points have fewer events than were to be kept is said, too. */
-void diagram_text(const struct session *session, const struct swept *swept, int rows,
-                  struct arena *arena, struct buffer *text);
-/*
- * A row for each event: point, the parameter, event (its number), t, the columns, the first of them
- * at the next event (NAN: the last), repeats (after how many events the point's come again, NAN:
- * not within half of them), status. A point without events has one row of NAN. False: no memory.
- */
-bool diagram_table(const struct swept *swept, struct arena *arena, struct table *table);
-
-/* "103 of 103 points in 0.1 s ...", and what went wrong. */
-void sweep_summary(const struct sweep *sweep, struct buffer *text);
-void sweep_failures(const struct sweep *sweep, struct buffer *text);
 
 #endif

@@ -1,102 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * result: what leaves a command: lines and records, tables for people, documents, errors with their
- * place.
+ * result: what leaves a command: lines and records, tables for people, errors with their place.
  *
  * Nothing here knows what the numbers mean, and nothing prints: a struct sink takes what is said.
  */
 #ifndef HOOKE_RESULT_H
 #define HOOKE_RESULT_H
 
-#include <hooke/base.h>
+#include <hooke/base/quantity.h>
+#include <hooke/result/table.h>
 
-/* ---- tables ---- */
-
-enum table_format {
-    TABLE_CSV,
-    TABLE_TSV,
-    TABLE_JSON,
-    TABLE_MARKDOWN,
-    TABLE_HTML,
-    TABLE_LATEX,
-};
-
-struct table_column {
-    const char *name, *unit;
-    const double *value; /* [rows], or NULL and `text` */
-    const char *const *text;
-};
-
-struct table_key {
-    const char *key, *value; /* "dt", "10 ms" */
-};
-
-struct table {
-    const struct table_key *key; /* written as `# key = value` lines, or as an object in JSON */
-    int keys;
-    const struct table_column *column;
-    int columns;
-    size_t rows;
-    const struct cancel *cancel; /* ends its writing; NULL: nobody can */
-};
-
-/* struct row at the enum's place: csv, tsv, json, md, html, tex */
-extern const struct catalog table_format_catalog;
-
-/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
- * be a formula or contain the separator are quoted. */
-void table_format(const struct table *table, enum table_format format, struct buffer *out);
-bool table_write(const struct table *table, enum table_format format, const char *path,
-                 struct write_policy policy, struct error *error);
-bool table_send(const struct table *table, enum table_format format, struct writer *writer,
-                struct error *error); /* to a file that is open, which is closed in every case */
-/* Whether it begins as a table in CSV, TSV or JSON that has keys. */
-bool table_recognise(struct text text);
-/* Reads such a text back: the same doubles and texts. ERROR_IO: it is damaged. `cancel` goes into
- * the table, too. */
-bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
-                 struct table *table, struct error *error);
-void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
-void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
-
-/* ---- tables by kind ----
- *
- * The last result of each kind. Records become rows of such tables: a field is a column, those of
- * objects and arrays are called by their path, "halves.gamma.1"; of an object in an array its name
- * stands for the number, where "name" is its first field. */
-
-struct column_growth; /* private: columns that grow */
-
-struct stored_table {
-    const char *kind; /* "compare"; lives as long as the arena, or longer */
-    struct arena arena;
-    struct table table;
-    struct column_growth *growth; /* NULL: the table is whole, records add nothing */
-};
-
-struct table_store {
-    struct stored_table **of; /* [count] allocated */
-    int count;
-    struct stored_table *row; /* private: takes the cells of the present record */
-};
-
-void table_store_free(struct table_store *store);
-/* NULL: none */
-struct stored_table *table_store_find(const struct table_store *store, struct text kind);
-/* A whole table, which replaces that of the same kind; the arena that it lives in is taken over.
- * False: no memory, nothing has changed. */
-bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
-                     const struct table *table);
-/* Takes over those that are wanted, in the place of those of the same kind; `from` is empty then.
- * wanted() may add keys to the table. Without memory a table is lost. */
-void table_store_take(struct table_store *store, struct table_store *from,
-                      bool (*wanted)(void *context, struct stored_table *stored), void *context);
-/* What reply_begin() to reply_end() do where records are collected. */
-void store_row_begin(struct table_store *store, const char *kind);
-void store_cell_none(struct table_store *store, const char *name);
-void store_cell_real(struct table_store *store, const char *name, const char *unit, double value);
-void store_cell_text(struct table_store *store, const char *name, const char *text);
-void store_row_end(struct table_store *store);
+struct cancel;
+struct catalog;
 
 /* ---- reply: what a command says ----
  *
@@ -155,6 +70,9 @@ void reply_free(struct reply *reply);
 /* one or more lines, without the last newline */
 void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
+/* Returns the buffer to which lines for people can be appended. They are written, with a newline at
+ * their end, before anything else that the command says, or when it ends. */
+struct buffer *reply_buffer(struct reply *reply);
 /* the same, broken between words into lines of at most `width` columns */
 void reply_paragraph(struct reply *reply, struct text text, int width);
 /* What was asked for as it is: also when quiet, and among records in CSV. */
@@ -182,13 +100,14 @@ void reply_array(struct reply *reply, const char *key);
 void reply_close(struct reply *reply); /* the innermost object or array */
 void reply_end(struct reply *reply);   /* the record */
 /* `count` rows of a table, a record each. Not headed: their names stand above an earlier part of
- * the table, in another output. */
-void reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
+ * the table, in another output. Returns false if the table's writing was cancelled. */
+bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed);
 
 /* ---- how the interpreter brackets what a command says ---- */
 
 void reply_command_begin(struct reply *reply, enum output_format format);
+void reply_flush(struct reply *reply); /* writes what reply_buffer() was given */
 /* Lines of a command that made no record: as {kind, text}, or as comments of the CSV. */
 void reply_command_end(struct reply *reply, const char *kind);
 
@@ -216,6 +135,28 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
 
 /* ---- text for people ---- */
 
+/*
+ * Values as arguments of formats, for %s: SHOWN_QUANTITY(0.2, QUANTITY_MASS, 3) is "200 g". Nothing
+ * is allocated; the text lives as long as the block that it stands in. SHOWN_VALUE() and
+ * SHOWN_MEASURED() are as buffer_measured(): times from 0.1 s on stay in seconds.
+ */
+struct value_text {
+    char at[128];
+};
+const char *value_text_short(struct value_text *text, double value, int digits);
+const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
+                                int digits);
+const char *value_text_measured(struct value_text *text, struct measured value,
+                                enum quantity quantity, int digits);
+#define SHOWN_SHORT(value, digits) value_text_short(&(struct value_text){""}, value, digits)
+#define SHOWN_QUANTITY(value, quantity, digits)                                                    \
+    value_text_quantity(&(struct value_text){""}, value, quantity, digits)
+#define SHOWN_MEASURED(measured, quantity, digits)                                                 \
+    value_text_measured(&(struct value_text){""}, measured, quantity, digits)
+#define SHOWN_VALUE(value, quantity, digits)                                                       \
+    SHOWN_MEASURED(((struct measured){value, 0}), quantity, digits)
+const char *plural_s(int64_t count); /* returns "s", or "" for one */
+
 /* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
 void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
                      int digits);
@@ -238,6 +179,7 @@ struct text_table {
 };
 
 void cell_text(struct text_table *table, const char *text); /* copied; NULL: an empty cell */
+void cell_format(struct text_table *table, const char *format, ...) PRINTF_LIKE(2, 3);
 /* the same from a buffer, which is freed */
 void cell_take(struct text_table *table, struct buffer *text);
 /* "-": not finite */
@@ -264,6 +206,11 @@ enum column_kind {
     COLUMN_NAME,     /* const char *; NULL: there is none */
     COLUMN_MEASURED, /* struct measured of `quantity`; value NAN: there is none. Only in records */
     COLUMN_CHARS,    /* an array of char, ended by 0; empty: there is none */
+    COLUMN_ROW,      /* pointer to what begins with a struct row: its name; NULL: there is none */
+    COLUMN_CHOICE,   /* an enum: name of that row of `choices`, where its first has choice_first */
+    /* An object of struct `part`, or an array of them, which list() returns. Only in records */
+    COLUMN_OBJECT,
+    COLUMN_LIST,
 };
 
 enum column_flag {
@@ -288,8 +235,12 @@ struct result_column {
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
-    bool (*any)(const void *row);         /* COLUMN_IF_ANY: where that is more than a value */
-    bool (*defined)(const void *row);     /* without it the record has no such key */
+    const struct catalog *choices;        /* COLUMN_CHOICE */
+    int choice_first;
+    const struct result_columns *part; /* COLUMN_OBJECT, COLUMN_LIST */
+    const void *(*list)(const void *row, size_t *count);
+    bool (*any)(const void *row);     /* COLUMN_IF_ANY: where that is more than a value */
+    bool (*defined)(const void *row); /* without it the record has no such key */
     /* Of an object or an array: only records have it. */
     void (*record)(struct reply *reply, const char *key, const void *row);
     int digits; /* for people, of a real; 0: 3 */
@@ -322,65 +273,5 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
  * table->failed. */
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table);
-
-/* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
-void buffer_siunitx(struct buffer *out, struct text measured);
-
-/* ---- documents ----
- *
- * A document written three times at once, as Markdown (CommonMark with tables), as HTML5 that loads
- * nothing from outside, and as LaTeX (pdflatex with siunitx, version 2 or 3). Own words are
- * escaped; what came from users or files (names, notes, paths) goes through document_name() and can
- * become nothing but code.
- */
-
-enum block {
-    BLOCK_TITLE,
-    BLOCK_PART,
-    BLOCK_SECTION,
-    BLOCK_QUESTION,
-    BLOCK_TOGETHER, /* on one page, where there are pages */
-    BLOCK_PARAGRAPH,
-    BLOCK_LIST, /* of items */
-    BLOCK_ITEM,
-    BLOCK_TABLE, /* of rows: the heading first, closed by document_heading_ends() */
-    BLOCK_ROW,
-    BLOCK_CELL,
-    BLOCK_HEAD, /* a cell of the heading */
-};
-
-struct document {
-    struct buffer md, html, tex;
-    size_t table;  /* where that of the LaTeX began */
-    int heads;     /* cells of the heading under construction */
-    int cells;     /* of the row under construction */
-    bool in_table; /* where a bar ends a cell */
-};
-
-void document_begin(struct document *document, const char *title);
-void document_end(struct document *document);
-void document_free(struct document *document);
-void document_open(struct document *document, enum block block);
-void document_close(struct document *document, enum block block);
-/* Own words; "+-" becomes the sign. */
-void document_say(struct document *document, const char *format, ...) PRINTF_LIKE(2, 3);
-/* A value with its unit, as buffer_measured() writes it; LaTeX sets it by siunitx. */
-void document_measured(struct document *document, struct measured value, enum quantity quantity,
-                       int digits);
-void document_name(struct document *document, struct text name);
-void document_link(struct document *document, const char *file, const char *words);
-/* A block of own words. */
-void document_put(struct document *document, enum block block, const char *words);
-void document_heading_ends(struct document *document);
-struct document_picture {
-    const char *name;        /* of its files, which end in .svg, .txt and .pdf */
-    const char *alternative; /* in words; own ones */
-    struct text svg, text;
-    bool pdf; /* there is such a file; else LaTeX has the text */
-};
-/* Markdown names the files, HTML has them in itself, LaTeX includes the PDF. */
-void document_figure(struct document *document, const struct document_picture *picture);
-void document_code(struct document *document, struct text code);
-void document_answer(struct document *document); /* an empty place */
 
 #endif

@@ -7,6 +7,10 @@
 #define HOOKE_RUN_H
 
 #include <hooke/method.h>
+#include <hooke/run/record.h>
+
+struct cancel;
+struct catalog;
 
 /* ---- trace: what was recorded ----
  *
@@ -16,15 +20,6 @@
  * the first sample and the samples of smallest and largest position, so that no peak is lost.
  * Pointers hold until the run moves.
  */
-
-enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
-
-struct recording_rule {
-    enum record_rule rule;
-    int64_t every; /* RECORD_EVERY: each so many steps */
-    /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the present state */
-    double interval;
-};
 
 struct trace;
 
@@ -320,7 +315,7 @@ void run_set_jump_slopes(struct run *run, const double *slope);
 bool run_remembers(const struct run *run);
 /*
  * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
- * allocates. src/run/singular.c has the criterion.
+ * allocates. src/run/failure/follow.c has the criterion.
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel);
@@ -333,14 +328,13 @@ void run_diagnose(struct run *run);
  * above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /*
- * How much work an opinion may be. QUIET: the closed form at the last row; a second solution only
- * where variables at rest may have grown again. BRIEF: OPINION_BRIEF_SHARE of the run's own work.
+ * How much work an opinion may be. BRIEF: OPINION_BRIEF_SHARE of the run's own work.
  * DEMANDED: OPINION_BUDGET and OPINION_SHARE of the run's own, and at least that where small values
  * were asked for (atol). WHOLE: to the end. Those within a budget go on with OPINION_BUDGET_DOUBT
  * and OPINION_DOUBT: BRIEF where the error so far says that no digit may be left at the end,
  * DEMANDED where it may get larger than OPINION_WRONG.
  */
-enum opinion_effort { OPINION_QUIET, OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
+enum opinion_effort { OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
 
 /* Fills run->opinion up to the present state of an adaptive run, or as far as its effort goes:
  * nothing else of it changes. Compares recorded states, at most 256 in a call. */
@@ -396,6 +390,9 @@ struct observable {
 };
 
 extern const struct catalog observable_catalog;
+const struct observable *observable_by_name(struct text name); /* by name or alias; NULL if none */
+const struct observable *observable_at(size_t i);
+const struct observable *observable_from(const struct row *row); /* of the catalog */
 
 /*
  * y, v and a are the first coordinate of the scene (theta of a pendulum), error and exact too;

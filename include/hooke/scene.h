@@ -15,6 +15,5 @@
 #include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
 #include <hooke/scene/typed.h>
-#include <hooke/scene/written.h>
 
 #endif

@@ -6,10 +6,11 @@
 #ifndef HOOKE_SESSION_H
 #define HOOKE_SESSION_H
 
-#include <hooke/analysis/fit.h>
-#include <hooke/study/compare.h>
-#include <hooke/study/fit.h>
-#include <hooke/study/sweep.h>
+#include <hooke/data/calibration.h>
+#include <hooke/method/drag.h>
+#include <hooke/result/table.h>
+#include <hooke/scene/model.h>
+#include <hooke/session/front.h>
 #include <hooke/session/screen.h>
 #include <hooke/session/settings.h>
 
@@ -75,6 +76,7 @@ struct recording_slot {
     char *options; /* as they have to stand after the file name to load it again */
     uint64_t sum;  /* of the file's bytes, as the session's file has it; 0: nobody has looked */
     struct buffer content; /* the file's bytes, where it may be gone; empty: it is read again */
+    size_t statement;      /* of the log that loaded it, counted from 1 */
     bool growing;          /* it is being collected: its file is safe, and read again */
 };
 
@@ -97,16 +99,6 @@ struct measurement {
 };
 
 extern const struct result_columns measurement_columns; /* of struct measurement */
-
-/* A fit that converged, for the report. */
-struct stored_fit {
-    struct fit fit;
-    enum quantity quantity; /* of what was fitted */
-    struct measured k;      /* NAN: nobody had said what the mass is */
-    struct exact_names exact;
-    size_t statement; /* of the log that made it, counted from 1: session_store_fit() says so */
-    char of[LIMIT_NAME + 16];
-};
 
 struct session;
 
@@ -164,151 +156,18 @@ struct history {
     struct buffer happened; /* private: what the statement in hand really did, as commands */
 };
 
-struct snapshot; /* private: undo, redo, checkpoints */
+struct run_target; /* hooke/run.h */
+struct snapshot;   /* private: undo, redo, checkpoints */
 
-/* ---- lines as they come, for `collect` ---- */
-
-enum feed_end {
-    FEED_GOES_ON,
-    FEED_ENDED,     /* whoever wrote there has closed it */
-    FEED_UNPLUGGED, /* the device is gone */
-    FEED_IN_TIME,   /* what comes now is not wanted any more */
-    FEED_FULL,      /* as many lines as were wanted, or the file may have */
-    FEED_FAILED     /* the file cannot be written: what is in it is whole */
-};
-
-struct feed_request {
-    const char *source; /* a device, a pipe, a file that grows, STANDARD_INPUT */
-    int file;           /* descriptor that each complete line is appended to; the feed closes it */
-    long baud;          /* of a serial line */
-    double from;        /* [s] time at which it begins */
-    uint64_t max;       /* lines */
-    bool safe;          /* devices are refused */
-};
-
-struct feed_look {
-    enum feed_end end;
-    uint64_t lines, bytes; /* lines in the file, bytes that came */
-    double now;            /* [s] */
-    double first, last;    /* [s] when these lines came; NAN: none has */
-    uint64_t unwritten;    /* lines that came, and that the file did not take */
-    char failure[80];      /* why FEED_FAILED, or FEED_UNPLUGGED: "", it hung up */
-};
-
-struct feed; /* private to the front end: reads in a thread of its own, so that none waits */
-
-struct feed_access {
-    struct feed *(*open)(const struct feed_request *request, struct error *error);
-    void (*look)(struct feed *feed, struct feed_look *look);
-    void (*pause)(struct feed *feed, bool pause); /* what comes meanwhile is dropped */
-    /* [s] lines that come later are not wanted, and end it; HUGE_VAL: all are */
-    void (*until)(struct feed *feed, double end);
-    /* the device is as it was before; the last look is at all that came */
-    void (*close)(struct feed *feed, struct feed_look *look);
-    /* A Ctrl-C that ended the collecting ends nothing else. */
-    void (*heeded)(void);
-};
-
-enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
-
-/* What the front end offers; the session only calls it. Every callback may be NULL. */
-struct front {
-    /* a person types: prefixes of names are accepted, long runs are asked about instead of
-     * refused */
-    bool interactive;
-    bool utf8, color;  /* what the output can show */
-    int width, height; /* [cell] of the output, 0: 80x24 */
-    bool input; /* standard input is free for data: nobody types there, and no commands come */
-    const struct feed_access *feed; /* NULL: none */
-    const struct cancel *cancel;
-    void *context;
-    bool (*confirm)(void *context, const char *question);
-    /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
-    void (*progress)(void *context, const struct run *run, double fraction);
-    void (*clear)(void *context);
-    /* a line was executed, also one of a file: the session can be kept */
-    void (*executed)(void *context);
-    /*
-     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in
-     * slices of at most 10 ms and call `slice` between them: it polls the terminal, executes what
-     * was typed (command_exec may be called again from inside; what would disturb the run is
-     * refused) and draws. It returns at the latest at `until` [clock_ns]; false: pause.
-     */
-    bool watched;
-    bool (*slice)(void *context, struct session *session, int64_t until);
-    /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x
-     * height). */
-    bool (*screenshot)(void *context, const struct session *session, const char *path,
-                       struct write_policy policy, struct error *error);
-    /* The same as lines of text, for `screenshot` without a file. */
-    bool (*screen)(void *context, const struct session *session, struct buffer *text,
-                   struct error *error);
-    /* Takes what `export -` would write; false: no memory. NULL: it is written. */
-    bool (*table)(void *context, const struct table *table);
-    /* [s] from, to of the time axis on that screen; false: it has none. */
-    bool (*time_shown)(void *context, const struct session *session, double span[2]);
-    /* Shows a figure as pixels, width x height cells; figure NULL: only asks whether that can be.
-     * False: it cannot, for the reason in `error`. NULL: never here. */
-    bool (*pixels)(const struct front *front, const struct figure *figure, int width, int height,
-                   struct error *error);
-    /* Changes of the front end itself; false: not possible here, with the reason. */
-    bool (*change)(void *context, enum front_change change, struct error *error);
-};
-
-/* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
-struct adopted_fit {
-    struct scene scene; /* model NULL: nothing was adopted */
-    struct scene_covariance known;
-    struct exact_names exact;
-    char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
-};
-
-/* The band of an adopted fit about a run, for the panes. */
-struct fit_band {
-    int run; /* its number; 0: none was looked for */
-    size_t rows;
-    double end; /* [s] rows and end of the run when it was */
-    struct adopted_fit of;
-    size_t n; /* 0: it has none */
-    int variables;
-    double from, step; /* [s] */
-    double *half;      /* [variables][n] half the width */
-};
-
-/* A lesson that waits (`lab`): what it says, and which of its steps is to be done. */
-struct lesson {
-    struct buffer text;
-    int step, steps; /* counted from 0; step == steps: it is over */
-    size_t begun;    /* place in the log at which the step began */
-    long seed;       /* of its recordings */
-};
-
-/* What `collect` is doing, for the screen and for what is typed meanwhile. */
-struct collecting {
-    enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state; /* waiting for its trigger */
-    bool stop;                                                       /* asked to */
-    uint64_t lines;
-    double seconds;           /* [s] since the first line, or the trigger, without pauses */
-    double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
-    enum quantity quantity;   /* of the amplitude */
-    /* the same for axes, which stay where they are while it hardly changes, and the mean over the
-     * last periods, SI; an amplitude that is not left, nor half of it, SI; NAN: not known */
+/* What a module tells of a recording that grows, for panes and figures, in SI. NAN: not known. */
+struct growing {
+    /* for axes, which stay where they are while it hardly changes: the period [s], the mean over
+     * the last periods, an amplitude that is not left, nor half of it */
     double steady, middle, swing;
-    double until; /* [s] of the recording, where it is known to end; NAN */
-    double late;  /* [s] the newest velocity is older than the newest sample */
-    struct {
-        double t;                         /* [s] of the newest sample; NAN: there is no fit */
-        struct measured period, gamma, k; /* NAN: not determined, k: nobody has said the mass */
-    } fit;
+    double until;      /* [s] of the recording, where it is known to end */
+    double late;       /* [s] the newest velocity is older than the newest sample */
     struct run *model; /* the scene, from the first swing on to now; NULL: none that would match */
-    double offset;     /* of the recording where the model is at rest, SI */
-    struct {           /* a calibration that waits for its points */
-        bool waits;
-        int taken; /* of two */
-        double truth[2], read[2], scatter[2];
-        const struct unit *truth_unit[2], *read_unit; /* NULL: none */
-    } aim;
-    struct feed *feed;
+    double offset;     /* of the recording where the model is at rest */
 };
 
 /* The parts of a session that modules keep: hooke/module.h. */
@@ -322,96 +181,101 @@ struct session_parts {
     int count;
 };
 
-struct session {
-    struct front front;
-    struct session_parts *parts;
-    struct setup setup;
-    struct typed_models
-        *models;           /* all that the user has typed: set-up, runs and undo point there */
-    struct events *events; /* likewise, the newest first */
-    size_t event_lists, event_lists_left; /* so many, and after the last sweep */
-    struct run_slot *run[LIMIT_RUNS];
-    int runs, current_run; /* index, -1: none */
-    int next_run;          /* number of the next run */
-    uint64_t next_id;      /* of its slot */
-    bool said_method;      /* that nobody has chosen one */
-    bool said_assumed;     /* which duration and tolerance this scene gets */
-    struct recording_slot *recording[LIMIT_RECORDINGS];
-    int recordings, current_recording; /* index, -1: none */
-    bool data_is_latest; /* the recording is more recent than the run: measure acts on it */
+/* What the user has typed, and set-up, runs and undo point to; freed when nothing does. */
+struct definitions {
+    struct typed_models *models;
+    struct events *events;                /* the newest first */
+    size_t event_lists, event_lists_left; /* so many, and after the last session_sweep() */
+};
 
-    struct named_value result[LIMIT_RESULTS]; /* of measurements and fits */
-    int results;
-    bool has_fit;
-    struct fit fit;
-    char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
-    double fit_zero;              /* of the recording at that time: its offset counts from there */
-    /* Where the last fit was one of the scene or of a formula: */
-    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_values() */
-    size_t fit_samples;
-    uint64_t fit_curve_sum;   /* under which the session's file has it; 0: not yet */
-    struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
-    bool fit_free[PARAM_MAX]; /* what was fitted there */
-    struct adopted_fit adopted;
-    struct fit_band band;
-    int fit_modes; /* so many damped sines at once; 0: it was no fit of modes */
-    struct measurement *measurement;
-    int measurements;
-    struct stored_fit *stored_fit;
-    int stored_fits;
-    struct precision *precision; /* the last study, for `plot precision`; NULL: none */
-    struct table_store found;    /* the last of each kind */
-    const char *studied;         /* kind of the last study; NULL: none */
-    int studied_runs; /* next_run at that time: after a later run its table is the latest */
+struct runs {
+    struct run_slot *slot[LIMIT_RUNS];
+    int count, current; /* index, -1: none */
+    int next_number;    /* of the next run */
+    uint64_t next_id;   /* of its slot */
+};
 
-    struct references references; /* of the scenes that were studied last */
+/* Results of measurements and fits that expressions know by name. */
+struct named_results {
+    struct named_value value[LIMIT_RESULTS];
+    int count;
+};
 
+/* Results of studies. */
+struct studies {
+    struct table_store found; /* the last of each kind */
+    const char *last;         /* kind of the last study; NULL: none */
+    int at_run;    /* runs.next_number at that time: after a later run its table is the latest */
+    double points; /* of the study that goes on, for points a second; 0: it says none */
+};
+
+struct undo {
     struct snapshot *state[LIMIT_UNDO]; /* the first `undos` go back, the others forward again */
     int undos, redos;
     struct snapshot *checkpoint[LIMIT_CHECKPOINTS];
     int checkpoints;
+};
 
-    struct history history;
-    bool confirmed; /* the present statement was asked about, and allowed */
-    char *meant;    /* what stands in the log for the present statement; NULL: itself */
-    struct stopped_sweep *stopped; /* `continue` goes on with it; NULL: with the run */
-    double study_points; /* of the study that goes on, for points a second; 0: it says none */
-    char *record_path;   /* file that executed lines are appended to, NULL: none */
-    int record_fd;
-    int64_t record_synced; /* [ns] when what it holds was put on the disk; 0: never */
-    bool record_owed;      /* more was written since then */
-    bool keep_going;       /* option -k */
-    bool verbose;          /* option -v: lines of scripts are shown before they are executed */
-    bool safe;             /* option --safe: write only below the current directory */
-    const char *checking;  /* the folder of a hand-in that is run again: nothing is written; NULL */
-    bool quit;             /* the user asked to leave */
-    int status;            /* exit status so far */
-    uint64_t changes;      /* counts changes: autosave compares it */
-    bool typed;            /* the statement being executed was typed by a person */
-    int nesting;           /* command_exec inside command_exec */
+/* The file of `record FILE`, to which executed lines are appended. */
+struct transcript {
+    char *path; /* NULL: none */
+    int fd;
+    int64_t synced; /* [ns] when what it holds was put on the disk; 0: never */
+    bool owed;      /* more was written since then */
+};
+
+/* Options of the program that concern commands. */
+struct session_options {
+    bool keep_going;      /* -k */
+    bool verbose;         /* -v: lines of scripts are shown before they are executed */
+    bool safe;            /* --safe: write only below the current directory */
+    const char *checking; /* the folder of a hand-in that is run again: nothing is written; NULL */
+};
+
+/* What is known of the statement that is being executed, and of those before it. */
+struct execution {
+    bool confirmed; /* it was asked about, and allowed */
+    char *meant;    /* what stands in the log for it; NULL: itself */
+    bool typed;     /* by a person */
+    int nesting;    /* command_exec inside command_exec */
     /* a run was paused: what stands after it on the line and in the file is not executed */
     bool halted;
-    bool reacting; /* commands of an event are executed: part of the statement that ran into it */
-    bool passing;  /* the run goes on after them: what they set is not told each time */
+    bool reacting;  /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;   /* the run goes on after them: what they set is not told each time */
+    bool restoring; /* a session that saved itself is read: nothing but what recreates it */
+    bool said_method;      /* that nobody has chosen one */
+    bool said_assumed;     /* which duration and tolerance this scene gets */
+    bool quit;             /* the user asked to leave */
+    int status;            /* exit status so far */
     struct arena leftover; /* of statements: what Ctrl-C left to be given back */
-    bool restoring;        /* a session that saved itself is read: nothing but what recreates it */
+};
 
-    struct lesson *lesson; /* NULL: none */
+struct session {
+    struct front front;
+    struct session_parts *parts; /* of modules */
+    struct setup setup;
+    struct definitions definitions;
+    struct runs runs;
+    struct recording_slot *recording[LIMIT_RECORDINGS];
+    int recordings, current_recording; /* index, -1: none */
+    bool data_is_latest; /* the recording is more recent than the run: measure acts on it */
+
+    struct named_results results;
+    struct measurement *measurement;
+    int measurements;
+    struct studies studies;
+    struct undo undo;
+    struct history history;
+    struct execution execution;
+    struct transcript transcript;
+    struct session_options options;
+    uint64_t changes; /* counts changes: autosave compares it */
+
     struct view view;
     struct log log;
     struct live live;
-    struct collecting *collecting; /* NULL: nothing is collected now */
-    bool fits_live;                /* what is collected next, or now, is fitted every second */
+    const struct growing *growing; /* while a recording grows, only some commands are taken; NULL */
 };
-
-/* A sweep that Ctrl-C has stopped. */
-struct stopped_sweep {
-    char *statement;    /* what stood behind `sweep` */
-    struct buffer made; /* session_save_motion() then */
-    struct sweep found; /* value NULL: what there is is in a file */
-};
-
-void session_forget_sweep(struct session *session);
 
 /* A new session with the lab's defaults. NULL: no memory. */
 struct session *session_create(const struct front *front);
@@ -422,6 +286,8 @@ void session_free_parts(struct session *session);
 void session_save(const struct session *session, struct buffer *text);
 /* Of those only what trajectories depend on: neither recordings nor how things look. */
 void session_save_motion(const struct session *session, struct buffer *text);
+/* All of the set-up, for the session's own file: without recordings, with how results look. */
+void session_save_setup(const struct session *session, struct buffer *text);
 /* The parameter says where a run starts, and nothing else. */
 bool param_is_start(const struct scene *scene, int index);
 /* A short description of the scene holds it: m and k of an oscillator, of its many others those
@@ -437,13 +303,13 @@ void session_state_line(const struct session *session, struct buffer *text);
 
 static inline struct run *session_run(const struct session *session)
 {
-    return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
+    return session->runs.current >= 0 ? session->runs.slot[session->runs.current]->run : NULL;
 }
 
-/* It is the one that is being collected. */
+/* It is the one that grows. */
 static inline bool session_grows(const struct session *session, const struct recording *recording)
 {
-    for (int i = 0; session->collecting && i < session->recordings; i++)
+    for (int i = 0; session->growing && i < session->recordings; i++)
         if (session->recording[i]->growing && session->recording[i]->recording == recording)
             return true;
     return false;
@@ -456,7 +322,7 @@ static inline struct recording *session_recording(const struct session *session)
                : NULL;
 }
 
-enum charset session_charset(const struct session *session);
+const struct charset *session_charset(const struct session *session);
 
 /* ---- the session ---- */
 
@@ -467,7 +333,6 @@ void session_changed(struct session *session);
 bool session_add_run(struct session *session, struct run *run, struct error *error);
 bool session_add_recording(struct session *session, struct recording *recording,
                            const char *options, struct error *error);
-void session_drop_band(struct session *session);
 void session_drop_run(struct session *session, int index);
 void session_drop_recording(struct session *session, int index);
 void run_slot_release(struct run_slot *slot);
@@ -475,11 +340,6 @@ void recording_slot_release(struct recording_slot *slot);
 /* number or name; -1: none */
 int session_find_run(const struct session *session, struct text name);
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
-/* The latest one of each model, recording or run, and window; without memory it is only not in the
- * report. */
-/* Values of the last fit at n ascending times [s]; NAN: outside of what it was fitted to. */
-void session_fit_values(const struct session *session, const double *t, size_t n, double *value);
-void session_store_fit(struct session *session, const struct stored_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value,
                         enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
@@ -509,6 +369,8 @@ void undo_clear(struct session *session);
 /* Whether going there needs it; NULL: not asked. */
 bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
                    const struct events *events);
+/* The scene is one of that model, or of a preset of it. */
+bool scene_uses(const struct scene *scene, const struct model *model);
 bool setup_uses(const struct setup *setup, const struct model *model, const struct events *events);
 bool run_slot_uses(const struct run_slot *slot, const struct model *model,
                    const struct events *events);

@@ -6,6 +6,7 @@
 #ifndef HOOKE_VIEW_H
 #define HOOKE_VIEW_H
 
+#include <hooke/figure.h>
 #include <hooke/command.h>
 
 /* The line being edited: what readline holds. Bytes of UTF-8 (or of the locale, made safe when
@@ -27,6 +28,9 @@ struct prompt_line {
  */
 bool screen_draw(const struct session *session, const struct prompt_line *prompt,
                  struct canvas *canvas, int *cursor_x, int *cursor_y);
+/* Draws the prompt alone, into the last row, and leaves the others as they are. */
+void screen_draw_prompt(const struct session *session, const struct prompt_line *prompt,
+                        struct canvas *canvas, int *cursor_x, int *cursor_y);
 
 /* The size of the log pane at this screen size [rows]: how far one page scrolls. */
 int screen_log_rows(const struct session *session, int width, int height);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session inside another program: hooke/api.h. */
+#include <hooke/base/cancel.h>
 #include <hooke/api.h>
 #include <hooke/session/log.h>
 #include <hooke/report.h>
@@ -83,8 +84,8 @@ static void forget_said(struct hooke *hooke)
     buffer_clear(&hooke->messages);
     hooke->output.failed = hooke->messages.failed = hooke->reply.failed = false;
     hooke->has_error = false;
-    hooke->session->status = 0;
-    hooke->session->quit = false;
+    hooke->session->execution.status = 0;
+    hooke->session->execution.quit = false;
     atomic_store(&hooke->cancel.requested, 0);
 }
 
@@ -209,7 +210,7 @@ struct hooke *hooke_open(unsigned flags)
         hooke_close(hooke);
         return NULL;
     }
-    hooke->session->safe = (flags & HOOKE_SAFE) != 0;
+    hooke->session->options.safe = (flags & HOOKE_SAFE) != 0;
     return hooke;
 }
 
@@ -244,9 +245,9 @@ int hooke_run(struct hooke *hooke, const char *lines)
     if (!hooke->has_error && (hooke->output.failed || hooke->messages.failed)) {
         error_memory(&error);
         take_error(hooke, &error, NULL, 0);
-        hooke->session->status = (int)error.code;
+        hooke->session->execution.status = (int)error.code;
     }
-    return hooke->session->status;
+    return hooke->session->execution.status;
 }
 
 void hooke_cancel(struct hooke *hooke)

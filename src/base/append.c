@@ -3,7 +3,7 @@
  * Files that grow by whole lines, which several programs may do side by side: each adds under a
  * lock, at the end, and what does not go in whole is cut off again.
  */
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <errno.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/cancel.h>
+#include <hooke/base/text.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,9 +16,9 @@ struct arena_block {
 
 static struct arena_block *block_create(size_t size)
 {
-    struct arena_block *block = calloc(1, sizeof *block + size);
+    struct arena_block *block = malloc(sizeof *block + size);
     if (block)
-        block->size = size;
+        *block = (struct arena_block){.size = size};
     return block;
 }
 
@@ -41,7 +42,7 @@ void *arena_alloc(struct arena *arena, size_t size)
     }
     void *data = (char *)block->data + block->used;
     block->used += size;
-    return data;
+    return memset(data, 0, size);
 }
 
 void *arena_array(struct arena *arena, size_t count, size_t size)

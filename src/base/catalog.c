@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/limit.h>
+#include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <stdio.h>
@@ -71,6 +73,7 @@ bool catalog_unknown(const struct catalog *catalog, struct text name, struct err
     if (catalog_absent(catalog, name, error))
         return false;
     error_at(error, name, "unknown %s '%s'", catalog->kind, safe_name(name, shown));
+    error->unknown = catalog->kind;
     struct suggestion suggestion = {.wanted = name};
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
@@ -154,6 +157,8 @@ void suggestion_hint(const struct suggestion *suggestion, struct error *error)
         error_hint(error, "did you mean '%s' or '%s'?", name[0], name[1]);
     else if (suggestion->count == 3)
         error_hint(error, "did you mean '%s', '%s' or '%s'?", name[0], name[1], name[2]);
+    if (suggestion->count > 0)
+        error->hint_kind = HINT_GUESS;
 }
 
 int catalog_index(const struct catalog *catalog, const struct row *row)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The one place where the library makes a process and touches signals: those of that process. */
 #define _GNU_SOURCE /* pipe2 */
+#include <hooke/base/safe_text.h>
 #include <hooke/base/child.h>
 #include "base/internal.h"
 

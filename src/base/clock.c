@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/cancel.h>
 
 #include <time.h>
 

@@ -9,7 +9,7 @@
 #ifndef HOOKE_BASE_DECIMAL_H
 #define HOOKE_BASE_DECIMAL_H
 
-#include <hooke/base.h>
+#include <hooke/base/number.h>
 
 /* Machines of 32 bits have no such integer: there all goes through libc, with the same results. */
 #ifdef __SIZEOF_INT128__
@@ -22,8 +22,8 @@ __extension__ typedef unsigned __int128 wide;
 #define POWER5_MAX 27
 #define POWER10_MAX 22 /* the largest power of ten that is a double */
 
-extern const uint64_t power5[POWER5_MAX + 1];
-extern const double power10[POWER10_MAX + 1];
+extern const uint64_t decimal_power5[POWER5_MAX + 1];
+extern const double decimal_power10[POWER10_MAX + 1];
 
 /* digits * 10^exponent */
 struct decimal {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <locale.h>
@@ -29,6 +29,8 @@ static PRINTF_LIKE(3, 0) void fill(struct error *error, enum error_code code, co
     error->code = code;
     error->hint[0] = '\0';
     error->where = (struct text){NULL, 0};
+    error->unknown = NULL;
+    error->hint_kind = HINT_NONE;
     vsnprintf(error->text, sizeof error->text, format, args);
     drop_partial(error->text, sizeof error->text);
 }
@@ -55,6 +57,8 @@ bool error_at(struct error *error, struct text where, const char *format, ...)
 bool error_hint(struct error *error, const char *format, ...)
 {
     size_t len = strlen(error->hint);
+    if (len == 0)
+        error->hint_kind = HINT_ADVICE;
     if (len > 0 && len + 2 < sizeof error->hint) {
         memcpy(error->hint + len, "  ", 3);
         len += 2;
@@ -64,6 +68,13 @@ bool error_hint(struct error *error, const char *format, ...)
     vsnprintf(error->hint + len, sizeof error->hint - len, format, args);
     va_end(args);
     drop_partial(error->hint, sizeof error->hint);
+    return false;
+}
+
+bool error_usage(struct error *error, const char *usage)
+{
+    error_hint(error, "usage: %s", usage);
+    error->hint_kind = HINT_USAGE;
     return false;
 }
 

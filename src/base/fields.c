@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/catalog.h>
 #include <hooke/base/fields.h>
+#include <hooke/base/unit.h>
 
 #include <string.h>
 
@@ -39,8 +41,15 @@ void field_put(struct buffer *to, const char *name, const void *value, size_t by
 
 void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of)
 {
-    for (size_t i = 0; i < count; i++)
-        field_put(to, field[i].name, (const char *)of + field[i].offset, field[i].bytes);
+    for (size_t i = 0; i < count; i++) {
+        const void *member = (const char *)of + field[i].offset;
+        if (field[i].kind == FIELD_QUANTITY)
+            field_text(to, field[i].name, text_of(quantity_name(*(const enum quantity *)member)));
+        else if (field[i].kind == FIELD_TEXT)
+            field_text(to, field[i].name, text_of(member));
+        else
+            field_put(to, field[i].name, member, field[i].bytes);
+    }
 }
 
 /* ---- reading ---- */
@@ -129,28 +138,50 @@ bool fields_sound(const struct field *field, size_t count, const void *of)
     return all;
 }
 
-bool fields_get(struct text in, const struct field *field, size_t count, void *of)
+static enum quantity find_quantity(struct text name)
+{
+    int i = 0;
+    while (i < QUANTITY_OTHER && !text_is(name, quantity_name((enum quantity)i)))
+        i++;
+    return (enum quantity)i;
+}
+
+/* *found: the file has it in this length. False: it cannot be what the file has. */
+static bool take_field(struct text in, const struct field *field, void *of, bool *found)
 {
     struct text value;
-    bool all = true;
+    char *member = (char *)of + field->offset;
+    const bool quantity = field->kind == FIELD_QUANTITY, text = field->kind == FIELD_TEXT;
+    *found = field_find(in, field->name, &value) && (quantity || text || value.len == field->bytes);
+    if (!*found)
+        return true;
+    if (quantity) {
+        const enum quantity is = find_quantity(value);
+        memcpy(member, &is, sizeof is);
+        return true;
+    }
+    if (text ? value.len >= field->bytes || memchr(value.at, 0, value.len) : !can_be(field, value))
+        return false;
+    if (text)
+        memset(member, 0, field->bytes);
+    if (value.len > 0)
+        memcpy(member, value.at, value.len);
+    return true;
+}
+
+bool fields_get(struct text in, const struct field *field, size_t count, void *of)
+{
+    bool all = true, found;
     for (size_t i = 0; i < count && all; i++)
-        all = field_find(in, field[i].name, &value) && can_be(&field[i], value) &&
-              field_get(in, field[i].name, (char *)of + field[i].offset, field[i].bytes);
+        all = take_field(in, &field[i], of, &found) && found;
     return all;
 }
 
 bool fields_get_known(struct text in, const struct field *field, size_t count, void *of)
 {
-    struct text value;
-    bool fine = true;
-    for (size_t i = 0; i < count; i++) {
-        if (!field_find(in, field[i].name, &value) || value.len != field[i].bytes)
-            continue;
-        if (can_be(&field[i], value))
-            memcpy((char *)of + field[i].offset, value.at, value.len);
-        else
-            fine = false;
-    }
+    bool fine = true, found;
+    for (size_t i = 0; i < count; i++)
+        fine &= take_field(in, &field[i], of, &found);
     return fine;
 }
 
@@ -187,13 +218,6 @@ bool field_find_places(struct text names, const struct catalog *catalog,
         names = (struct text){end + 1, names.len - name.len - 1};
     }
     return true;
-}
-
-void field_same_places(const struct catalog *catalog, struct field_places *places)
-{
-    places->rows = places->count = (int)catalog->count;
-    for (int i = 0; i < places->rows; i++)
-        places->at[i] = places->row[i] = i;
 }
 
 bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <dirent.h>

@@ -5,6 +5,7 @@
  * removed under the hidden one.
  */
 #define _GNU_SOURCE /* asprintf, renameat2 */
+#include <hooke/base/safe_text.h>
 #include <hooke/base/folder_file.h>
 #include "base/internal.h"
 

@@ -3,7 +3,7 @@
 #ifndef HOOKE_BASE_INTERNAL_H
 #define HOOKE_BASE_INTERNAL_H
 
-#include <hooke/base.h>
+#include <hooke/base/file.h>
 
 #include <sys/types.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Shared libraries that are looked up when they are needed: linking them would cost every start of
  * the program. */
-#include <hooke/base.h>
+#include <hooke/base/library.h>
 
 #include <dlfcn.h>
 #include <string.h>

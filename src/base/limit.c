@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/limit.h>
 
 static const struct limit limits[] = {
     {{"line", "byte", "length of a command line", "", NULL}, LIMIT_LINE},

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define _GNU_SOURCE /* strtod_l */
 #include "base/decimal.h"
-#include <hooke/base.h>
 
 #include <locale.h>
 #include <math.h>
@@ -12,7 +11,7 @@
 #define DIGITS_MAX 800
 #define EXPONENT_MAX 1000000000000000 /* beyond any that could matter, far from overflow */
 
-const uint64_t power5[POWER5_MAX + 1] = {
+const uint64_t decimal_power5[POWER5_MAX + 1] = {
     1u,
     5u,
     25u,
@@ -43,9 +42,9 @@ const uint64_t power5[POWER5_MAX + 1] = {
     7450580596923828125ull,
 };
 
-const double power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                         1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                         1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+const double decimal_power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                 1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 /* What the text says: 0.digits * 10^..., kept as the first 19 digits and where the number lies in
  * the text. */
@@ -130,11 +129,11 @@ static double compose(wide n, int exponent, bool more)
 static double by_quotient(uint64_t w, int e)
 {
     if (e >= 0)
-        return compose((wide)w * power5[e], e, false);
+        return compose((wide)w * decimal_power5[e], e, false);
     /* A numerator with its top bit set leaves a quotient of at least 65 bits. */
     const int shift = 64 + __builtin_clzll(w);
     const wide numerator = (wide)w << shift;
-    return compose(numerator / power5[-e], e - shift, numerator % power5[-e] != 0);
+    return compose(numerator / decimal_power5[-e], e - shift, numerator % decimal_power5[-e] != 0);
 }
 #endif
 
@@ -174,7 +173,7 @@ static double magnitude(struct text text, const struct scanned *s)
         return by_library(text, s);
     /* Clinger (1990): both factors are exact doubles, so that one rounding is all there is. */
     if (w <= (uint64_t)1 << 53 && e >= -POWER10_MAX && e <= POWER10_MAX)
-        return e < 0 ? (double)w / power10[-e] : (double)w * power10[e];
+        return e < 0 ? (double)w / decimal_power10[-e] : (double)w * decimal_power10[e];
 #if HAVE_WIDE
     return by_quotient(w, (int)e);
 #else

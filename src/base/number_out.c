@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/decimal.h"
-#include <hooke/base.h>
+#include <hooke/base/numeric.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -61,10 +61,11 @@ static struct decimal shortest_exact(double value)
     /* floor(log10(value)) from the binary exponent, at most one too small; `point` is 17 digits
      * before the point. */
     int decade = (int)floor((e + 52) * 0.30102999566398120);
-    decade += decade < 0 ? value >= 1.0 / power10[-decade - 1] : value >= power10[decade + 1];
+    decade += decade < 0 ? value >= 1.0 / decimal_power10[-decade - 1]
+                         : value >= decimal_power10[decade + 1];
     const int p = 16 - decade;
 
-    const wide u = power5[p];
+    const wide u = decimal_power5[p];
     const int up = e + p > 2 ? e + p - 2 : 0, shift = e + p > 2 ? 0 : 2 - e - p;
     const wide v = (4 * u * m) << up, above = (2 * u) << up, below = (fraction ? 2 * u : u) << up;
     const wide one = (wide)1 << shift;
@@ -292,4 +293,16 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
     buffer_put(buffer, TEXT(" +- "));
     len = decimal_write(rounded_to(uncertainty, index), low, high, z);
     buffer_put(buffer, (struct text){z, len});
+}
+
+void buffer_parenthesis(struct buffer *out, double value, double uncertainty)
+{
+    const int decimals_max = 6;
+    const int decimals = uncertainty > 0 && uncertainty < 9.5
+                             ? (int)fmax(-floor(log10(uncertainty * 1.0526)), 0)
+                             : decimals_max + 1;
+    if (decimals > decimals_max) /* 1.0526: 9.5 rounds to 10 */
+        buffer_format(out, "%.*f", decimals_max, value);
+    else
+        buffer_format(out, "%.*f(%.0f)", decimals, value, uncertainty * pow(10, decimals));
 }

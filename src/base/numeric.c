@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/cancel.h>
 #include <hooke/base/numeric.h>
 
 #include <gsl/gsl_errno.h>
@@ -15,7 +16,7 @@ __attribute__((constructor)) static void gsl_errors_return(void)
     gsl_set_error_handler_off();
 }
 
-double quantile(double *values, size_t n, double share)
+double values_quantile(double *values, size_t n, double share)
 {
     return n ? gsl_stats_select(values, 1, n, (size_t)(share * (double)(n - 1) + 0.5)) : NAN;
 }
@@ -102,7 +103,7 @@ double random_fraction(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-bool cholesky(int n, int width, const double *a, double independent, double *l)
+bool matrix_cholesky(int n, int width, const double *a, double independent, double *l)
 {
     for (int i = 0; i < n; i++) {
         const double min = independent * a[i * width + i];
@@ -138,15 +139,34 @@ void cholesky_backward(int n, int width, const double *l, double *x)
 
 /* ---- square matrices ---- */
 
-void matrix_multiply(int n, const double *a, const double *b, double *product)
+/* Inlined for small n. */
+static inline __attribute__((always_inline)) void
+multiply(int n, const double *restrict a, const double *restrict b, double *restrict product)
 {
+#pragma GCC unroll 4
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
             product[i * n + j] = 0;
-        for (int k = 0; k < n; k++)
-            for (int j = 0; j < n && a[i * n + k] != 0; j++)
-                product[i * n + j] += a[i * n + k] * b[k * n + j];
+#pragma GCC unroll 4
+        for (int k = 0; k < n; k++) {
+            const double factor = a[i * n + k];
+            if (factor == 0)
+                continue;
+#pragma GCC unroll 4
+            for (int j = 0; j < n; j++)
+                product[i * n + j] += factor * b[k * n + j];
+        }
     }
+}
+
+void matrix_multiply(int n, const double *a, const double *b, double *product)
+{
+    if (n == 2)
+        multiply(2, a, b, product);
+    else if (n == 3)
+        multiply(3, a, b, product);
+    else
+        multiply(n, a, b, product);
 }
 
 double matrix_norm(int n, const double *a)
@@ -156,7 +176,7 @@ double matrix_norm(int n, const double *a)
         double sum = 0;
         for (int j = 0; j < n; j++)
             sum += fabs(a[i * n + j]);
-        max = fmax(max, sum);
+        max = sum > max ? sum : max;
     }
     return max;
 }
@@ -164,7 +184,7 @@ double matrix_norm(int n, const double *a)
 /* Divides a by a power of two where its norm is far from 1. Returns that power. */
 static int matrix_normalise(int n, double *a)
 {
-    enum { FAR_FROM_ONE = 200 }; /* squares of what is nearer are numbers */
+    enum { FAR_FROM_ONE = 60 }; /* four times squared what is nearer is a number still */
     int power = 0;
     frexp(matrix_norm(n, a), &power);
     if (abs(power) < FAR_FROM_ONE)
@@ -184,28 +204,32 @@ static void exponential_series(int n, const double *a, double *sum, double *prod
     for (int term = TERMS; term > 0; term--) {
         matrix_multiply(n, a, sum, product);
         for (int i = 0; i < n * n; i++)
-            sum[i] = product[i] / term + (i % (n + 1) == 0);
+            sum[i] = product[i] / term;
+        for (int i = 0; i < n; i++)
+            sum[i * n + i] += 1;
     }
 }
 
 double matrix_exponential(int n, double *a, double *work)
 {
-    enum { HALVINGS_MAX = 200 };
-    static const double norm_max = 0.25;
-    const double norm = matrix_norm(n, a);
+    /* QUARTER is the norm that the series is for, as a power of two. */
+    enum { HALVINGS_MAX = 200, QUARTER = -2 };
     double *sum = work, *product = work + n * n, power = 0;
-    int halvings = 0;
-    while (ldexp(norm, -halvings) > norm_max && halvings < HALVINGS_MAX)
-        halvings++;
+    int exponent;
+    if (frexp(matrix_norm(n, a), &exponent) == 0.5)
+        exponent--;
+    const int wanted = exponent > QUARTER ? exponent - QUARTER : 0,
+              halvings = wanted < HALVINGS_MAX ? wanted : HALVINGS_MAX;
+    const double part = ldexp(1, -halvings);
     for (int i = 0; i < n * n; i++)
-        a[i] = ldexp(a[i], -halvings);
+        a[i] *= part;
     exponential_series(n, a, sum, product);
     for (int k = 0; k < halvings; k++) {
         matrix_multiply(n, sum, sum, product);
         double *square = product;
         product = sum;
         sum = square;
-        power = 2 * power + matrix_normalise(n, sum);
+        power = 2 * power + (k % 4 == 3 ? matrix_normalise(n, sum) : 0);
     }
     memcpy(a, sum, (size_t)(n * n) * sizeof *a);
     return power;

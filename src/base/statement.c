@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Statements, names, words and strings: the part of the grammar that knows no commands. */
-#include <hooke/base.h>
+#include <hooke/base/statement.h>
 
 #include <string.h>
 
@@ -17,6 +17,13 @@ bool is_name_char(char c)
 static bool is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+struct text text_behind(struct text text, size_t count)
+{
+    struct text rest = {text.at + count, text.len - count};
+    text_skip_blanks(&rest);
+    return rest;
 }
 
 void text_skip_blanks(struct text *text)

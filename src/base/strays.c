@@ -6,7 +6,6 @@
  * locks, nothing is removed.
  */
 #define _GNU_SOURCE /* F_OFD_GETLK, renameat2 */
-#include <hooke/base.h>
 #include "base/internal.h"
 
 #include <dirent.h>

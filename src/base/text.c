@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/base.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/limit.h>
 
 #include <limits.h>
 #include <string.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/decimal.h"
+#include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 
 #include <math.h>
@@ -65,6 +66,16 @@ static const struct unit units[] = {
 };
 
 const struct catalog unit_catalog = CATALOG("unit", units);
+
+const struct unit *unit_at(size_t i)
+{
+    return (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
+}
+
+const struct unit *unit_from(const struct row *row)
+{
+    return (const struct unit *)(const void *)row;
+}
 
 static const struct {
     const char *name, *unit;
@@ -172,7 +183,9 @@ const struct unit *unit_match(struct text text)
 {
     const struct unit *best = NULL;
     size_t longest = 0;
-    for (size_t i = 0; i < COUNT_OF(units); i++) {
+    for (size_t i = 0; i < COUNT_OF(units) && text.len > 0; i++) {
+        if (units[i].row.name[0] != text.at[0])
+            continue;
         struct text name = text_of(units[i].row.name);
         if (name.len > longest && text_starts(text, name) &&
             (name.len == text.len || !continues_word(text.at[name.len]))) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns on a terminal, from Unicode 14: general category and East Asian width. Gaps of unassigned
  * code points are closed. */
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 
 struct range {
     uint32_t first, last;

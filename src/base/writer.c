@@ -6,7 +6,7 @@
  * the folder opened at the start, wherever that is moved.
  */
 #define _GNU_SOURCE /* O_TMPFILE, renameat2 */
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 #include "base/internal.h"
 
 #include <errno.h>

@@ -1,17 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* All commands in one table: the rows at the bottom of every file in commands.def. */
+/* All commands in one table: the rows at the bottom of every file in commands.def, with their texts
+ * in the help.txt beside it. */
 #define COMMAND_ROWS
-#define COMMAND(id, ...) bool command_##id(HANDLER_PARAMETERS);
+#define COMMAND(id, ...)                                                                           \
+    bool command_##id(HANDLER_PARAMETERS);                                                         \
+    enum { IS_COMMAND_##id = true };
 #include <hooke/plot.h>
 #include <hooke/report.h>
 #include <hooke/command/handler.h>
 #include <hooke/command/figure_arguments.h>
 
+#include "lists/arguments.def"
+
 #include "command/commands.def"
 #include "lists/commands.def"
 #undef COMMAND
 
-#define COMMAND(id, ...) {.handler = command_##id, __VA_ARGS__},
+/* A text without a command, or a command without a text, ends the build. */
+#define COMMAND_TEXT(id, name, says, explains, lines, others)                                      \
+    _Static_assert(IS_COMMAND_##id, "");                                                           \
+    static const char brief_##id[] = says, text_##id[] = explains, examples_##id[] = lines,        \
+                      see_##id[] = others;
+#include "lists/help.def"
+
+#define COMMAND(id, ...)                                                                           \
+    {.row.name = #id,                                                                              \
+     .row.unit = "",                                                                               \
+     .row.brief = brief_##id,                                                                      \
+     .row.citation = "",                                                                           \
+     .text = text_##id,                                                                            \
+     .examples = examples_##id,                                                                    \
+     .see = see_##id,                                                                              \
+     .handler = command_##id,                                                                      \
+     __VA_ARGS__},
 static const struct command commands[] = {
 #include "command/commands.def"
 #include "lists/commands.def"

@@ -3,6 +3,7 @@
 #include "command/finding.h"
 #include "command/session/topics.h"
 
+#include <hooke/base/statement.h>
 #include <hooke/command.h>
 #include <hooke/plot.h>
 #include <hooke/report.h>
@@ -12,138 +13,9 @@
 
 /* ---- words that are no names here ---- */
 
-#define MEANS(word, others, says)                                                                  \
-    {                                                                                              \
-        word, "", says, "", others                                                                 \
-    }
-
 static const struct row words[] = {
-    MEANS("damping", "damp damped dissipation viscosity decay",
-          "gamma is linear damping ('gamma = 0.2'), C quadratic drag, friction dry; 'fit drag' "
-          "finds which, 'measure decay' how fast"),
-    MEANS("resistance", "air-resistance airdrag",
-          "'gamma = 0.2' is linear drag, 'C = 1' quadratic; 'scene drag'"),
-    MEANS("freq", "frequencies omega_0 hertz", "'print f0', 'print omega0'; 'measure frequency'"),
-    MEANS("oscillation", "oscillate oscillator vibration swing motion simulation",
-          "'scene damped; run; plot position': 'help start'"),
-    MEANS("harmonic", "harmonic-oscillator mass-spring shm sho spring-mass",
-          "'scene spring' is one, 'scene damped' with damping"),
-    MEANS("pendel", "simple mathematical simple-pendulum bob", "'scene pendulum'"),
-    MEANS("table", "tables values csv columns results",
-          "'export FILE.csv' writes the run, 'export FILE table' the last study's result"),
-    MEANS("excel", "spreadsheet xlsx ods libreoffice",
-          "'load FILE.xlsx' reads one ('help recording'), 'export FILE.csv' writes what it opens"),
-    MEANS("picture", "image figure svg png pdf graphic term terminal savefig saveas print-plot",
-          "'plot position > FILE.svg' writes a picture (.svg, .pdf, .png)"),
-    MEANS("graph", "draw chart show-plot plots diagram plot3d splot replot refresh",
-          "'plot position', 'plot phase', 'plot energy': 'help plot'"),
-    MEANS("hold", "holdon subplot both",
-          "'plot position run all' draws all runs in one plot, 'plot position run 1 2' these"),
-    MEANS("legend", "key", "'plot position label=A,B' names the curves, label=\"\" none of them"),
-    MEANS("xlim", "ylim xrange yrange axis axes xaxis yaxis limits scale",
-          "'plot y x=0:5' and y=-5cm:5cm fix the axes of a plot, 'range x 0:5' those of a pane"),
-    MEANS("grid", "gridlines", "'plot y --grid > FILE.svg' has lines at its ticks"),
-    MEANS("xlabel", "ylabel title", "'plot y xlabel=TEXT ylabel=TEXT title=TEXT'"),
-    MEANS("vs", "versus over against",
-          "'plot COLUMN against COLUMN', as 'plot y against t'; a kind of plot stands alone: 'plot "
-          "energy'"),
-    MEANS("and", "plus", "each with a statement of its own: 'plot position; plot velocity'"),
-    MEANS("curve", "curve-fit regression fitting polyfit lsqcurvefit curve_fit model-fit",
-          "'fit damped' fits an oscillation, 'fit EXPR' any formula in t: 'help fit'"),
-    MEANS("linear", "line straight linear-fit linear-regression slope polynomial linfit",
-          "'fit a + b*t' is a straight line, 'fit damped' an oscillation"),
-    MEANS("exp", "exponential gaussian gauss",
-          "'fit a*exp(-t/b) b=1' is any formula in t, 'fit damped' an oscillation"),
-    MEANS("collect", "acquire record-data datalogger zero-sensor",
-          "'load FILE' reads what the sensor's program has recorded: 'help recording'"),
-    MEANS("numpy", "math from using scipy pandas",
-          "all functions are there: 'list functions'; 'load FILE' reads numbers"),
-    MEANS("e", "euler-number", "'exp(1)' is Euler's number, 'print energy' the energy"),
-    MEANS("disp", "printf cat puts display fprintf value", "'print EXPR' shows a value"),
-    MEANS("clc", "cls clear-screen", "'clear' clears the screen, 'drop all' forgets the runs"),
-    MEANS("whos", "who info variables workspace state",
-          "'show all' has everything that has a name, 'show' the set-up"),
-    MEANS("if", "while until when loop else elif",
-          "'run until COND' runs up to there, 'event NAME when COND do ...' acts on the way"),
-    MEANS("for", "foreach range-loop scan vary parameter-study parameter-scan",
-          "'sweep NAME=FROM:TO:STEP' runs once for each value: 'help sweep'"),
-    MEANS("samples", "sampling npoints resolution",
-          "'record = all' keeps every step, 'record = 10 ms' a time step of its own"),
-    MEANS("man", "info-on usage doc describe-command", "'help COMMAND' explains it"),
-    MEANS("par", "parameter p constants const", "'param NAME = VALUE' makes a parameter"),
-    MEANS("aux", "observable define derived-quantity", "'observe NAME = EXPR' makes a quantity"),
-    MEANS("def", "function lambda odefun rhs",
-          "a law is an equation: 'var x = 1; x' = EXPR': 'help equations'"),
-    MEANS("done", "finish ready", "nothing ends a set-up: 'run' integrates it, 'quit' leaves"),
-    MEANS("steps", "iterations", "'run --steps 1000' goes so many, 'step 10' goes on"),
-    MEANS("import", "",
-          "'load FILE' reads a recording, 'source FILE' commands; all functions are there: 'list "
-          "functions'"),
-    MEANS("open", "read file txt upload",
-          "'load FILE' reads a recording, 'source FILE' commands: 'help recording'"),
-    MEANS("simulate", "integrate solve go calculate compute execute evolve odeint solve_ivp",
-          "'run' integrates the scene"),
-    MEANS("begin", "initial init start-values initial-conditions ic x0 position0",
-          "the start of a run is y0 and v0: 'y0 = 5 cm; v0 = 0'"),
-    MEANS("stop", "halt abort cancel interrupt", "'pause' or Ctrl-C stops a run that goes on"),
-    MEANS("close", "bye logout leave end", "'quit' leaves"),
-    MEANS("delete", "remove rm clear-runs erase",
-          "'drop 1' forgets a run, 'drop all' all; 'undo' brings them back"),
-    MEANS("fft", "fourier harmonics peaks",
-          "'plot spectrum' draws it, 'measure spectrum' has its lines"),
-    MEANS("tolerance", "accuracy rtol reltol abstol",
-          "'tol = 1e-8', for methods that adapt; 'atol' for a variable"),
-    MEANS("timestep", "time-step stepsize step-size delta interval", "'dt = 10 ms'"),
-    MEANS("mass", "weight", "'m = 200 g'"),
-    MEANS("stiffness", "spring-constant springconstant constant hooke",
-          "'k = 15 N/m'; 'measure k' of a recording"),
-    MEANS("time", "t seconds tspan tmax t_max tend t_end tfinal total endtime maxtime",
-          "'duration = 20 s', or 'run 20 s'"),
-    MEANS("colour", "colours colors nocolor no-color monochrome",
-          "'set color never', always or auto"),
-    MEANS("E", "total-energy etot", "the energy of the run: 'print energy', 'plot energy'"),
-    MEANS("dE/E0", "dE energy-drift conservation",
-          "how far the energy, or its balance with drag or a drive, is off: "
-          "'plot energy-error', 'measure drift'"),
-    MEANS("T", "Tperiod",
-          "the period: 'print T0' without damping, 'measure period' of what was run"),
-    MEANS("solver", "solvers integrator integrators scheme schemes algorithm algorithms",
-          "'method NAME' chooses it, 'list methods' has all: 'help methods'"),
-    MEANS("best", "fastest which choose recommend",
-          "'precision' finds the fastest method for an error: 'help methods'"),
-    MEANS("model", "models preset presets system examples",
-          "'scene NAME' chooses what moves, 'list scenes' has all"),
-    MEANS("equation-of-motion", "eqn ode differential custom own",
-          "'help equations': var, param, y'' = ..."),
-    MEANS("chaos", "chaotic lyapunov poincare bifurcation portrait", "'help dynamics'"),
-    MEANS("resonance", "frequency-response response",
-          "'scene driven; sweep omega=6:12:0.1': 'help sweep'"),
-    MEANS("uncertainty", "errorbar error-bars sigma deviation",
-          "'m = 200.0 +- 0.1 g' or 'm = 200.0(1) g' states one; fits and 'measure' give theirs"),
-    MEANS("sensor", "arduino labview recording-file measurement-file",
-          "'load FILE' reads what it wrote: 'help recording'"),
-    MEANS("tutorial", "me manual docs guide demo intro example",
-          "'help' has topics with lines that can be pasted"),
-    MEANS("gui", "windows ui tui", "'panes' shows plots above the prompt: 'help screen'"),
-    MEANS("script", "batch macro",
-          "'hooke FILE.hk' or 'source FILE.hk' runs commands, 'record FILE.hk' writes them"),
-    MEANS("formula", "theory analytic closed-form expected",
-          "'list derived' has what follows from the values: 'print T0'; 'fit EXPR' fits one"),
-    MEANS("efficiency", "performance benchmark work-precision cost nfev",
-          "'precision euler rk4' is error against run time, 'sweep tol=1e-9:1e-3:x10 "
-          "measure=evals' counts evaluations"),
-    MEANS("convergence", "convergence-order error-scaling",
-          "'order rk4' measures how the error falls with the step"),
-    MEANS("json", "machine-readable ndjson xml",
-          "'set format json' here, 'hooke --format json FILE.hk' from a shell, 'export FILE.json'"),
-    MEANS("exit-status", "status exit-code exitcode return-code errorlevel",
-          "of 'hooke FILE.hk': 0 done, 1 a command failed, 2 bad option, 3 numerical, 4 files"),
-    MEANS("overwrite", "replace clobber", "'export FILE --force' replaces a file that is there"),
-    MEANS("comment", "comments remark",
-          "# begins one, also behind a command; 'note TEXT' stays with the run"),
-    MEANS("preview", "header head", "'load FILE --preview' shows what is in a file"),
-    MEANS("handin", "hand-in submit protocol homework",
-          "'report FOLDER' writes what the lab asks for"),
+#define WORD_TEXT(id, word, brief, says, lines, others) {word, "", says, "", others},
+#include "lists/help.def"
 };
 const struct catalog word_catalog = CATALOG("word", words);
 
@@ -213,7 +85,7 @@ static void put_setting(const struct session *session, struct text name, struct 
         put_use(SETS, name, text);
 }
 
-bool mentions(const char *where, struct text word)
+bool text_mentions(const char *where, struct text word)
 {
     for (const char *at = where; at && *at; at++)
         if (strncasecmp(at, word.at, word.len) == 0)
@@ -235,7 +107,7 @@ static bool is_mentioned(struct text word)
 {
     for (size_t i = 0; i < COUNT_OF(uses); i++)
         for (size_t j = 0; j < uses[i].catalog->count; j++)
-            if (mentions(catalog_row(uses[i].catalog, j)->brief, word))
+            if (text_mentions(catalog_row(uses[i].catalog, j)->brief, word))
                 return true;
     return false;
 }
@@ -324,14 +196,6 @@ static void put_meanings(const struct session *session, const struct command *co
     buffer_free(&usage);
 }
 
-/* Is it a hint of its own, more than a guess or the line of usage? */
-static bool advises(const char *hint)
-{
-    return strstr(hint, " is one of: ") ||
-           (*hint && !strstr(hint, "did you mean") && !strstr(hint, "usage: ") &&
-            !text_starts(text_of(hint), TEXT("'help' lists")));
-}
-
 /* np.sin(1), run for 10 s, plot y(t), plot run.csv */
 static bool put_misplaced(const struct session *session, const char *kind, struct text statement,
                           struct text where, struct buffer *text)
@@ -392,31 +256,32 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     }
 }
 
-static void explain(const struct session *session, struct text statement, const char *kind,
-                    struct error *error)
+static void explain(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;
+    const char *kind = error->unknown;
+    const bool advised = error->hint_kind == HINT_ADVICE, guessed = error->hint_kind == HINT_GUESS;
     struct buffer text = {0};
     const struct command *own =
-        command_at(choose(session, &command_catalog, peek_word(statement, "")));
-    const struct command *command = kind && !*kind ? NULL : advises(error->hint) ? NULL : own;
+        command_at(catalog_choose(session, &command_catalog, peek_word(statement, "")));
+    const struct command *command = kind && !*kind ? NULL : advised ? NULL : own;
     const bool name = is_kind(kind, "name"), law = name && is_law(own, statement);
-    const bool unit = is_kind(kind, "unit") && text_starts(text_of(error->hint), TEXT("write "));
-    const bool known = unit ||
+    const bool known = (is_kind(kind, "unit") && advised) ||
                        (is_kind(kind, "command") && put_rewritten(session, statement, &text)) ||
                        put_misplaced(session, kind, statement, where, &text);
-    if (!kind && own && text_is(text_of(own->row.name), "save") && text_is(where, "plot"))
-        buffer_put(&text, text_of(catalog_find(&word_catalog, TEXT("picture"))->brief));
+    const struct row *picture = catalog_find(&word_catalog, TEXT("picture"));
+    if (!kind && picture && own && text_is(text_of(own->row.name), "save") &&
+        text_is(where, "plot"))
+        buffer_put(&text, text_of(picture->brief));
     else if (!kind && own && text_is(where, ">"))
         buffer_format(&text, "%s makes no table; 'export FILE table' writes the last one",
                       own->row.name);
     else if (is_kind(kind, "method") && text_is(where, "all"))
         buffer_put(&text, TEXT("methods are named one by one: 'list methods' lists them"));
     else if (!known && !law)
-        put_meanings(session, command, statement, where, kind,
-                     strstr(error->hint, "did you mean") != NULL, &text);
+        put_meanings(session, command, statement, where, kind, guessed, &text);
     if (is_kind(kind, "command") && text.len == 0)
-        put_sentence(statement, strstr(error->hint, "did you mean"), &text);
+        put_sentence(statement, guessed, &text);
     if (!kind && own && text_is(text_of(own->row.name), "plot") &&
         catalog_find(&plot_catalog, where))
         put_use("'plot %1' is a plot of its own", where, &text);
@@ -429,8 +294,7 @@ static void explain(const struct session *session, struct text statement, const 
         put_named(session, law, where, &text);
         if (text.len > 0)
             error_hint(error, "%s", buffer_view(&text));
-    } else if (kind && (!*error->hint || text_starts(text_of(error->hint), TEXT("'help' lists"))) &&
-               where.len > 2 && is_mentioned(where)) {
+    } else if (kind && error->hint_kind <= HINT_LIST && where.len > 2 && is_mentioned(where)) {
         error_hint(error, "'apropos %.*s' finds where it is spoken of", (int)where.len, where.at);
     }
     buffer_free(&text);
@@ -438,14 +302,10 @@ static void explain(const struct session *session, struct text statement, const 
 
 void explain_unknown(const struct session *session, struct text statement, struct error *error)
 {
-    static const char unknown[] = "unknown ", absent[] = "there is no help on";
-    const struct text says = text_of(error->text), where = error->where;
-    const char *kind = text_starts(says, TEXT(absent))    ? ""
-                       : text_starts(says, TEXT(unknown)) ? error->text + sizeof unknown - 1
-                                                          : NULL;
+    const struct text where = error->where;
     if (!where.at || where.at < statement.at || where.at > statement.at + statement.len ||
         error->code != ERROR_COMMAND)
         return;
     text_skip_blanks(&statement);
-    explain(session, statement, kind, error);
+    explain(session, statement, error);
 }

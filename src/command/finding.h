@@ -4,6 +4,8 @@
 
 #include <hooke/command.h>
 
+struct catalog;
+
 /* words of the field and of other programs: what to type */
 extern const struct catalog word_catalog;
 
@@ -28,6 +30,7 @@ struct text called_word(struct text statement);
  */
 void put_named(const struct session *session, bool law, struct text name, struct buffer *text);
 
-bool mentions(const char *where, struct text word); /* as letters, upper or lower case; NULL: no */
+bool text_mentions(const char *where,
+                   struct text word); /* as letters, upper or lower case; NULL: no */
 
 #endif

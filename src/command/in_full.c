@@ -47,13 +47,13 @@ void statement_in_full(const struct session *session, const struct arguments *ar
 {
     const struct text word = arguments->word;
     const char *at = statement.at + word.len;
-    if (session->meant) {
-        buffer_put(out, text_of(session->meant));
+    if (session->execution.meant) {
+        buffer_put(out, text_of(session->execution.meant));
         return;
     }
     if (word.len > 0)
         put_name(out, arguments->command->row.name, word);
-    if (session->confirmed)
+    if (session->execution.confirmed)
         buffer_put(out, TEXT(" --force"));
     for (const struct item *item; (item = next_choice(arguments, statement, at));) {
         buffer_put(out, (struct text){at, (size_t)(item->text.at - at)});

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #define _GNU_SOURCE /* memmem */
+#include <hooke/base/cancel.h>
+#include <hooke/base/statement.h>
+#include <hooke/module.h>
 #include <hooke/scene/formula.h>
 #include <hooke/report.h>
 #include "command/finding.h"
@@ -50,8 +53,11 @@ static bool unknown_command(const struct session *session, struct text word, str
     if (names_value(session, word, &value))
         return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len,
                           word.at, (int)word.len, word.at);
-    return error->hint[0] ? error_hint(error, "('help' lists the commands)")
-                          : error_hint(error, "'help' lists the commands");
+    if (error->hint[0])
+        return error_hint(error, "('help' lists the commands)");
+    error_hint(error, "'help' lists the commands");
+    error->hint_kind = HINT_LIST;
+    return false;
 }
 
 static bool find_command(struct session *session, struct parser *parser,
@@ -66,7 +72,8 @@ static bool find_command(struct session *session, struct parser *parser,
         return true;
     }
     const struct text word = peek_word(parser->rest, "");
-    *command = (const struct command *)(const void *)choose(session, &command_catalog, word);
+    *command =
+        (const struct command *)(const void *)catalog_choose(session, &command_catalog, word);
     parser->rest = (struct text){word.at + word.len, parser->rest.len - word.len};
     return *command || unknown_command(session, word, error);
 }
@@ -80,14 +87,16 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     /* What changes while a run goes on, or by its events, is undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
-        !session->reacting && !session->collecting && !(before = snapshot_take(session, "")))
+        !session->execution.reacting && !session->growing && !(before = snapshot_take(session, "")))
         return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
     /* What was ended where it could say no more than that it failed. */
     if (!ok && cancelled(session->front.cancel) && error->code != ERROR_CANCELLED)
         error_set(error, ERROR_CANCELLED, "stopped");
-    session_store_band(session);
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->statement_ended)
+            module_list[i]->statement_ended(session);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))
         undo_push(session, before, entry);
@@ -109,6 +118,7 @@ static bool run_collected(struct session *session, const struct arguments *argum
     struct short_form form;
     short_form_begin(&form, session, arguments, reply);
     bool ok = run_handler(session, arguments, entry, reply, error);
+    reply_flush(reply);
     short_form_end(&form, reply);
     reply->store = outer;
     reply->muted = muted;
@@ -131,7 +141,7 @@ static bool is_typed_only(const struct arguments *arguments)
     const struct argument_value *name = argument_value(arguments, "NAME"),
                                 *value = argument_value(arguments, "VALUE");
     const struct row *row = name->count ? catalog_find(&setting_catalog, name->item->text) : NULL;
-    const struct setting *setting = (const struct setting *)(const void *)row;
+    const struct setting *setting = setting_from(row);
     const struct row *choice = row && value->count ? value->item->row : NULL;
     return choice && setting->typed &&
            catalog_find(setting->choices, text_of(choice->name)) == choice;
@@ -185,14 +195,15 @@ static bool exec_statement(struct session *session, struct text line, size_t log
                   arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
-    if (session->collecting && !(arguments->command->flags & (COMMAND_ANYTIME | COMMAND_BESIDE))) {
+    if (session->growing && !(arguments->command->flags & (COMMAND_ANYTIME | COMMAND_BESIDE))) {
         error_set(error, ERROR_COMMAND, "%s has to wait: a recording is being collected",
                   arguments->command->row.name);
         return error_hint(error, "'stop' or Ctrl-C ends it, and keeps it");
     }
-    if (session->reacting && !event_executes(arguments->command))
+    if (session->execution.reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
-    if (session->restoring && !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
+    if (session->execution.restoring &&
+        !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
         return refuse_in_saved(error);
     /* Only a condition looks into a run that is about to start. */
     names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
@@ -205,26 +216,27 @@ static bool exec_statement(struct session *session, struct text line, size_t log
         redirect_explain(arguments->command, typed, error);
         return false;
     }
-    if (session->restoring && redirect.file.len > 0)
+    if (session->execution.restoring && redirect.file.len > 0)
         return refuse_in_saved(error);
     const uint64_t changes = session->changes;
     struct error lost = {0};
     size_t entry = 0;
     /* What events execute is part of the statement that ran into them. */
-    if (!session->reacting && !history_begin(session, log_line, line, typed, &entry, error))
+    if (!session->execution.reacting &&
+        !history_begin(session, log_line, line, typed, &entry, error))
         return false;
-    session->confirmed = false;
-    free(session->meant);
-    session->meant = NULL;
+    session->execution.confirmed = false;
+    free(session->execution.meant);
+    session->execution.meant = NULL;
     const struct scene before = session->setup.scene;
     const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
-    if (!session->reacting && !(arguments->command->flags & COMMAND_NESTS))
+    if (!session->execution.reacting && !(arguments->command->flags & COMMAND_NESTS))
         session_trace(session, &before, entry + 1);
     const unsigned flags =
         (ok ? ENTRY_DONE : 0) | (session->changes != changes ? ENTRY_CHANGED : 0) |
-        (running || (session->collecting && session->nesting > 1) ? ENTRY_WITHIN : 0);
+        (running || (session->growing && session->execution.nesting > 1) ? ENTRY_WITHIN : 0);
     const bool recorded =
-        session->reacting ||
+        session->execution.reacting ||
         log_statement(session, arguments, entry, typed, typed.len - statement.len, flags, &lost);
     reply_command_end(reply, arguments->command->row.name);
     if (!recorded && !ok)
@@ -243,10 +255,10 @@ static bool exec_statement(struct session *session, struct text line, size_t log
 
 static void note_failure(struct session *session, const struct error *error)
 {
-    if (session->keep_going && error->code != ERROR_CANCELLED)
-        session->status = ERROR_COMMAND;
-    else if (session->status == 0)
-        session->status = (int)error->code;
+    if (session->options.keep_going && error->code != ERROR_CANCELLED)
+        session->execution.status = ERROR_COMMAND;
+    else if (session->execution.status == 0)
+        session->execution.status = (int)error->code;
 }
 
 static void note_left_out(struct text rest, struct reply *reply)
@@ -263,8 +275,8 @@ static void note_left_out(struct text rest, struct reply *reply)
 /* What a Ctrl-C leaves is given back by the next statement. */
 static void give_back(struct session *session, struct arena *arena)
 {
-    arena_move(arena, &session->leftover);
-    arena_give_back(&session->leftover, session->front.cancel);
+    arena_move(arena, &session->execution.leftover);
+    arena_give_back(&session->execution.leftover, session->front.cancel);
 }
 
 static bool exec_line(struct session *session, struct text line, const struct source *where,
@@ -279,9 +291,9 @@ static bool exec_line(struct session *session, struct text line, const struct so
     else if (memchr(line.at, 0, line.len))
         ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1},
                       "a NUL byte in a command");
-    else if (!session->reacting)
+    else if (!session->execution.reacting)
         ok = history_line(session, line, where && where->parent, &entry, &error);
-    while (ok && rest.len > 0 && !session->quit && !session->halted) {
+    while (ok && rest.len > 0 && !session->execution.quit && !session->execution.halted) {
         struct arena arena = {0};
         statement = rest; /* where it has no end */
         ok = next_statement(&rest, &statement, &error) &&
@@ -298,10 +310,10 @@ static bool exec_line(struct session *session, struct text line, const struct so
             note_failure(session, &error);
         }
         give_back(session, &arena);
-        if (!ok && !session->halted)
+        if (!ok && !session->execution.halted)
             return false;
     }
-    if (session->halted && !session->quit) {
+    if (session->execution.halted && !session->execution.quit) {
         note_left_out(rest, reply);
     } else if (!ok) {
         reply_error(reply, &error, where, error.where.at ? line : (struct text){NULL, 0});
@@ -317,21 +329,21 @@ bool command_exec(struct session *session, struct text line, const struct source
         return true;
     /* Typed while a run goes on: that command is still making its reply, so this one makes its own.
      */
-    const bool inside = session->live.state == LIVE_RUNNING || session->collecting;
+    const bool inside = session->live.state == LIVE_RUNNING || session->growing;
     struct reply own;
     reply_init(&own, reply->sink);
     own.quiet = reply->quiet;
-    const bool typed = session->typed;
-    session->typed = session->front.interactive && !(where && where->name);
-    if (session->nesting++ == 0)
-        session->halted = false;
+    const bool typed = session->execution.typed;
+    session->execution.typed = session->front.interactive && !(where && where->name);
+    if (session->execution.nesting++ == 0)
+        session->execution.halted = false;
     const bool ok = exec_line(session, line, where, inside ? &own : reply);
     reply->failed |= own.failed;
     reply_free(&own);
-    session->nesting--;
-    session->typed = typed;
+    session->execution.nesting--;
+    session->execution.typed = typed;
     /* a session that is restored holds some of it only later */
-    if (session->nesting == 0 && !session->restoring) {
+    if (session->execution.nesting == 0 && !session->execution.restoring) {
         session_sweep(session);
         history_trim(session);
     }

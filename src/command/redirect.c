@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/file.h>
+#include <hooke/base/statement.h>
+#include <hooke/module.h>
 #include <hooke/report.h>
 #include "command/redirect.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* What stands behind the last > outside of quotes; {NULL, 0}: there is none. */
@@ -24,6 +28,10 @@ static struct text behind_sign(struct text statement)
 bool refuse_ending(struct text file, struct error *error)
 {
     struct buffer list = {0};
+    char what[32];
+    snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len, text_ending(file).at);
+    if (!module_is_in(what, file, error))
+        return false;
     for (size_t i = 0; i < table_format_catalog.count; i++)
         buffer_format(&list, "%s.%s", i ? " " : "", catalog_row(&table_format_catalog, i)->name);
     error_at(error, file, "a table goes to a file that ends in one of %s", buffer_view(&list));
@@ -69,7 +77,7 @@ void redirect_take(const struct command *command, struct text *statement, struct
         redirect->file = (struct text){NULL, 0};
         return;
     }
-    redirect->format = (enum table_format)catalog_index(&table_format_catalog, format);
+    redirect->format = format_of_kind(format);
     statement->len = (size_t)(rest.at - 1 - statement->at);
 }
 

@@ -4,12 +4,15 @@
 #ifndef HOOKE_COMMAND_REDIRECT_H
 #define HOOKE_COMMAND_REDIRECT_H
 
+#include <hooke/base/file.h>
 #include <hooke/command/handler.h>
 
+struct row;
+
 struct redirect {
-    struct text file;         /* as typed, without quotes; empty: there is none */
-    bool force;               /* --force stands behind it */
-    enum table_format format; /* by its ending */
+    struct text file;     /* as typed, without quotes; empty: there is none */
+    bool force;           /* --force stands behind it */
+    table_format *format; /* by its ending */
     struct writer writer;
 };
 

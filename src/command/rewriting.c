@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What other programs' notation is here: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
+#include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
 #include "command/finding.h"
 #include <hooke/command/handler.h>
@@ -7,18 +8,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct text behind(struct text text, size_t by)
-{
-    struct text rest = {text.at + by, text.len - by};
-    text_skip_blanks(&rest);
-    return rest;
-}
-
 /* What stands behind `sign`, which has to come first; {NULL, 0}: it does not. */
 static struct text behind_sign(struct text text, const char *sign)
 {
     text_skip_blanks(&text);
-    return text_starts(text, text_of(sign)) ? behind(text, strlen(sign)) : (struct text){NULL, 0};
+    return text_starts(text, text_of(sign)) ? text_behind(text, strlen(sign))
+                                            : (struct text){NULL, 0};
 }
 
 static void put_suggested(struct buffer *text, const char *name, struct text value)
@@ -68,12 +63,12 @@ static bool put_start(const struct session *session, struct text statement, stru
     struct text name = peek_name(statement);
     if (name.len < statement.len && statement.at[name.len] == '\'')
         name.len++;
-    struct text rest = behind(statement, name.len);
-    rest = rest.len > 0 && strchr("([", rest.at[0]) ? behind_sign(behind(rest, 1), "0")
+    struct text rest = text_behind(statement, name.len);
+    rest = rest.len > 0 && strchr("([", rest.at[0]) ? behind_sign(text_behind(rest, 1), "0")
                                                     : (struct text){NULL, 0};
     if (!rest.at || rest.len == 0 || !strchr(")]", rest.at[0]))
         return false;
-    const struct text value = behind_sign(behind(rest, 1), "=");
+    const struct text value = behind_sign(text_behind(rest, 1), "=");
     const char *start = value.at ? start_of(session, name) : NULL;
     if (start)
         put_suggested(text, start, value);
@@ -85,16 +80,16 @@ static bool put_assignment(const struct session *session, struct text statement,
                            struct buffer *text)
 {
     const struct text word = peek_word(statement, ":="), name = peek_name(word),
-                      rest = behind(statement, word.len);
+                      rest = text_behind(statement, word.len);
     struct text value = rest, inner = peek_name(rest);
     while (value.len > 0 && strchr(":= \t", value.at[0]))
-        value = behind(value, 1);
+        value = text_behind(value, 1);
     const char *known = settable(session, name);
     if (known && name.len == word.len && value.len > 0 && strchr("0123456789.+-", value.at[0])) {
         put_suggested(text, known, value);
         return true;
     }
-    value = inner.len ? behind_sign(behind(rest, inner.len), "=") : (struct text){NULL, 0};
+    value = inner.len ? behind_sign(text_behind(rest, inner.len), "=") : (struct text){NULL, 0};
     known = value.at ? settable(session, inner) : NULL;
     if (value.at && !known)
         known = start_of(session, inner);
@@ -133,7 +128,7 @@ static bool put_equation(struct text statement, struct buffer *text)
         over <= word.at + 1 + power)
         return false;
     name = (struct text){word.at + 1 + power, (size_t)(over - word.at) - 1 - power};
-    const struct text value = behind_sign(behind(statement, word.len), "=");
+    const struct text value = behind_sign(text_behind(statement, word.len), "=");
     const int shown = (int)name.len;
     const char *marks = power ? "\'\'" : "\'";
     if (peek_name(name).len < name.len)
@@ -151,11 +146,11 @@ static struct text called(struct text statement, struct text *whole, struct text
     const char *end =
         statement.len && statement.at[0] == '[' ? memchr(statement.at, ']', statement.len) : NULL;
     if (end)
-        statement = behind_sign(behind(statement, (size_t)(end + 1 - statement.at)), "=");
+        statement = behind_sign(text_behind(statement, (size_t)(end + 1 - statement.at)), "=");
     struct text name = statement.at ? peek_name(statement) : (struct text){NULL, 0};
-    struct text rest = name.len ? behind(statement, name.len) : name;
+    struct text rest = name.len ? text_behind(statement, name.len) : name;
     while (name.len > 0 && rest.len > 1 && rest.at[0] == '.' && is_name_start(rest.at[1])) {
-        name = peek_name(behind(rest, 1));
+        name = peek_name(text_behind(rest, 1));
         rest = (struct text){name.at + name.len,
                              (size_t)(statement.at + statement.len - name.at) - name.len};
     }
@@ -180,7 +175,7 @@ static bool put_call(struct text statement, struct buffer *text)
     if (!command)
         return text->len > 0;
     const struct text across = peek_name(arguments),
-                      up = behind_sign(behind(arguments, across.len), ",");
+                      up = behind_sign(text_behind(arguments, across.len), ",");
     if (strcmp(command->name, "plot") == 0 && across.len && up.at && peek_name(up).len)
         buffer_format(text, "'plot %.*s against %.*s'", (int)peek_name(up).len, up.at,
                       (int)across.len, across.at);
@@ -199,11 +194,11 @@ struct text called_word(struct text statement)
 /* method: rk4 */
 static bool put_command(struct text statement, struct buffer *text)
 {
-    const struct text name = peek_name(statement), rest = behind(statement, name.len);
+    const struct text name = peek_name(statement), rest = text_behind(statement, name.len);
     const struct row *row = name.len ? catalog_find(&command_catalog, name) : NULL;
     if (!row || rest.len < 2 || rest.at[0] != ':')
         return false;
-    const struct text value = behind(rest, 1 + span(rest, 1, "="));
+    const struct text value = text_behind(rest, 1 + span(rest, 1, "="));
     buffer_format(text, "'%s %.*s'", row->name, (int)value.len, value.at);
     return true;
 }
@@ -239,9 +234,9 @@ void put_filled(const char *brief, struct text statement, struct buffer *text)
     static const char *const words[] = {"NAME", "VALUE", "EXPR"};
     struct text whole, arguments = {NULL, 0}, name = {NULL, 0}, value = {NULL, 0};
     if (called(statement, &whole, &arguments).len == 0) {
-        const struct text rest = behind(statement, peek_word(statement, "").len);
+        const struct text rest = text_behind(statement, peek_word(statement, "").len);
         name = peek_name(rest);
-        value = name.len ? behind_sign(behind(rest, name.len), "=") : value;
+        value = name.len ? behind_sign(text_behind(rest, name.len), "=") : value;
     }
     const struct text fill[] = {value.at ? name : value, value,
                                 arguments.len && arguments.at[0] != '"' ? arguments : value};

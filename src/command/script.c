@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scripts: lines joined, counted and stopped at the first error; files that source files. */
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/command/handler.h>
 
 #include <string.h>
@@ -20,18 +22,19 @@ static void execute(struct script *script, struct session *session, struct text 
     where.piece = script->piece;
     where.pieces = script->pieces;
     script->pieces = 0;
-    if (command_exec(session, line, &where, reply) && !session->halted)
+    if (command_exec(session, line, &where, reply) && !session->execution.halted)
         return;
     script->ok = false;
-    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed ||
-                      session->halted;
+    script->stopped = !session->options.keep_going ||
+                      session->execution.status == ERROR_CANCELLED || reply->failed ||
+                      session->execution.halted;
 }
 
 static void show(const struct session *session, struct text line, struct reply *reply)
 {
     struct buffer safe = {0};
     safe_text(&safe, line, false);
-    if (session->verbose)
+    if (session->options.verbose)
         reply_note(reply, "+ %s", buffer_view(&safe));
     buffer_free(&safe);
 }
@@ -39,7 +42,7 @@ static void show(const struct session *session, struct text line, struct reply *
 bool script_feed(struct script *script, struct session *session, struct text line,
                  struct reply *reply)
 {
-    if (script->stopped || session->quit)
+    if (script->stopped || session->execution.quit)
         return false;
     script->where.line++;
     if (script->where.line == 1 && text_starts(line, TEXT("\xEF\xBB\xBF")))
@@ -65,21 +68,21 @@ bool script_feed(struct script *script, struct session *session, struct text lin
             buffer_clear(pending);
         }
     }
-    return !script->stopped && !session->quit;
+    return !script->stopped && !session->execution.quit;
 }
 
 static void put_runs_left(const struct session *session, struct buffer *text)
 {
-    if (session->runs == 1)
-        buffer_format(text, ", run %d kept", session->run[0]->run->number);
-    else if (session->runs > 1)
-        buffer_format(text, ", runs %d-%d kept", session->run[0]->run->number,
-                      session->run[session->runs - 1]->run->number);
+    if (session->runs.count == 1)
+        buffer_format(text, ", run %d kept", session->runs.slot[0]->run->number);
+    else if (session->runs.count > 1)
+        buffer_format(text, ", runs %d-%d kept", session->runs.slot[0]->run->number,
+                      session->runs.slot[session->runs.count - 1]->run->number);
 }
 
 bool script_end(struct script *script, struct session *session, struct reply *reply)
 {
-    if (script->pending.len > 0 && !script->stopped && !session->quit)
+    if (script->pending.len > 0 && !script->stopped && !session->execution.quit)
         execute(script, session, text_trim(buffer_text(&script->pending)), reply);
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
@@ -93,7 +96,7 @@ bool script_end(struct script *script, struct session *session, struct reply *re
         safe_text(&name, text_of(name_of_argument), false);
         const int done = session->history.done - script->commands;
         reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name),
-                   script->where.line, done, done == 1 ? "" : "s", buffer_view(&saved));
+                   script->where.line, done, plural_s(done), buffer_view(&saved));
         buffer_free(&saved);
         buffer_free(&name);
     }
@@ -157,9 +160,9 @@ bool script_file(struct session *session, const char *path, const struct source 
         error.code = ERROR_USAGE;
         reply->format = (enum output_format)session->setup.settings.format;
         reply_error(reply, &error, parent && parent->name ? parent : NULL, (struct text){NULL, 0});
-        session->status = session->keep_going ? ERROR_COMMAND
-                          : session->status   ? session->status
-                                              : ERROR_USAGE;
+        session->execution.status = session->options.keep_going ? ERROR_COMMAND
+                                    : session->execution.status ? session->execution.status
+                                                                : ERROR_USAGE;
         buffer_free(&content);
         return false;
     }
@@ -177,10 +180,10 @@ bool script_file(struct session *session, const char *path, const struct source 
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error)
 {
-    bool typed = session->front.interactive && !session->reacting;
+    bool typed = session->front.interactive && !session->execution.reacting;
     for (; where; where = where->parent)
         typed &= where->name == NULL;
-    if (setting->typed && session->safe)
+    if (setting->typed && session->options.safe)
         return error_set(error, ERROR_COMMAND, "--safe runs no program: %s stays off",
                          setting->row.name);
     return !setting->typed || typed ||

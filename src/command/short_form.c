@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/safe_text.h>
 #include "command/short_form.h"
 
 #include <string.h>
@@ -145,8 +146,7 @@ void short_form_end(struct short_form *form, struct reply *reply)
         left_out += cut;
         if (left_out > 0 && !message && (!cut || total - before <= 0)) {
             struct buffer words = {0};
-            buffer_format(&words, "... %d more row%s: --full\n", left_out,
-                          left_out == 1 ? "" : "s");
+            buffer_format(&words, "... %d more row%s: --full\n", left_out, plural_s(left_out));
             ok = write_line(form, false, buffer_text(&words));
             buffer_free(&words);
             left_out = 0;

@@ -5,6 +5,7 @@
  * all lines that pass within half a digit of every stamp form an interval: its middle is the step,
  * and its width says how well the stamps determine it (O'Rourke, Commun. ACM 24 (1981) 574).
  */
+#include <hooke/base/cancel.h>
 #include <hooke/data/even_times.h>
 
 #include <hooke/base/numeric.h>
@@ -90,8 +91,10 @@ static double line_through(const struct stamps *s, const struct stamp_rounding *
 static double largest_deviation(const struct stamps *s, double first, double step)
 {
     double deviation = 0;
-    for (size_t i = 0; i < s->n; i++)
-        deviation = fmax(deviation, fabs(s->t[i] - (first + (double)i * step)));
+    for (size_t i = 0; i < s->n; i++) {
+        const double here = fabs(s->t[i] - (first + (double)i * step));
+        deviation = here > deviation ? here : deviation;
+    }
     return deviation;
 }
 
@@ -264,9 +267,11 @@ void even_times_find(const double *t, const double *y, size_t n, const struct ca
     out->step = (t[n - 1] - t[0]) / (double)(n - 1);
     if (!(out->step > 0) || !isfinite(out->step))
         return;
+    double odd = 0;
     for (size_t i = 0; i < n; i++)
-        if (cancelled_at(cancel, i) || !isfinite(t[i]))
-            return;
+        odd += t[i] - t[i]; /* not 0 where one is not finite */
+    if (odd != 0 || cancelled(cancel))
+        return;
     const double deviation = largest_deviation(&stamps, t[0], out->step);
     out->even = deviation <= exact_deviation * out->step + 4e-16 * fabs(t[n - 1]);
     if (!out->even && n > STAMPS_DIFFERENT_MIN)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Canvas: a rectangle of character cells, and how it becomes text. */
+#include <hooke/base/safe_text.h>
 #include <hooke/figure.h>
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures: frame, axes, titles, legend and curves in a rectangle of cells. */
+#include <hooke/base/safe_text.h>
 #include "figure/internal.h"
-#include "figure/describe/internal.h"
 
 #include <stdio.h>
 
@@ -12,13 +12,13 @@ struct strokes {
         zero, point, band;
 };
 
-static const struct strokes *strokes_of(enum charset charset)
+static const struct strokes *strokes_of(const struct charset *charset)
 {
     static const struct strokes plain = {'+', '+', '+', '+', '-', '|',
                                          '+', '+', '+', '-', '@', ':'};
     static const struct strokes box = {0x250C, 0x2510, 0x2514, 0x2518, 0x2500, 0x2502,
                                        0x252C, 0x2524, 0x2514, 0x2508, 0x25CF, 0x2591};
-    return charset_is_plain(charset) ? &plain : &box;
+    return charset->plain ? &plain : &box;
 }
 
 struct text_sheet {
@@ -320,7 +320,7 @@ static void draw_curves(const struct text_sheet *sheet)
 }
 
 static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, int x, int y,
-                       enum charset charset)
+                       const struct charset *charset)
 {
     struct figure_layout layout;
     struct text_sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
@@ -342,19 +342,18 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
 }
 
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
-                 int height, enum charset charset)
+                 int height, const struct charset *charset)
 {
     struct figure_panel panel[PANELS_MAX];
 
     if (width < 1 || height < 1)
         return true;
-    if (charset == CHARSET_WORDS)
-        return words_draw(figure, canvas, x, y, width, height);
+    if (charset->words)
+        return charset->words->draw(figure, canvas, x, y, width, height);
     int panels = figure_panels(figure, width, height, charset, panel);
     for (int i = 0; i < panels; i++) {
         draw_panel(&panel[i], canvas, x, y, charset);
-        if (i && !figure->plane &&
-            !charset_is_plain(charset)) { /* one frame: corners become branches */
+        if (i && !figure->plane && !charset->plain) { /* one frame: corners become branches */
             canvas_put(canvas, x + panel[i].x, y + panel[i].y, 0x251C, STYLE_DIM);
             canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524,
                        STYLE_DIM);
@@ -371,13 +370,13 @@ bool figure_stopped(const struct figure *figure)
     return stopped;
 }
 
-bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
+bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *out)
 {
     struct canvas canvas;
 
-    if (charset == CHARSET_WORDS)
-        return words_print(figure, width, out);
+    if (charset->words)
+        return charset->words->print(figure, width, out);
     if (!canvas_init(&canvas, width, height))
         return false;
     bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);

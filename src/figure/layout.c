@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layout: what of a figure fits into a rectangle: frame, labels, ranges, ticks. */
+#include <hooke/base/catalog.h>
 #include "figure/internal.h"
 
 #define MIN_ROWS 3     /* with less plot than this the x labels go */
@@ -25,7 +26,7 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
 {
     double across = scale_fraction(&layout->x, x), up = scale_fraction(&layout->y, y);
     double edge = 1e-9; /* of rounding */
-    struct dot_grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = layout->charset->dots;
 
     if (!(across >= -edge && across <= 1 + edge && up >= -edge && up <= 1 + edge))
         return false;
@@ -65,7 +66,7 @@ int x_tick_column(const struct figure *figure, const struct figure_layout *layou
 {
     double value = tick_value(&layout->x_ticks, i, layout->x_decades) * axis_factor(&figure->x);
     return cell_of(scale_fraction(&layout->x, value), layout->columns,
-                   charset_grid(layout->charset).across);
+                   layout->charset->dots.across);
 }
 
 int x_label_start(const struct figure_layout *layout, int column, int len)
@@ -124,7 +125,7 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
 /* The same length for a unit on both axes: the shorter range is extended about its middle. */
 static void equalise(const struct figure *figure, struct figure_layout *layout)
 {
-    struct dot_grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = layout->charset->dots;
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
     double width = fmax(layout->columns - 1.0 / grid.across, 0.5);
     double height = aspect * fmax(layout->rows - 1.0 / grid.down, 0.5);
@@ -157,13 +158,13 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
     fit_ticks(figure, layout, false, x_want, x_max);
 }
 
-void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
-                   struct figure_layout *layout)
+void figure_layout(const struct figure *figure, int width, int height,
+                   const struct charset *charset, struct figure_layout *layout)
 {
     bool frame = width >= 8 && height >= (figure->part ? 3 : 4);
     bool x_labels = frame && height >= (figure->part ? 1 : MIN_ROWS) + 4;
 
-    struct extent x = axis_extent(figure, false), y = axis_extent(figure, true);
+    struct extent x = axis_extent(figure, false, false), y = axis_extent(figure, true, false);
 
     *layout = (struct figure_layout){
         .charset = charset,
@@ -200,8 +201,8 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
 
 /* One above the other in one frame; the upper one's labels and lower frame are covered by the
  * other. */
-static bool stack_panels(const struct figure *figure, int width, int height, enum charset charset,
-                         struct figure_panel panel[PANELS_MAX])
+static bool stack_panels(const struct figure *figure, int width, int height,
+                         const struct charset *charset, struct figure_panel panel[PANELS_MAX])
 {
     int below = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - below;
     if (rows < PANELS_MAX) { /* rather without labels */
@@ -272,7 +273,7 @@ int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX])
     return PANELS_MAX;
 }
 
-int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
+int figure_panels(const struct figure *figure, int width, int height, const struct charset *charset,
                   struct figure_panel panel[PANELS_MAX])
 {
     struct figure part[PANELS_MAX];

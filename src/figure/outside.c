@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the axes do not hold: which curves leave the frame, where, how far, and how the frame says
  * so. */
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
 #include "figure/internal.h"
 
 /* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */

@@ -35,25 +35,27 @@ static double min_of(const struct axis *axis)
     return axis->log ? fmax(axis->min, DBL_TRUE_MIN) : -DBL_MAX;
 }
 
-/* Of the samples that can be seen along the other axis: y follows a fixed window of x. */
-static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve,
-                   bool vertical)
+struct extent curves_extent(const struct curve *curve, int curves,
+                            const struct extent_window *window)
 {
-    const struct axis *axis = vertical ? &figure->y : &figure->x,
-                      *other = vertical ? &figure->x : &figure->y;
-    const double *value = vertical ? curve->y : curve->x, *across = vertical ? curve->x : curve->y;
-    bool window = vertical && fixed_range(other);
-    double min = min_of(axis), from = window ? other->from : min_of(other),
-           to = window ? other->to : DBL_MAX;
-
-    for (size_t i = 0; curve_goes_on(curve, i); i++) {
-        double v = value[i];
-        if (!(v >= min && v <= DBL_MAX && across[i] >= from && across[i] <= to))
-            continue;
-        double spread = vertical && curve->spread && !axis->log ? curve->spread[i] : 0;
-        extent->low = fmin(extent->low, v - spread);
-        extent->high = fmax(extent->high, v + spread);
+    struct extent extent = {INFINITY, -INFINITY, 0};
+    const double *ends = window->across;
+    for (int c = 0; c < curves; c++) {
+        const bool y = window->vertical,
+                   counts = !window->panel || window->panel == curve[c].panel + 1;
+        const double *value = y ? curve[c].y : curve[c].x, *across = y ? curve[c].x : curve[c].y;
+        const double *band = window->bands ? curve[c].spread : NULL,
+                     *bar = window->bars ? curve[c].bar : NULL;
+        for (size_t i = 0; counts && curve_goes_on(&curve[c], i); i++) {
+            if (!isfinite(value[i]) || (window->min > 0 && value[i] < window->min) ||
+                (ends && (isnan(across[i]) || across[i] < ends[0] || across[i] > ends[1])))
+                continue;
+            const double half = fmax(band ? band[i] : 0, bar && isfinite(bar[i]) ? bar[i] : 0);
+            extent.low = fmin(extent.low, value[i] - half);
+            extent.high = fmax(extent.high, value[i] + half);
+        }
     }
+    return extent;
 }
 
 /* Outside of the window of a fixed horizontal axis: not hidden by the vertical one. */
@@ -140,14 +142,21 @@ static struct scale log_scale(struct extent extent, const struct axis *axis)
     return scale_of(pow(10, fmax(low + shift, -300)), pow(10, fmin(high + shift, 300)), true);
 }
 
-struct extent axis_extent(const struct figure *figure, bool vertical)
+struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
 {
-    const struct axis *axis = vertical ? &figure->y : &figure->x;
-    struct extent extent = {INFINITY, -INFINITY, 0};
-
-    for (int c = 0; c < figure->curves && !fixed_range(axis); c++)
-        if (figure->curve[c].panel == figure->panel || (!vertical && !figure->plane))
-            extend(&extent, figure, &figure->curve[c], vertical);
+    const struct axis *axis = vertical ? &figure->y : &figure->x,
+                      *other = vertical ? &figure->x : &figure->y;
+    const bool follows = vertical && fixed_range(other), wide = vertical && !axis->log,
+               whole = !vertical && !figure->plane;
+    const double across[2] = {follows ? other->from : min_of(other), follows ? other->to : NAN};
+    const struct extent_window window = {.vertical = vertical,
+                                         .across = across,
+                                         .min = axis->log ? min_of(axis) : 0,
+                                         .panel = whole ? 0 : figure->panel + 1,
+                                         .bands = wide,
+                                         .bars = wide && bars};
+    struct extent extent =
+        curves_extent(figure->curve, fixed_range(axis) ? 0 : figure->curves, &window);
     extent.hidden = axis->log ? count_hidden(figure, vertical) : 0;
     return extent;
 }

@@ -11,14 +11,9 @@
 
 #include <string.h>
 
-struct dot_grid charset_grid(enum charset charset)
-{
-    static const struct dot_grid grids[] = {[CHARSET_ASCII] = {1, 4},
-                                            [CHARSET_BLOCK] = {2, 2},
-                                            [CHARSET_BRAILLE] = {2, 4},
-                                            [CHARSET_WORDS] = {1, 4}};
-    return grids[charset];
-}
+const struct charset charset_ascii = {.dots = {1, 4}, .plain = true};
+const struct charset charset_block = {.dots = {2, 2}};
+const struct charset charset_braille = {.dots = {2, 4}};
 
 void raster_put(const struct raster *raster, int column, int row, uint32_t codepoint)
 {
@@ -65,7 +60,7 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
  * right, 0 neither. */
 static void put_span(const struct raster *raster, int column, int low, int high, int slope)
 {
-    struct dot_grid grid = charset_grid(raster->layout->charset);
+    struct dot_grid grid = raster->layout->charset->dots;
     int last = raster->layout->rows * grid.down - 1, span = high - low + 1;
     int from = low < 0 ? 0 : low, to = high > last ? last : high;
 
@@ -160,7 +155,7 @@ static void pen_to(struct cell_pen *pen, double x, double y)
 void raster_line(const struct raster *raster, const struct curve *curve)
 {
     const struct figure_layout *layout = raster->layout;
-    struct dot_grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = layout->charset->dots;
     double across = layout->columns * grid.across - 1, down = layout->rows * grid.down - 1;
     struct cell_pen pen = {
         .raster = raster, .columns = layout->columns * grid.across, .heading = 1};
@@ -182,7 +177,7 @@ static void band_edges(const struct raster *raster, const struct curve *curve, s
                        double edge[2])
 {
     const struct figure_layout *layout = raster->layout;
-    const double down = layout->rows * charset_grid(layout->charset).down - 1;
+    const double down = layout->rows * layout->charset->dots.down - 1;
     edge[0] = (1 - fraction_of(&layout->y, curve->y[i] + curve->spread[i])) * down;
     edge[1] = (1 - fraction_of(&layout->y, curve->y[i] - curve->spread[i])) * down;
 }
@@ -190,7 +185,7 @@ static void band_edges(const struct raster *raster, const struct curve *curve, s
 static void fill_cells(const struct raster *raster, int column, double low, double high)
 {
     const struct figure_layout *layout = raster->layout;
-    const int down = charset_grid(layout->charset).down;
+    const int down = layout->charset->dots.down;
     const double last = layout->rows * down - 1;
     if (!(low <= last && high >= 0 && high - low >= 1)) /* thinner than the line: that says it */
         return;
@@ -254,7 +249,7 @@ void raster_arrows(const struct raster *raster, const struct curve *curve)
                      y = fraction_of(&layout->y, curve->y[i + 1]) -
                          fraction_of(&layout->y, curve->y[i]);
         const double turn = atan2(2 * layout->rows * y, layout->columns * x) / eighth;
-        const bool lines = charset_is_plain(layout->charset);
+        const bool lines = layout->charset->plain;
         const int at = (int)floor((lines ? turn / 2 : turn) + 0.5) & (lines ? 3 : 7);
         raster_put(raster, column, row, lines ? (uint32_t)plain[at] : arrow[at]);
     }
@@ -307,6 +302,6 @@ void raster_exits(const struct raster *raster, const struct figure *figure, int 
         int column = (int)(exits[side].x * (layout->columns - 1) + 0.5);
         int row = (int)((1 - exits[side].y) * (layout->rows - 1) + 0.5);
         if (exits[side].left)
-            raster_put(raster, column, row, arrow[layout->charset != CHARSET_ASCII][side]);
+            raster_put(raster, column, row, arrow[layout->charset != &charset_ascii][side]);
     }
 }

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads what stands after the name of a command, by the command's own description of its arguments.
  */
+#include <hooke/base/statement.h>
 #include <hooke/language.h>
+#include <hooke/module.h>
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 const struct argument_value *argument_value(const struct arguments *arguments, const char *name)
@@ -14,6 +17,15 @@ const struct argument_value *argument_value(const struct arguments *arguments, c
         index++;
     assert(index < command->arguments);
     return &arguments->value[index];
+}
+
+const struct argument_value *added_argument(const struct arguments *arguments, const char *name)
+{
+    const struct command *command = arguments->command;
+    for (int i = 0; i < command->arguments; i++)
+        if (strcmp(command->argument[i].name, name) == 0)
+            return has(arguments, i) ? &arguments->value[i] : NULL;
+    return NULL;
 }
 
 /* Room for one more item; they live in the arena of the statement. */
@@ -75,7 +87,7 @@ static bool read_into(struct argument_progress *progress, int index, const char 
                      progress->command->row.name, argument->name);
             struct buffer usage = {0};
             command_usage(progress->command, &usage);
-            error_hint(error, "usage: %s", buffer_view(&usage));
+            error_usage(error, buffer_view(&usage));
             buffer_free(&usage);
             return false;
         }
@@ -118,9 +130,21 @@ static bool is_lead(const struct command *command, struct text word)
     return false;
 }
 
+/* Returns false with an error if the argument is one that a module adds which is left out. */
+static bool argument_is_in(const struct command *command, enum argument_form form, struct text name,
+                           struct error *error)
+{
+    char what[64];
+    snprintf(what, sizeof what, form == FORM_OPTION ? "%s --%.*s" : "%s %.*s=", command->row.name,
+             (int)name.len, name.at);
+    return module_is_in(what, name, error);
+}
+
 static bool unknown_argument(const struct command *command, enum argument_form form,
                              struct text name, struct error *error)
 {
+    if (!argument_is_in(command, form, name, error))
+        return false;
     error_at(error, name, "%s has no %s '%.*s'", command->row.name,
              form == FORM_OPTION ? "option" : "argument", (int)(name.len < 64 ? name.len : 64),
              name.at);
@@ -131,7 +155,7 @@ static bool unknown_argument(const struct command *command, enum argument_form f
     suggestion_hint(&near, error);
     struct buffer usage = {0};
     command_usage(command, &usage);
-    error_hint(error, "usage: %s", buffer_view(&usage));
+    error_usage(error, buffer_view(&usage));
     buffer_free(&usage);
     return false;
 }
@@ -198,8 +222,11 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     } else if ((used = key_length(*rest, name)) > 0) {
         index = find_argument(progress->command, FORM_KEY, name);
         /* the name is part of it */
-        if (index < 0 && (index = find_start(progress->command)) >= 0)
+        if (index < 0 && (index = find_start(progress->command)) >= 0) {
             used = 0;
+            if (!argument_is_in(progress->command, FORM_KEY, name, error))
+                return false;
+        }
         /* `let NAME = value`: the = belongs to what follows. */
         if (index < 0 && next_index(progress, name) >= 0 &&
             type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
@@ -254,7 +281,7 @@ bool parse_arguments(struct parser *parser, const struct command *command,
             command_usage(command, &usage);
             error_at(error, (struct text){parser->rest.at, 0}, "%s needs %s", command->row.name,
                      command->argument[i].name);
-            error_hint(error, "usage: %s", buffer_view(&usage));
+            error_usage(error, buffer_view(&usage));
             buffer_free(&usage);
             return false;
         }

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/method.h>
 #include <hooke/language.h>
+#include <hooke/module.h>
+
+#include <stdio.h>
 
 #define ROW(name, brief)                                                                           \
     {                                                                                              \
@@ -55,19 +59,25 @@ static const struct list_kind lists[] = {
     [LIST_SETTINGS] = {.row = ROW("settings", "")},
     [LIST_UNITS] = {.row = ROW("units", "")},
     [LIST_FUNCTIONS] = {.row = ROW("functions", "")},
-    [LIST_FORMATS] = {.row = ROW("formats", "")},
     [LIST_LIMITS] = {.row = ROW("limits", "")},
     [LIST_MEASUREMENTS] = {.row = ROW("measurements", "")},
     [LIST_EVENTS] = {.row = ROW("events", "")},
     [LIST_RUNS] = {.row = ROW("runs", "")},
-    [LIST_RECORDINGS] = {.row = ROW("recordings", "")},
 #include "lists/listed.def"
 };
 const struct catalog list_catalog = CATALOG("list", lists);
 
-const struct row *choose(const struct session *session, const struct catalog *catalog,
-                         struct text name)
+const struct row *catalog_choose(const struct session *session, const struct catalog *catalog,
+                                 struct text name)
 {
     const size_t min = catalog == &method_catalog ? 3 : 1;
-    return session->typed ? catalog_prefix(catalog, name, min) : catalog_find(catalog, name);
+    return session->execution.typed ? catalog_prefix(catalog, name, min)
+                                    : catalog_find(catalog, name);
+}
+
+bool choice_is_in(const struct catalog *catalog, struct text name, struct error *error)
+{
+    char what[64];
+    snprintf(what, sizeof what, "%s %.*s", catalog->kind, (int)name.len, name.at);
+    return module_is_in(what, name, error);
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: what there is of each kind. */
+#include <hooke/run.h>
+#include <hooke/base/unit.h>
 #include <hooke/language/complete.h>
 #include <hooke/scene/typed.h>
 
@@ -34,7 +36,7 @@ void complete_affixed(struct completion *c, const char *before, const char *name
 void complete_units(struct completion *c, enum quantity quantity)
 {
     for (size_t i = 0; i < unit_catalog.count; i++) {
-        const struct unit *unit = (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
+        const struct unit *unit = unit_at(i);
         if (quantity == QUANTITY_OTHER || unit->quantity == quantity)
             complete_offer(c, unit->row.name, unit->row.brief);
     }
@@ -84,7 +86,7 @@ void complete_columns(struct completion *c, const struct catalog *besides)
         complete_offer(c, model_observed_variable(moving, i).name, "observed");
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
-        if (model_offers(moving, (const struct observable *)(const void *)row) &&
+        if (model_offers(moving, observable_from(row)) &&
             !(besides && catalog_find(besides, text_of(row->name))))
             complete_offer(c, row->name, row->brief);
     }

@@ -15,13 +15,16 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
         return setting->parse(settings, value, error);
     }
     if (setting->choices) {
-        const struct row *row = choose(parser->session, setting->choices, value);
+        const struct row *row = catalog_choose(parser->session, setting->choices, value);
+        if (!row && !choice_is_in(setting->choices, value, error))
+            return false;
         if (!row) {
             struct buffer all = {0};
             for (size_t i = 0; i < setting->choices->count; i++)
                 buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(setting->choices, i)->name);
             catalog_unknown(setting->choices, value, error);
             error_hint(error, "%s is one of: %s", setting->row.name, buffer_view(&all));
+            error->hint_kind = HINT_ADVICE;
             buffer_free(&all);
             return false;
         }

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What measure and fit act on: a run or a recording as a series. */
 
+#include <hooke/run.h>
+#include <hooke/data.h>
 #include <hooke/language.h>
+#include <hooke/session/series_tools.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -41,18 +44,8 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
 
 bool run_period(const struct run *run, struct arena *arena, struct measured *period)
 {
-    struct series series;
-    struct period found;
-    struct error ignored;
-    double centre;
-    if (!run_series(run, false, arena, &series, &ignored))
-        return false;
-    const bool clean =
-        run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
-    if (!clean && !run_series_period(run, &series, arena, &found, &ignored))
-        return false;
-    *period = found.period;
-    return true;
+    const struct series_tools *tools = series_tools();
+    return tools && tools->run_period(run, arena, period);
 }
 
 bool needs_spring(const struct scene *scene, const char *what, struct error *error)
@@ -70,7 +63,8 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
                         struct error *error)
 {
     struct data_motion motion;
-    if (!data_motion(session, subject->recording, &subject->series, true, arena, &motion, error))
+    if (!series_tools()->motion(session, subject->recording, &subject->series, true, arena, &motion,
+                                error))
         return false;
     snprintf(subject->how, sizeof subject->how, "%s; %s", motion.how_k, motion.how_v);
     subject->mass = motion.mass;
@@ -167,8 +161,8 @@ bool subject_open(struct session *session, const struct argument_value *run,
 {
     *subject = (struct subject){.energy = energy};
     if (run && run->count)
-        return open_run(session->run[run->item->index]->run, window, energy, min, arena, subject,
-                        error);
+        return open_run(session->runs.slot[run->item->index]->run, window, energy, min, arena,
+                        subject, error);
     if (data && data->count)
         return open_recording(session, session->recording[data->item->index]->recording, window,
                               energy, min, arena, subject, error);

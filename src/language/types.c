@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The types of arguments: how each is read and completed. */
+#include <hooke/run.h>
+#include <hooke/method.h>
+#include <hooke/data.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
+#include <hooke/session/series_tools.h>
 #include <hooke/language/complete.h>
 #include <hooke/scene/formula.h>
 #include <hooke/module.h>
-#include <hooke/study/stability.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -35,15 +40,12 @@ static bool in_range(const struct parser *parser, const struct argument *argumen
 static bool choose_row(struct parser *parser, const struct argument *argument, struct item *item,
                        struct error *error)
 {
-    item->row = choose(parser->session, argument->choices, item->text);
+    item->row = catalog_choose(parser->session, argument->choices, item->text);
     if (item->row) {
         item->index = catalog_index(argument->choices, item->row);
         return true;
     }
-    char what[64];
-    snprintf(what, sizeof what, "%s %.*s", argument->choices->kind, (int)item->text.len,
-             item->text.at);
-    if (!module_is_in(what, item->text, error))
+    if (!choice_is_in(argument->choices, item->text, error))
         return false;
     catalog_unknown(argument->choices, item->text, error);
     if (!error->hint[0] && argument->choices->count <= 20) {
@@ -61,34 +63,13 @@ READ_ITEM(read_choice)
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
-READ_ITEM(read_stressed)
-{
-    struct stress_case one;
-    if (!parse_word(parser, stops, item, error))
-        return false;
-    struct suggestion near = {.wanted = item->text};
-    for (size_t i = 0; stress_case_at(i, &one); i++) {
-        if (text_is(item->text, one.name))
-            return true;
-        suggestion_offer(&near, one.name);
-    }
-    if (choose_row(parser, argument, item, error))
-        return true;
-    if (!error->hint[0])
-        suggestion_hint(&near, error);
-    return error->hint[0]
-               ? false
-               : error_hint(error, "it takes methods, and the cases that 'stress --full' "
-                                   "lists");
-}
-
 READ_ITEM(read_scene)
 {
     const struct setup *setup = &parser->session->setup;
     if (!parse_word(parser, stops, item, error))
         return false;
     const struct preset *own = own_scene(setup, item->text);
-    item->row = own ? &own->row : choose(parser->session, &preset_catalog, item->text);
+    item->row = own ? &own->row : catalog_choose(parser->session, &preset_catalog, item->text);
     if (item->row || text_is(item->text, "new"))
         return true;
     catalog_unknown(&preset_catalog, item->text, error);
@@ -113,7 +94,7 @@ READ_ITEM(read_run)
     if (item->index >= 0)
         return true;
     const struct row *method = catalog_find(&method_catalog, item->text);
-    const bool none = parser->session->runs == 0;
+    const bool none = parser->session->runs.count == 0;
     if (none)
         error_at(error, item->text, "there is no run yet");
     else
@@ -170,9 +151,9 @@ READ_ITEM(read_recording)
 static bool typed_column(const struct session *session, struct text name)
 {
     bool known = false;
-    for (int i = -1; i < session->runs && !known; i++) {
+    for (int i = -1; i < session->runs.count && !known; i++) {
         const struct model *model =
-            i < 0 ? session->setup.scene.model : session->run[i]->run->system.model;
+            i < 0 ? session->setup.scene.model : session->runs.slot[i]->run->system.model;
         known = model->typed &&
                 (model_variable(model, name) >= 0 || model_observation(model, name) >= 0);
     }
@@ -282,7 +263,6 @@ READ_ITEM(read_side)
 
 READ_ITEM(read_model)
 {
-    struct formula formula;
     struct error why = {0};
     size_t used = 0;
     const struct text rest = parser->rest, word = peek_word(rest, "");
@@ -294,8 +274,7 @@ READ_ITEM(read_model)
     if (peek_name(rest).len == word.len &&
         (behind.len == 0 || !strchr("+-*/^", behind.at[0]) || text_starts(behind, TEXT("--"))))
         return read_choice(parser, argument, stops, item, error);
-    if (!formula_compile(before_option(rest), NULL, NULL, 0, parser->arena, &formula, &used,
-                         &why)) {
+    if (!series_tools()->formula(before_option(rest), parser->arena, &used, &why)) {
         *error = why;
         return false;
     }
@@ -342,8 +321,8 @@ READ_ITEM(read_unit)
 {
     if (!parse_word(parser, stops, item, error))
         return false;
-    return !unit_spelled(item->text, parser->arena, &item->unit) ? error_memory(error)
-           : item->unit                                          ? true
+    return !series_tools()->unit(item->text, parser->arena, &item->unit) ? error_memory(error)
+           : item->unit                                                  ? true
                         : catalog_unknown(&unit_catalog, item->text, error);
 }
 
@@ -417,15 +396,6 @@ COMPLETE_ITEM(complete_choice)
     complete_catalog(c, argument->choices);
 }
 
-COMPLETE_ITEM(complete_stressed)
-{
-    struct stress_case one;
-    complete_catalog(c, argument->choices);
-    for (size_t i = 0; stress_case_at(i, &one); i++)
-        if (!strchr(one.name, ' ')) /* it would have to be quoted */
-            complete_offer(c, one.name, one.brief);
-}
-
 COMPLETE_ITEM(complete_scene)
 {
     for (int i = 0; i < c->session->setup.owns; i++)
@@ -448,15 +418,15 @@ COMPLETE_ITEM(complete_unit)
 
 COMPLETE_ITEM(complete_run)
 {
-    for (int i = 0; i < c->session->runs; i++) {
-        const struct run *run = c->session->run[i]->run;
+    for (int i = 0; i < c->session->runs.count; i++) {
+        const struct run *run = c->session->runs.slot[i]->run;
         char number[16];
         snprintf(number, sizeof number, "%d", run->number);
         complete_offer(c, number, run->method->row.name);
         if (run->name[0])
             complete_offer(c, run->name, run->method->row.name);
     }
-    if ((argument->flags & ARG_ALL) && c->session->runs > 0)
+    if ((argument->flags & ARG_ALL) && c->session->runs.count > 0)
         complete_offer(c, "all", "every run");
 }
 
@@ -514,7 +484,12 @@ static const struct argument_type_row rows[] = {
 
 const struct argument_type_row *argument_type(const struct argument *argument)
 {
-    return &rows[argument->type];
+    return argument->own_type ? argument->own_type : &rows[argument->type];
+}
+
+const struct argument_type_row *argument_type_row(enum argument_type type)
+{
+    return &rows[type];
 }
 
 void complete_item(struct completion *c, const struct argument *argument, struct text before)

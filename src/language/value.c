@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
  * malformed. */
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/figure.h>
 #include <hooke/language.h>
 #include <hooke/scene/dimension.h>

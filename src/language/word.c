@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words and strings of a statement. */
+#include <hooke/base/statement.h>
 #include <hooke/language.h>
 
 #include <string.h>

@@ -1,94 +1,217 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the two cursors stand on, and how they move. */
 #include <hooke/plot/cursor.h>
+#include <hooke/data.h>
+#include <hooke/run.h>
 
 #include <hooke/base/numeric.h>
-#include <hooke/plot.h>
-#include <hooke/session/subject.h>
+#include <hooke/session/series_tools.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define OFF_BEAT 0.15 /* [periods] an up-crossing that is further off is none */
-#define BEATS_TRIED 16
-/* part of the up-crossings that may be off before the motion counts as not steady */
-#define LATE_MAX 0.34
-/* [periods] on each side of the highest sample that the parabola is fitted to */
-#define PEAK_WIDTH 0.1
+/* ---- samples ---- */
 
-/* ---- what they stand on ---- */
-
-/* How far t is off the up-crossings of a motion of this period [periods]. */
-static double off_beat(const struct period *beat, double t)
+double ground_spacing(const struct ground *g)
 {
-    return fabs(remainder(t - beat->first, beat->period.value)) / beat->period.value;
+    return (g->series.t[g->series.n - 1] - g->series.t[0]) / (double)(g->series.n - 1);
+}
+
+/* Returns the last sample at or before t that has another after it. */
+static size_t sample_before(const struct series *s, double t)
+{
+    const size_t at = first_from(s->t, s->n - 1, t);
+    return at > 0 && (at == s->n - 1 || s->t[at] > t) ? at - 1 : at;
+}
+
+/* Returns the sample next to t, or the point between two samples if `inside`. */
+static struct snap_point point_at(const struct ground *g, double t, bool inside)
+{
+    const struct series *s = &g->series;
+    const size_t i = sample_before(s, t);
+    const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
+    const size_t nearest = i + (x > 0.5);
+    if (inside)
+        return (struct snap_point){t, NAN, s->y[i] + x * (s->y[i + 1] - s->y[i]), 0};
+    return (struct snap_point){s->t[nearest], ground_spacing(g) / sqrt(12), s->y[nearest], 0};
+}
+
+/* ---- peaks ---- */
+
+/* Sums of powers of x, and of y times them, over samples of a peak. */
+struct peak_sums {
+    double x[5], y[3];
+};
+
+/* Adds the samples from a to b that are neither spikes nor on the flank of the peak at `top`; x is
+ * counted from `middle` in units of `scale`. */
+static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, size_t b,
+                                 double middle, double scale)
+{
+    const struct series *s = &g->series;
+    const double flank = s->y[top] - 0.25 * (g->overview.high - g->overview.low);
+    struct peak_sums sums = {{0}, {0}};
+    for (size_t i = a; i <= b; i++) {
+        if (!(s->y[i] >= flank && s->y[i] <= s->y[top]))
+            continue;
+        double power = 1;
+        for (int k = 0; k < 5; k++, power *= (s->t[i] - middle) / scale) {
+            sums.x[k] += power;
+            if (k < 3)
+                sums.y[k] += power * (s->y[i] - s->y[top]);
+        }
+    }
+    return sums;
+}
+
+/* Finds the vertex of the parabola through the samples around the highest one between two crossings
+ * (least squares). */
+static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
+{
+    static const double width_periods = 0.1; /* on each side of the highest sample */
+    const struct series *s = &g->series;
+    const double ceiling = g->overview.high + 4 * g->overview.noise, /* above are only spikes */
+        width = g->overview.oscillates ? width_periods * g->overview.period : 0;
+    size_t top = s->n;
+    for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
+        if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
+            top = i;
+    if (top == s->n || top == 0 || top + 1 == s->n)
+        return false;
+    size_t a = top - 1, b = top + 1;
+    while (a > 0 && s->t[top] - s->t[a - 1] <= width)
+        a--;
+    while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
+        b++;
+    /* y = p + q x + r x^2 with x counted from the mean: the sum of x is 0 in the equations. */
+    const double scale = s->t[b] - s->t[a];
+    struct peak_sums sums = sum_peak(g, top, a, b, s->t[top], scale);
+    const double mean = s->t[top] + scale * sums.x[1] / sums.x[0];
+    sums = sum_peak(g, top, a, b, mean, scale);
+    const double *x = sums.x, *y = sums.y;
+    const double det = x[0] * (x[2] * x[4] - x[3] * x[3]) - x[2] * x[2] * x[2];
+    const double q =
+        (x[0] * (y[1] * x[4] - y[2] * x[3]) - x[2] * x[2] * y[1] + x[2] * x[3] * y[0]) / det;
+    const double r = (x[0] * (x[2] * y[2] - x[3] * y[1]) - x[2] * x[2] * y[0]) / det;
+    const double p = (y[0] - x[2] * r) / x[0], vertex = -q / (2 * r);
+    if (!(r < 0) || !(fabs(vertex) <= 0.5))
+        return false;
+    *point =
+        (struct snap_point){.t = mean + vertex * scale,
+                            .uncertainty = g->overview.noise * scale / (2 * fabs(r) * sqrt(x[2])),
+                            .y = s->y[top] + p + q * vertex + r * vertex * vertex};
+    return true;
+}
+
+/* ---- crossings ---- */
+
+/* Returns true if a time is far off the up-crossings of a motion that keeps time. */
+static bool is_off_beat(const struct period *beat, double t)
+{
+    static const double off = 0.15; /* [periods] */
+    return fabs(remainder(t - beat->first, beat->period.value)) > off * beat->period.value;
 }
 
 static size_t count_late(const struct crossing *crossing, size_t count, const struct period *beat)
 {
     size_t late = 0;
     for (size_t i = 0; i < count; i++)
-        late += crossing[i].up && off_beat(beat, crossing[i].t) > OFF_BEAT;
+        late += crossing[i].up && is_off_beat(beat, crossing[i].t);
     return late;
 }
 
 /*
- * Whether most up-crossings of a recording keep time; those that do not are then spikes of the
- * sensor, not crossings. The beat is that which fits most of them: the line of series_period, or
- * the estimate of the period from one of the first crossings, which may be a spike itself.
+ * Finds the beat that most up-crossings of a recording keep: those that do not are spikes of the
+ * sensor then. It begins where the line of all periods does, or at one of the first crossings,
+ * which may be a spike itself. Returns false if there is none.
  */
 static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count,
                        struct period *beat)
 {
+    enum { TRIED = 32 };
+    static const double late_max = 0.34;
     struct error ignored;
-    if (!g->overview.oscillates || !series_period(&g->series, g->arena, beat, &ignored))
+    if (!g->overview.oscillates || !series_tools()->period(&g->series, g->arena, beat, &ignored))
         return false;
     size_t all = 0, best = count_late(crossing, count, beat);
     for (size_t i = 0; i < count; i++) {
         const struct period other = {.period = {g->overview.period, 0}, .first = crossing[i].t};
         all += crossing[i].up;
         const size_t late =
-            crossing[i].up && all <= BEATS_TRIED ? count_late(crossing, count, &other) : best;
+            crossing[i].up && i < TRIED ? count_late(crossing, count, &other) : best;
         if (late < best) {
             best = late;
             *beat = other;
         }
     }
-    return (double)best <= LATE_MAX * (double)all;
+    return (double)best <= late_max * (double)all;
 }
 
-static bool find_hills(struct ground *g, struct error *error)
+/* Finds all crossings of the mean. */
+static struct crossing *find_crossings(const struct ground *g, size_t *count)
 {
     const struct overview *o = &g->overview;
-    size_t count = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, capacity;
+    const struct series_tools *tools = series_tools();
+    size_t capacity = o->oscillates ? 2 * (size_t)o->periods + 16 : 64;
     struct crossing *crossing;
-    do {
-        capacity = count;
-        if (!(crossing = arena_array(g->arena, capacity, sizeof *crossing)))
-            return error_memory(error);
-        count = series_crossings(&g->series, o, o->mean, crossing, capacity);
-    } while (count > capacity);
-    if (!(g->hill = arena_array(g->arena, count + 1, sizeof *g->hill)))
+    *count = 0;
+    while ((crossing = arena_array(g->arena, capacity, sizeof *crossing)) && tools &&
+           (*count = tools->crossings(&g->series, o, o->mean, crossing, capacity)) > capacity)
+        capacity = *count;
+    return crossing;
+}
+
+/* Finds the points that cursors snap to. Crossings are numbered in periods from the first. */
+static bool find_points(struct ground *g, bool peaks, struct error *error)
+{
+    size_t count;
+    const struct crossing *crossing = find_crossings(g, &count);
+    if (!crossing || !(g->crossing = arena_array(g->arena, count + 1, sizeof *g->crossing)) ||
+        !(g->peak = arena_array(g->arena, count + 1, sizeof *g->peak)))
         return error_memory(error);
     struct period beat;
     const bool steady = g->data && keeps_time(g, crossing, count, &beat);
+    int number = 0;
     for (size_t i = 0; i < count; i++) {
         const double t = crossing[i].t;
-        if (!crossing[i].up || (steady && off_beat(&beat, t) > OFF_BEAT))
+        if (!crossing[i].up || (steady && is_off_beat(&beat, t)))
             continue;
-        struct hill *hill = &g->hill[g->hills];
-        *hill = (struct hill){
-            .from = t, .uncertainty = crossing[i].uncertainty, .number = (int)g->hills + 1};
-        hill->to = steady          ? t + 0.5 * beat.period.value
-                   : i + 1 < count ? crossing[i + 1].t
-                                   : (double)NAN;
-        if (steady)
-            hill->number = 1 + (int)nearbyint((t - g->hill[0].from) / beat.period.value);
-        if (g->hills == 0 || hill->number > hill[-1].number)
-            g->hills++;
+        const int next = steady && g->crossings > 0
+                             ? 1 + (int)nearbyint((t - g->crossing[0].t) / beat.period.value)
+                             : number + 1;
+        if (next <= number)
+            continue;
+        number = next;
+        g->crossing[g->crossings++] =
+            (struct snap_point){t, crossing[i].uncertainty, g->overview.mean, number};
+        const double down = steady          ? t + 0.5 * beat.period.value
+                            : i + 1 < count ? crossing[i + 1].t
+                                            : (double)NAN;
+        g->peaks += peaks && peak_between(g, t, down, &g->peak[g->peaks]);
     }
     return true;
+}
+
+/* Without the module that measures series, only how far it goes. */
+static void overview_of(const struct series *series, struct arena *arena, struct overview *overview)
+{
+    const struct series_tools *tools = series_tools();
+    if (tools) {
+        tools->overview(series, arena, overview);
+        return;
+    }
+    *overview = (struct overview){.low = HUGE_VAL,
+                                  .high = -HUGE_VAL,
+                                  .period = NAN,
+                                  .periods = NAN,
+                                  .reason = "this program finds no periods"};
+    for (size_t i = 0; i < series->n; i++) {
+        overview->low = fmin(overview->low, series->y[i]);
+        overview->high = fmax(overview->high, series->y[i]);
+    }
+    overview->mean = (overview->low + overview->high) / 2;
 }
 
 bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
@@ -117,139 +240,11 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
                              "run %d is at its start: there is nothing to measure yet",
                              run->number);
     }
-    series_overview(&ground->series, arena, &ground->overview);
-    return find_hills(ground, error);
+    overview_of(&ground->series, arena, &ground->overview);
+    return find_points(ground, cursors->snap == SNAP_PEAK, error);
 }
 
-double ground_spacing(const struct ground *g)
-{
-    return (g->series.t[g->series.n - 1] - g->series.t[0]) / (double)(g->series.n - 1);
-}
-
-/* Last sample at or before t, one that has another after it. */
-static size_t sample_before(const struct series *s, double t)
-{
-    const size_t at = first_from(s->t, s->n - 1, t);
-    return at > 0 && (at == s->n - 1 || s->t[at] > t) ? at - 1 : at;
-}
-
-/* ---- places to snap to ---- */
-
-struct snap_point {
-    double t, uncertainty, y;
-    int crossing; /* number, 0: none */
-};
-
-/* The vertex of the parabola through the samples around the highest one between two crossings
- * (least squares). */
-static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
-{
-    const struct series *s = &g->series;
-    /* above it there are only spikes */
-    const double ceiling = g->overview.high + 4 * g->overview.noise;
-    size_t top = s->n;
-    for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
-        if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
-            top = i;
-    if (top == s->n || top == 0 || top + 1 == s->n)
-        return false;
-    const double width = g->overview.oscillates ? PEAK_WIDTH * g->overview.period : 0;
-    size_t a = top - 1, b = top + 1;
-    while (a > 0 && s->t[top] - s->t[a - 1] <= width)
-        a--;
-    while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
-        b++;
-    /* half the amplitude down */
-    const double bottom = s->y[top] - 0.25 * (g->overview.high - g->overview.low);
-    /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the
-     * others. */
-    double n = 0, sx = 0;
-    for (size_t i = a; i <= b; i++) {
-        if (!(s->y[i] >= bottom && s->y[i] <= ceiling))
-            continue;
-        n++;
-        sx += s->t[i] - s->t[top];
-    }
-    const double mean = sx / n, scale = s->t[b] - s->t[a];
-    double x2 = 0, x3 = 0, x4 = 0, y0 = 0, y1 = 0, y2 = 0;
-    for (size_t i = a; i <= b; i++) {
-        if (!(s->y[i] >= bottom && s->y[i] <= ceiling))
-            continue;
-        const double x = (s->t[i] - s->t[top] - mean) / scale, y = s->y[i] - s->y[top];
-        x2 += x * x;
-        x3 += x * x * x;
-        x4 += x * x * x * x;
-        y0 += y;
-        y1 += x * y;
-        y2 += x * x * y;
-    }
-    /* Normal equations [n 0 x2; 0 x2 x3; x2 x3 x4]. */
-    const double det = n * (x2 * x4 - x3 * x3) - x2 * x2 * x2;
-    const double q = (n * (y1 * x4 - y2 * x3) - x2 * x2 * y1 + x2 * x3 * y0) / det;
-    const double r = (n * (x2 * y2 - x3 * y1) - x2 * x2 * y0) / det;
-    const double p = (y0 - x2 * r) / n, x = -q / (2 * r);
-    if (!(r < 0) || !(fabs(x) <= 0.5))
-        return false;
-    *point =
-        (struct snap_point){.t = s->t[top] + mean + x * scale,
-                            .uncertainty = g->overview.noise * scale / (2 * fabs(r) * sqrt(x2)),
-                            .y = s->y[top] + p + q * x + r * x * x};
-    return true;
-}
-
-/* Calls for each place of this kind in order until it says stop. Samples are no places: there are
- * too many. */
-static void each_position(const struct ground *g, enum snap snap,
-                          bool (*visit)(void *context, const struct snap_point *point),
-                          void *context)
-{
-    struct snap_point point;
-    for (size_t i = 0; i < g->hills; i++) {
-        const struct hill *hill = &g->hill[i];
-        if (snap != SNAP_PEAK)
-            point =
-                (struct snap_point){hill->from, hill->uncertainty, g->overview.mean, hill->number};
-        else if (!peak_between(g, hill->from, hill->to, &point))
-            continue;
-        if (!visit(context, &point))
-            return;
-    }
-}
-
-struct snap_search {
-    double t;
-    struct snap_point best;
-    bool found, forward;
-    int number;
-};
-
-static bool keep_nearest(void *context, const struct snap_point *point)
-{
-    struct snap_search *search = context;
-    if (!search->found || fabs(point->t - search->t) < fabs(search->best.t - search->t))
-        search->best = *point;
-    search->found = true;
-    return true;
-}
-
-static struct snap_point nearest_sample(const struct ground *g, double t)
-{
-    const struct series *s = &g->series;
-    size_t i = sample_before(s, t);
-    if (fabs(s->t[i + 1] - t) < fabs(t - s->t[i]))
-        i++;
-    return (struct snap_point){
-        .t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
-}
-
-static struct snap_point no_snap(const struct ground *g, double t)
-{
-    const struct series *s = &g->series;
-    const size_t i = sample_before(s, t);
-    const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
-    return (struct snap_point){
-        .t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
-}
+/* ---- moves ---- */
 
 static void put_point(struct cursors *cursors, int which, const struct snap_point *point)
 {
@@ -261,69 +256,67 @@ static void put_point(struct cursors *cursors, int which, const struct snap_poin
     cursors->at[which].amplitude = NAN;
 }
 
+/* Returns the points that cursors snap to, or the crossings if they snap to samples or nothing. */
+static const struct snap_point *points_of(const struct cursors *cursors, const struct ground *g,
+                                          size_t *count)
+{
+    const bool peaks = cursors->snap == SNAP_PEAK;
+    *count = peaks ? g->peaks : g->crossings;
+    return peaks ? g->peak : g->crossing;
+}
+
 void cursor_put(struct cursors *cursors, const struct ground *g, int which, double t, double reach)
 {
     const struct series *s = &g->series;
+    size_t count;
+    const struct snap_point *points = points_of(cursors, g, &count), *nearest = NULL;
     if (s->n == 0)
         return;
     t = fmin(fmax(t, s->t[0]), s->t[s->n - 1]);
-    struct snap_search search = {.t = t};
-    if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)
-        each_position(g, cursors->snap, keep_nearest, &search);
-    const struct snap_point point = search.found && fabs(search.best.t - t) <= reach ? search.best
-                                    : cursors->snap == SNAP_SAMPLE ? nearest_sample(g, t)
-                                                                   : no_snap(g, t);
-    put_point(cursors, which, &point);
-}
-
-/* ---- moves ---- */
-
-static bool keep_next(void *context, const struct snap_point *point)
-{
-    struct snap_search *search = context;
-    const bool beyond = search->forward ? point->t > search->t : point->t < search->t;
-    if (beyond)
-        search->best = *point;
-    search->found |= beyond;
-    return !(beyond && search->forward) && (beyond || search->forward);
+    const bool snaps = cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK;
+    for (size_t i = 0; snaps && i < count; i++)
+        if (fabs(points[i].t - t) <= (nearest ? fabs(nearest->t - t) : reach))
+            nearest = &points[i];
+    const struct snap_point other = point_at(g, t, cursors->snap != SNAP_SAMPLE);
+    put_point(cursors, which, nearest ? nearest : &other);
 }
 
 bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, struct error *error)
 {
     const double t = cursors->at[cursors->active].t, near = 1e-6 * ground_spacing(g);
-    const bool peak = cursors->snap == SNAP_PEAK;
-    struct snap_search search = {.t = t + (forward ? near : -near), .forward = forward};
-    each_position(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
-    if (!search.found)
+    size_t count, next = 0;
+    const struct snap_point *points = points_of(cursors, g, &count);
+    while (next < count && points[next].t <= (forward ? t + near : t - near))
+        next++;
+    if (forward ? next == count : next == 0)
         return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
-                         peak ? "peak" : "up-crossing", forward ? "after" : "before", t, g->name);
-    put_point(cursors, cursors->active, &search.best);
+                         cursors->snap == SNAP_PEAK ? "peak" : "up-crossing",
+                         forward ? "after" : "before", t, g->name);
+    put_point(cursors, cursors->active, &points[forward ? next : next - 1]);
     return true;
 }
 
-static bool keep_number(void *context, const struct snap_point *point)
+/* Puts B to the crossing that is n periods after that of A. */
+static bool span_crossings(struct cursors *cursors, const struct ground *g, int n,
+                           struct error *error)
 {
-    struct snap_search *search = context;
-    search->best = *point;
-    search->found = point->crossing == search->number;
-    return !search->found;
+    const int first = cursors->at[0].crossing;
+    for (size_t i = 0; i < g->crossings; i++)
+        if (g->crossing[i].crossing == first + n) {
+            put_point(cursors, 1, &g->crossing[i]);
+            return true;
+        }
+    const int last = g->crossings > 0 ? g->crossing[g->crossings - 1].crossing : first;
+    return error_set(error, ERROR_COMMAND,
+                     "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name, last,
+                     first, last - first, last - first == 1 ? "" : "s");
 }
 
 bool cursor_span(struct cursors *cursors, const struct ground *g, double n, struct error *error)
 {
     const struct series *s = &g->series;
-    if (cursors->at[0].crossing > 0) {
-        struct snap_search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
-        each_position(g, SNAP_CROSSING, keep_number, &search);
-        if (!search.found)
-            return error_set(error, ERROR_COMMAND,
-                             "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name,
-                             search.best.crossing, cursors->at[0].crossing,
-                             search.best.crossing - cursors->at[0].crossing,
-                             search.best.crossing - cursors->at[0].crossing == 1 ? "" : "s");
-        put_point(cursors, 1, &search.best);
-        return true;
-    }
+    if (cursors->at[0].crossing > 0)
+        return span_crossings(cursors, g, (int)fmin(n, 1e9), error);
     if (!g->overview.oscillates)
         return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name,
                          g->overview.reason);
@@ -338,21 +331,26 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
 
 void cursor_spread(struct cursors *cursors, const struct ground *g)
 {
-    const struct series *s = &g->series;
-    cursor_put(cursors, g, 0, s->t[0], HUGE_VAL);
-    cursor_put(cursors, g, 1, s->t[s->n - 1], HUGE_VAL);
-    if (cursors->at[0].t < cursors->at[1].t)
-        return;
-    const struct snap_point first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
-    put_point(cursors, 0, &first);
-    put_point(cursors, 1, &last);
+    const double end[] = {g->series.t[0], g->series.t[g->series.n - 1]};
+    for (int i = 0; i < 2; i++)
+        cursor_put(cursors, g, i, end[i], HUGE_VAL);
+    const bool apart = cursors->at[0].t < cursors->at[1].t;
+    for (int i = 0; i < 2 && !apart; i++) {
+        const struct snap_point point = point_at(g, end[i], true);
+        put_point(cursors, i, &point);
+    }
+}
+
+void cursors_put_again(struct cursors *cursors, const struct ground *g)
+{
+    for (int i = 0; i < 2; i++)
+        cursor_put(cursors, g, i, cursors->at[i].t, cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
 }
 
 void cursor_settle(struct cursors *cursors, const struct ground *g)
 {
     const double dt = fabs(cursors->at[1].t - cursors->at[0].t);
     const int a = cursors->at[0].crossing, b = cursors->at[1].crossing;
-    struct error ignored;
     snprintf(cursors->of, sizeof cursors->of, "%s", g->name);
     cursors->samples = g->series.n;
     cursors->quantity = g->series.quantity;
@@ -360,13 +358,11 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
                      : g->overview.oscillates ? nearbyint(dt / g->overview.period)
                                               : 0;
     cursors->periods = periods >= 1 ? periods : NAN;
-    for (int i = 0; i < 2; i++) {
-        struct reading reading;
-        const bool known =
-            g->overview.oscillates &&
-            series_amplitudes(&g->series, g->arena, &cursors->at[i].t, 1, 0, &reading, &ignored);
-        cursors->at[i].amplitude = known ? reading.amplitude.value : NAN;
-    }
+    for (int i = 0; i < 2; i++)
+        cursors->at[i].amplitude =
+            g->overview.oscillates
+                ? series_tools()->amplitude(&g->series, cursors->at[i].t, g->arena)
+                : NAN;
 }
 
 void cursors_refresh(struct session *session)
@@ -381,21 +377,17 @@ void cursors_refresh(struct session *session)
     if (!cursors->shown || cursors->plane)
         return;
     /* Cheap where nothing has changed: the same run, as long as before. */
-    const struct run *run = session_run(session);
+    const struct run *run = cursors->on_data ? NULL : session_run(session);
     char name[LIMIT_NAME + 16] = "";
-    if (run && !cursors->on_data)
+    if (run)
         snprintf(name, sizeof name, "run %d", run->number);
-    if (name[0] && strcmp(name, cursors->of) == 0 && trace_count(run->trace) == cursors->samples)
+    if (run && strcmp(name, cursors->of) == 0 && trace_count(run->trace) == cursors->samples)
         return;
-    if (ground_open(session, &arena, &ground, &ignored)) {
-        if (strcmp(ground.name, cursors->of) != 0 || ground.series.n != cursors->samples) {
-            for (int i = 0; i < 2; i++)
-                cursor_put(cursors, &ground, i, cursors->at[i].t,
-                           cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
-            cursor_settle(cursors, &ground);
-        }
-    } else {
-        cursors->shown = false;
+    cursors->shown = ground_open(session, &arena, &ground, &ignored);
+    if (cursors->shown &&
+        (strcmp(ground.name, cursors->of) != 0 || ground.series.n != cursors->samples)) {
+        cursors_put_again(cursors, &ground);
+        cursor_settle(cursors, &ground);
     }
     arena_reset(&arena);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plots, which are the panes of the screen, too: all that is known of one stands in its row. */
+#include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
@@ -26,16 +27,6 @@ static bool exact_known(const struct session *session)
 {
     const struct run *run = session_run(session);
     return run && run->plan.exact_known;
-}
-
-static bool residual_known(const struct session *session)
-{
-    return figure_recording(session, PLOT_RESIDUAL) >= 0;
-}
-
-static bool precision_known(const struct session *session)
-{
-    return session->precision;
 }
 
 /* ---- the rows ---- */
@@ -98,22 +89,6 @@ static const struct plot_row rows[] = {
                     .pane_label = "error",
                     .offered = exact_known,
                     .positive = true},
-    [PLOT_RESIDUAL] = {.row = ROW("residual",
-                                  "the recording minus its fit, or minus the run, against t"),
-                       .label = "residual",
-                       .residual = true,
-                       .any_recording = true,
-                       .offered = residual_known},
-    [PLOT_SPECTRUM] = {.row = ROW("spectrum", "amplitude against frequency"),
-                       .across = ACROSS_FREQUENCY,
-                       .label = "amplitude",
-                       .title = "spectrum",
-                       .any_recording = true,
-                       .run_curve = drawing_run_spectrum,
-                       .data_curve = drawing_data_spectrum,
-                       .note = spectrum_note,
-                       .positive = true,
-                       .from_zero = true},
     [PLOT_ORBIT] = {.row =
                         ROW("orbit", "the second coordinate against the first, as long as phase"),
                     .across = ACROSS_STATE,
@@ -130,35 +105,6 @@ static const struct plot_row rows[] = {
                            .fits = has_velocities,
                            .needs = MOTION_NEEDED,
                            .periods = true},
-    [PLOT_ENVELOPE] = {.row = ROW("envelope", "amplitude of successive windows against t"),
-                       .label = "A",
-                       .any_recording = true,
-                       .run_curve = drawing_run_envelope,
-                       .data_curve = drawing_data_envelope,
-                       .positive = true,
-                       .from_zero = true,
-                       .flat = true},
-    [PLOT_PERIOD] = {.row = ROW("period", "period against amplitude, window by window; a "
-                                          "pendulum's closed form"),
-                     .across = ACROSS_OTHER,
-                     .label = "T",
-                     .title = "period",
-                     .any_recording = true,
-                     .figure = period_figure},
-    [PLOT_PRECISION] = {.row = ROW("precision", "error against run time, of the last 'precision'"),
-                        .across = ACROSS_OTHER,
-                        .label = "error",
-                        .title = "precision",
-                        .study = true,
-                        .figure = drawing_precision,
-                        .offered = precision_known},
-    [PLOT_SWEEP] = {.row = ROW("sweep", "the last sweep over its parameter: what was measured, or "
-                                        "an orbit diagram"),
-                    .across = ACROSS_OTHER,
-                    .title = "sweep",
-                    .takes_column = true,
-                    .figure = sweep_figure,
-                    .offered = sweep_known},
 #include "lists/plots.def"
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);

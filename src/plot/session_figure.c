@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of a session as figures: which curves, over which time, in which units. */
+#include <hooke/run.h>
+#include <hooke/data.h>
+#include <hooke/figure/layout.h>
+#include <hooke/session/series_tools.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
@@ -11,13 +15,12 @@
 
 const struct observable *observable_named(const char *name)
 {
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
-                                                                 text_of(name));
+    return observable_by_name(text_of(name));
 }
 
 static const struct run *run_of(const struct drawing *d, int i)
 {
-    return d->session->run[d->request->run[i]]->run;
+    return d->session->runs.slot[d->request->run[i]]->run;
 }
 
 /* What is drawn of runs; of the energy what all of them have. NULL: states. */
@@ -43,10 +46,10 @@ static bool is_kinetic(const struct drawing *d)
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const struct run *first = d->session->run[request->run[0]]->run;
+    const struct run *first = d->session->runs.slot[request->run[0]]->run;
     d->model = first->system.model;
     for (int i = 1; i < request->runs; i++) {
-        const struct run *run = d->session->run[request->run[i]]->run;
+        const struct run *run = d->session->runs.slot[request->run[i]]->run;
         if (!models_alike(run->system.model, d->model))
             return error_set(
                 d->error, ERROR_COMMAND,
@@ -75,7 +78,7 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
     const char *name = run->name[0] ? run->name : run->method->row.name;
     bool alone = true;
     for (int i = 0; i < d->request->runs; i++) {
-        const struct run *other = d->session->run[d->request->run[i]]->run;
+        const struct run *other = d->session->runs.slot[d->request->run[i]]->run;
         const char *its = other->name[0] ? other->name : other->method->row.name;
         alone &= other == run || strcmp(its, name) != 0;
     }
@@ -245,7 +248,8 @@ static const char *make_note(const struct drawing *d)
 
 static bool is_shown(const struct drawing *d, const struct recording *recording)
 {
-    const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
+    const struct run *run =
+        d->request->runs > 0 ? d->session->runs.slot[d->request->run[0]]->run : NULL;
     return recording_shows(recording, run, d->request->kind);
 }
 
@@ -274,7 +278,8 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->model && d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
-        return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0])
+        return chosen_variable(&d->session->runs.slot[d->request->run[0]]->run->system,
+                               &d->column[0])
             .quantity;
     if (plot_row(kind)->observable)
         return model_quantity(d->model, observable(d));
@@ -322,7 +327,7 @@ static void mark_present(const struct drawing *d, struct figure *figure)
 static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
 {
     struct recording part = *recording; /* its arrays are shared */
-    const double trail = 2 * drawing_trail(d) * d->session->collecting->steady,
+    const double trail = 2 * drawing_trail(d) * d->session->growing->steady,
                  shown = d->request->shared ? d->request->shared->shown : HUGE_VAL,
                  from = part.window[1] - 2 * fmax(shown, trail);
     part.window[0] = isfinite(trail) ? fmax(part.window[0], from) : part.window[0];
@@ -336,8 +341,8 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
     struct series recent;
     if (grows && !recent_rows(d, recording, &recent))
         return false;
-    if (!data_motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy, d->arena,
-                     &d->motion, d->error))
+    if (!series_tools()->motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy,
+                                d->arena, &d->motion, d->error))
         return false;
     if (d->request->runs > 0)
         return d->model == &oscillator_model ||
@@ -355,7 +360,7 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
 /* Laid over a recording while it grows: the scene, integrated to now. */
 static bool add_model(struct drawing *d, const struct recording *recording)
 {
-    const struct collecting *now = d->session->collecting;
+    const struct growing *now = d->session->growing;
     const int first = d->curves;
     if (d->request->runs > 0 || !session_grows(d->session, recording) || !now->model ||
         !(is_shown(d, recording) || drawing_needs_motion(d, recording)))
@@ -382,6 +387,16 @@ static double seen_period(const struct drawing *d, const struct run *run)
     return run_period(run, d->arena, &period) ? period.value : NAN;
 }
 
+/* The band of the fit that was adopted, where it is asked for. */
+static bool add_band(struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    const struct series_tools *tools = series_tools();
+    if (request->band.len)
+        return (tools = series_tools_for("--band", request->band, d->error)) && tools->draw_band(d);
+    return !request->stored_band || !tools || tools->draw_stored_band(d);
+}
+
 /* The curves: of the runs, bands, of the recording. */
 static bool gather_curves(struct drawing *d, const struct plot_row *row)
 {
@@ -391,7 +406,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (request->runs > 0 && !find_model(d))
         return false;
     if (request->runs > 0) {
-        const struct run *run = session->run[request->run[0]]->run;
+        const struct run *run = session->runs.slot[request->run[0]]->run;
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
         d->period = request->at.len ? NAN : run_rhythm(run);
         if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
@@ -404,21 +419,21 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     /* No law says how fast it goes: as it was seen to. */
     if (row->across == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
         !request->follow)
-        d->period = seen_period(d, session->run[request->run[0]]->run);
+        d->period = seen_period(d, session->runs.slot[request->run[0]]->run);
     if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
     if (recording && holds_another(d, recording))
         return error_set(error, ERROR_COMMAND, "no %s is found from what %s holds", row->row.name,
                          recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
-        if (!(request->at.len ? drawing_event_records(d, session->run[request->run[i]])
-                              : add_run(d, session->run[request->run[i]]->run)))
+        if (!(request->at.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
+                              : add_run(d, session->runs.slot[request->run[i]]->run)))
             return false;
-    if (request->band.len ? !drawing_band(d) : request->stored_band && !drawing_stored_band(d))
+    if (!add_band(d))
         return false;
     if (recording && !row->residual && !add_model(d, recording))
         return false;
-    if (recording && !(row->residual ? drawing_residual : drawing_recording)(d, recording))
+    if (recording && !(row->residual ? row->residual : drawing_recording)(d, recording))
         return false;
     size_t points = 0;
     for (int i = 0; i < d->curves; i++) {
@@ -438,13 +453,14 @@ static bool label_axes(const struct drawing *d, const struct plot_row *row,
     if (!x_name)
         return error_memory(d->error);
     figure->x = figure->plane ? quantity_axis(x_name, across->quantity, size_of(d, true))
-                : row->across == ACROSS_FREQUENCY ? spectrum_axis(d)
-                                                  : quantity_axis("t", QUANTITY_TIME, d->window[1]);
+                : row->axis   ? row->axis(d)
+                              : quantity_axis("t", QUANTITY_TIME, d->window[1]);
     figure->y = quantity_axis(drawing_y_label(d, 0), y_quantity(d), size_of(d, false));
     if (!figure->y.label)
         return error_memory(d->error);
     if (request->columns && figure->y.unit[0] == 0)
-        figure->y.unit = chosen_unit(&d->session->run[request->run[0]]->run->system, &d->column[0]);
+        figure->y.unit =
+            chosen_unit(&d->session->runs.slot[request->run[0]]->run->system, &d->column[0]);
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
@@ -478,7 +494,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
-        across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
+        across = chosen_variable(&session->runs.slot[request->run[0]]->run->system, &d.against);
     else if (plane && d.model)
         across = d.model->variable[0];
     *figure = (struct figure){.title = values           ? "values"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What events have noticed, for people, programs and files. */
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/session/events.h>
 #include <hooke/scene/typed.h>
@@ -36,17 +37,14 @@ static void reply_event_record(const struct session *session, const struct run_s
     const struct run *run = slot->run;
     const struct event_record *record = run_event_record(run, i);
     const int digits = session->setup.settings.digits;
-    struct buffer text = {0};
-    buffer_format(&text, "%4zu  %-10s t = ", i + 1, event_name(slot, i));
-    buffer_measured(&text, (struct measured){record->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%4zu  %-10s t = %s", i + 1, event_name(slot, i),
+                  SHOWN_VALUE(record->t, QUANTITY_TIME, digits > 6 ? digits : 6));
     for (int c = 0; c < columns_of(run); c++) {
         const struct variable column = column_at(run, c);
-        buffer_format(&text, "  %s = ", column.name);
-        buffer_measured(&text, (struct measured){column_value(run, i, c), 0}, column.quantity,
-                        digits);
+        buffer_format(text, "  %s = %s", column.name,
+                      SHOWN_VALUE(column_value(run, i, c), column.quantity, digits));
     }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
     reply_begin(reply, "event");
     reply_int(reply, "run", run->number);
     reply_string(reply, "name", event_name(slot, i));
@@ -94,7 +92,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
         reply_warning(reply,
                       "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): %s",
                       slot->events->line[i].name, doubt.from, doubt.to, (long long)doubt.steps,
-                      doubt.steps == 1 ? "" : "s",
+                      plural_s(doubt.steps),
                       doubt.near ? "it comes nearer to 0 there than the run is known"
                                  : "the step was longer than the event's own time scale");
         said = true;
@@ -105,7 +103,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
                       "the condition may have been true before, from t = %.6g s to %.6g s (%lld "
                       "step%s): the step was "
                       "longer than its own time scale",
-                      doubt.from, doubt.to, (long long)doubt.steps, doubt.steps == 1 ? "" : "s");
+                      doubt.from, doubt.to, (long long)doubt.steps, plural_s(doubt.steps));
         said = true;
     }
     run->warned_doubt = run->warned_doubt || said;
@@ -115,7 +113,7 @@ void reply_event_records(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);
     for (size_t i = 0; run && i < run_event_records(run); i++)
-        reply_event_record(session, session->run[session->current_run], i, reply);
+        reply_event_record(session, session->runs.slot[session->runs.current], i, reply);
     if (!run || run_event_records(run) == 0)
         reply_line(reply, "no events were noticed; 'event NAME when EXPR do record' watches for "
                           "one in the next run");
@@ -138,7 +136,7 @@ bool export_event_records(const struct session *session, struct export *export, 
     if (!out || !name || !t || !direction)
         return error_memory(error);
     for (size_t i = 0; i < rows; i++) {
-        name[i] = event_name(session->run[session->current_run], i);
+        name[i] = event_name(session->runs.slot[session->runs.current], i);
         t[i] = run_event_record(run, i)->t;
         direction[i] = run_event_record(run, i)->direction;
     }
@@ -157,5 +155,5 @@ bool export_event_records(const struct session *session, struct export *export, 
             .name = title, .unit = quantity_unit(column.quantity), .value = value};
     }
     export->table = (struct table){.column = out, .columns = (int)columns + 3, .rows = rows};
-    return export_run_keys(session, session->current_run, export, error);
+    return export_run_keys(session, session->runs.current, export, error);
 }

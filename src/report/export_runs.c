@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of runs. */
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
 
@@ -48,8 +49,8 @@ static size_t select_rows(const struct run *run, struct thinning thinning, bool 
 static int list_runs(const struct session *session, const struct argument_value *runs, int *index)
 {
     int count = 0;
-    for (int r = 0; r < session->runs; r++) {
-        bool wanted = runs->count == 0 && r == session->current_run;
+    for (int r = 0; r < session->runs.count; r++) {
+        bool wanted = runs->count == 0 && r == session->runs.current;
         for (int i = 0; i < runs->count; i++)
             wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
         if (wanted)
@@ -92,9 +93,9 @@ static bool list_columns(const struct system *system, const struct argument_valu
 static bool same_model(const struct session *session, const int *index, int count,
                        struct error *error)
 {
-    const struct run *first = session->run[index[0]]->run;
+    const struct run *first = session->runs.slot[index[0]]->run;
     for (int i = 1; i < count; i++) {
-        const struct run *run = session->run[index[i]]->run;
+        const struct run *run = session->runs.slot[index[i]]->run;
         if (models_alike(run->system.model, first->system.model))
             continue;
         error_set(error, ERROR_COMMAND,
@@ -119,7 +120,7 @@ bool export_runs(const struct session *session, const struct argument_value *run
     }
     struct keys keys;
     struct thinning thinning;
-    const struct system *system = &session->run[index[0]]->run->system;
+    const struct system *system = &session->runs.slot[index[0]]->run->system;
     const struct model *model = system->model;
     if (!same_model(session, index, count, error) || !thinning_begin(&thinning, every, error) ||
         !keys_begin(&keys, export, error))
@@ -132,7 +133,7 @@ bool export_runs(const struct session *session, const struct argument_value *run
     if (!list || !mark)
         return error_memory(error);
     for (int r = 0; r < count; r++) {
-        const struct run *run = session->run[index[r]]->run;
+        const struct run *run = session->runs.slot[index[r]]->run;
         const size_t n = trace_count(run->trace);
         if (!(mark[r] = arena_array(arena, n, sizeof **mark)))
             return error_memory(error);
@@ -140,7 +141,7 @@ bool export_runs(const struct session *session, const struct argument_value *run
         largest = n > largest ? n : largest;
     }
     for (int r = 1; r < count && system->energy; r++) /* what all of them have */
-        system = &session->run[index[r]]->run->system;
+        system = &session->runs.slot[index[r]]->run->system;
     int columns = 0;
     if (!list_columns(system, column, list, &columns, error))
         return false;
@@ -156,7 +157,7 @@ bool export_runs(const struct session *session, const struct argument_value *run
         if (!value)
             return error_memory(error);
         for (int r = 0; r < count; r++) {
-            const struct run *run = session->run[index[r]]->run;
+            const struct run *run = session->runs.slot[index[r]]->run;
             if (c >= lead && !chosen_values(run, &list[c - lead], all, error))
                 return false;
             for (size_t i = 0; i < trace_count(run->trace); i++)

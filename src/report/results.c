@@ -21,14 +21,14 @@ static bool export_measurements(const struct session *session, struct export *ex
 
 bool export_run_table(const struct session *session, struct export *export, struct error *error)
 {
-    struct run_row *row = arena_array(export->arena, (size_t)session->runs + 1, sizeof *row);
-    if (session->runs == 0) {
+    struct run_row *row = arena_array(export->arena, (size_t)session->runs.count + 1, sizeof *row);
+    if (session->runs.count == 0) {
         error_set(error, ERROR_COMMAND, "there is no run for a table");
         return error_hint(error, "type: compare euler verlet");
     }
-    for (int i = 0; row && i < session->runs; i++)
-        row[i] = (struct run_row){session->run[i], i == session->current_run};
-    return row && columns_table(&run_columns, row, (size_t)session->runs, export->arena,
+    for (int i = 0; row && i < session->runs.count; i++)
+        row[i] = (struct run_row){session->runs.slot[i], i == session->runs.current};
+    return row && columns_table(&run_columns, row, (size_t)session->runs.count, export->arena,
                                 &export->table)
                ? export_scene_keys(session, export, error)
                : error_memory(error);
@@ -54,14 +54,6 @@ static const struct result_row rows[] = {
     {.row = {"events", "", "what happened in the current run", "", NULL},
      .kind = "event",
      .table = export_event_records},
-    STUDIED("compare", "a row for each method and setting"),
-    STUDIED("precision", "a row for each point of work and precision"),
-    FOUND("fastest", "the fastest method for each error, after precision", "precision"),
-    STUDIED("order", "errors and orders by step"),
-    STUDIED("stability", "a row for each method"),
-    STUDIED("stress", "a row for each case and method"),
-    STUDIED("selftest", "a row for each method"),
-    STUDIED("sweep", "a row for each point"),
     FOUND("fit", "the last one: its values, laws and parameters", "fit"),
     FOUND("measure", "the last value that was measured", "measure period"),
     FOUND("peak", "lines of the last spectrum", "plot spectrum"),
@@ -117,7 +109,7 @@ bool export_result(struct session *session, const struct row *of, struct export 
         return row->table(session, export, error);
     if (row->say)
         say_now(session, row);
-    const struct stored_table *stored = table_store_find(&session->found, kind_of(row));
+    const struct stored_table *stored = table_store_find(&session->studies.found, kind_of(row));
     if (!stored) {
         error_set(error, ERROR_COMMAND, "there is no table of %s yet", of->name);
         return error_hint(error, "type: %s", row->type);
@@ -128,14 +120,15 @@ bool export_result(struct session *session, const struct row *of, struct export 
 
 bool result_is_kept(const struct session *session, const struct row *of)
 {
-    return table_store_find(&session->found, kind_of(result_at(of))) != NULL;
+    return table_store_find(&session->studies.found, kind_of(result_at(of))) != NULL;
 }
 
 bool export_latest(struct session *session, struct export *export, struct error *error)
 {
-    const struct row *studied = session->studied_runs == session->next_run && session->studied
-                                    ? catalog_find(&result_catalog, text_of(session->studied))
-                                    : NULL;
+    const struct row *studied =
+        session->studies.at_run == session->runs.next_number && session->studies.last
+            ? catalog_find(&result_catalog, text_of(session->studies.last))
+            : NULL;
     return studied ? export_result(session, studied, export, error)
                    : export_run_table(session, export, error);
 }
@@ -178,8 +171,8 @@ static bool keep(void *context, struct stored_table *stored)
     if (!stored->table.key && !row->sceneless && export_scene_keys(session, &export, &ignored))
         stored->table = export.table;
     if (row->study) {
-        session->studied = row->row.name;
-        session->studied_runs = session->next_run;
+        session->studies.last = row->row.name;
+        session->studies.at_run = session->runs.next_number;
     }
     return true;
 }
@@ -199,6 +192,6 @@ const struct row *session_keep_results(struct session *session, struct table_sto
     const struct result_row *row = result_at(of);
     if (row && !row->table && !row->say && !table_store_find(said, kind_of(row)))
         of = NULL;
-    table_store_take(&session->found, said, keep, session);
+    table_store_take(&session->studies.found, said, keep, session);
     return of;
 }

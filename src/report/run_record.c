@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run as it is now, for programs and files. */
+#include <hooke/run/timing.h>
+#include <hooke/base/unit.h>
 #include <hooke/run/opinion.h>
 #include <hooke/report.h>
 
@@ -18,8 +20,23 @@ void run_record_init(struct run_record *record, const struct session *session,
         .v = NAN,
         .rest = run_rest(run),
         .seconds = session->setup.settings.timing == TIMING_OFF ? NAN : run->seconds,
+        .kinetic = NAN,
+        .t = run->t,
+        .steps = run->steps,
+        .cost = run->cost,
         .data = run_data_distance(run, session_recording(session)),
         .status = stop_name(run->stop)};
+}
+
+static bool is_mechanical(const void *row) /* without a potential for all of it */
+{
+    const struct system *system = &((const struct run_record *)row)->run->system;
+    return system->order == 2 && !system->energy;
+}
+
+static bool has_data(const void *row)
+{
+    return isfinite(((const struct run_record *)row)->data.rms);
 }
 
 /* What takes long, and only records say. */
@@ -33,6 +50,13 @@ static void complete(struct run_record *record)
         record->ledger.error_max = NAN;
     run_errors(run, &record->errors);
     run_below_tolerance(run, record->below);
+    if (is_mechanical(record))
+        record->kinetic = run_observable(run, observable_energy(&run->system));
+    const bool known = run_opinion_known(run);
+    record->opinion_error = run_opinion_error(run);
+    record->opinion_max = known ? run->opinion.max : NAN;
+    record->opinion_t = known ? run->opinion.t : NAN;
+    record->opinion_lost = known || !isnan(run_opinion_sunk(run)) ? run->opinion.lost : NAN;
     const int variable[] = {model_variable(model, TEXT("y")), model_variable(model, TEXT("v"))};
     double *const value[] = {&record->y, &record->v};
     for (int i = 0; i < 2; i++)
@@ -40,75 +64,9 @@ static void complete(struct run_record *record)
             *value[i] = run->y[variable[i]];
 }
 
-static const struct run *of(const void *row)
-{
-    return ((const struct run_record *)row)->run;
-}
-
-static bool is_mechanical(const void *row) /* without a potential for all of it */
-{
-    return of(row)->system.order == 2 && !of(row)->system.energy;
-}
-
-static bool has_data(const void *row)
-{
-    return isfinite(((const struct run_record *)row)->data.rms);
-}
-
-static double kinetic(const void *row)
-{
-    return run_observable(of(row), observable_energy(&of(row)->system));
-}
-
-static int64_t steps(const void *row)
-{
-    return of(row)->steps;
-}
-
-static int64_t evals(const void *row)
-{
-    return of(row)->cost.evals;
-}
-
-static int64_t turns(const void *row)
-{
-    return of(row)->cost.turns;
-}
-
-static double t(const void *row)
-{
-    return of(row)->t;
-}
-
-static double seconds(const void *row)
-{
-    return ((const struct run_record *)row)->seconds;
-}
-
-static double opinion_error(const void *row)
-{
-    return run_opinion_error(of(row));
-}
-
-static double opinion_max(const void *row)
-{
-    return run_opinion_known(of(row)) ? of(row)->opinion.max : NAN;
-}
-
-static double opinion_t(const void *row)
-{
-    return run_opinion_known(of(row)) ? of(row)->opinion.t : NAN;
-}
-
-static double opinion_lost(const void *row)
-{
-    const struct run *run = of(row);
-    return run_opinion_known(run) || !isnan(run_opinion_sunk(run)) ? run->opinion.lost : NAN;
-}
-
 static void put_state(struct reply *reply, const char *key, const void *row)
 {
-    const struct run *run = of(row);
+    const struct run *run = ((const struct run_record *)row)->run;
     const double *below = ((const struct run_record *)row)->below;
     reply_object(reply, key);
     for (int i = 0; i < run->system.n; i++) {
@@ -121,7 +79,7 @@ static void put_state(struct reply *reply, const char *key, const void *row)
 
 static void put_below(struct reply *reply, const char *key, const void *row)
 {
-    const struct run *run = of(row);
+    const struct run *run = ((const struct run_record *)row)->run;
     reply_array(reply, key);
     for (int i = 0; i < run->system.n; i++)
         if (((const struct run_record *)row)->below[i] > 0)
@@ -137,28 +95,28 @@ static const struct result_column of_run[] = {
     {.name = "method", .kind = COLUMN_NAME, AT(method)},
     {.name = "dt", AT(dt), TIME},
     {.name = "tol", AT(tol)},
-    {.name = "steps", .kind = COLUMN_COUNT, .number = steps},
-    {.name = "evals", .kind = COLUMN_COUNT, .number = evals},
-    {.name = "turning_steps", .kind = COLUMN_COUNT, .number = turns},
-    {.name = "t", .real = t, TIME},
+    {.name = "steps", .kind = COLUMN_COUNT, AT(steps)},
+    {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
+    {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
+    {.name = "t", AT(t), TIME},
     {.name = "y", AT(y)},
     {.name = "v", AT(v)},
     {.name = "state", .record = put_state},
     {.name = "below_tolerance", .record = put_below},
     {.name = "energy", AT(ledger.final), .quantity = QUANTITY_ENERGY},
-    {.name = "kinetic", .real = kinetic, .defined = is_mechanical, .quantity = QUANTITY_ENERGY},
+    {.name = "kinetic", AT(kinetic), .defined = is_mechanical, .quantity = QUANTITY_ENERGY},
     {.name = "energy_error", AT(ledger.error_max)},
     {.name = "error", AT(errors.max)},
-    {.name = "error_estimate", .real = opinion_error},
-    {.name = "error_on_the_way", .real = opinion_max},
-    {.name = "estimated_to", .real = opinion_t, TIME},
-    {.name = "digits_lost_from", .real = opinion_lost, TIME},
+    {.name = "error_estimate", AT(opinion_error)},
+    {.name = "error_on_the_way", AT(opinion_max)},
+    {.name = "estimated_to", AT(opinion_t), TIME},
+    {.name = "digits_lost_from", AT(opinion_lost), TIME},
     {.name = "rest_from", AT(rest), TIME},
     {.name = "rms_from_data", AT(data.rms), .defined = has_data},
     {.name = "data_gain", AT(data.gain), .defined = has_data},
     {.name = "data_at_zero", AT(data.at_zero), .defined = has_data},
     {.name = "status", .kind = COLUMN_NAME, AT(status)},
-    {.name = "time", .real = seconds, TIME},
+    {.name = "time", AT(seconds), TIME},
 };
 
 static const struct result_columns columns = RESULT_COLUMNS(of_run, struct run_record);

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/session/log.h>
 
@@ -32,8 +34,7 @@ static void put_method(const struct run *run, struct buffer *value)
         buffer_put(value, TEXT(" tol="));
         buffer_real(value, run->settings.tol);
     } else {
-        buffer_put(value, TEXT(" dt="));
-        buffer_quantity(value, run->settings.dt, QUANTITY_TIME, 0);
+        buffer_format(value, " dt=%s", SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 0));
     }
     if (run->settings.drag != DRAG_DEFAULT && run->system.velocity)
         buffer_format(value, " drag=%s",
@@ -93,10 +94,10 @@ static void add_changes(struct keys *keys, const char *name, const struct run_sl
 
 void keys_add_runs(struct keys *keys, const struct session *session, const int *index, int count)
 {
-    const struct run *one = session->run[index[0]]->run;
+    const struct run *one = session->runs.slot[index[0]]->run;
     keys_add_scene(keys, &one->scene);
     for (int i = 0; i < count; i++) {
-        const struct run_slot *slot = session->run[index[i]];
+        const struct run_slot *slot = session->runs.slot[index[i]];
         struct buffer name = {0}, value = {0};
         if (count > 1)
             buffer_format(&name, "run %d", slot->run->number);
@@ -115,8 +116,8 @@ void keys_add_runs(struct keys *keys, const struct session *session, const int *
     }
     if (count == 1 && one->name[0])
         keys_add_text(keys, "name", one->name);
-    if (count == 1 && session->run[index[0]]->note)
-        keys_add_text(keys, "note", session->run[index[0]]->note);
+    if (count == 1 && session->runs.slot[index[0]]->note)
+        keys_add_text(keys, "note", session->runs.slot[index[0]]->note);
 }
 
 bool keys_begin(struct keys *keys, struct export *export, struct error *error)

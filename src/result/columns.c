@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A result as records, as a table to a file and as a table for people, from one description of its
  * columns. */
+#include <hooke/base/catalog.h>
+#include <hooke/base/unit.h>
 #include <hooke/result.h>
 
 #include <math.h>
@@ -36,10 +38,21 @@ static bool bool_of(const struct result_column *column, const void *row)
 
 static const char *text_in(const struct result_column *column, const void *row)
 {
-    if (column->kind == COLUMN_NAME)
-        return column->text ? column->text(row) : *(const char *const *)member(column, row);
-    const char *text = member(column, row);
-    return text[0] ? text : NULL;
+    const void *at = member(column, row);
+    switch (column->kind) {
+    case COLUMN_NAME:
+        return column->text ? column->text(row) : *(const char *const *)at;
+    case COLUMN_ROW: {
+        const struct row *named = *(const struct row *const *)at;
+        return named ? named->name : NULL;
+    }
+    case COLUMN_CHOICE: {
+        const int index = *(const int *)at - column->choice_first;
+        return index >= 0 ? catalog_row(column->choices, (size_t)index)->name : NULL;
+    }
+    default:
+        return *(const char *)at ? at : NULL;
+    }
 }
 
 static enum quantity quantity_in(const struct result_column *column, const void *row)
@@ -56,6 +69,19 @@ static void put_measured(struct reply *reply, const struct result_column *column
         reply_measured(reply, column->name, *value, quantity_in(column, row));
     else
         reply_null(reply, column->name);
+}
+
+static void put_parts(struct reply *reply, const struct result_column *column, const void *row)
+{
+    size_t count = 0;
+    const void *parts = column->list(row, &count);
+    reply_array(reply, column->name);
+    for (size_t i = 0; i < count; i++) {
+        reply_object(reply, NULL);
+        reply_columns(reply, column->part, row_at(column->part, parts, i));
+        reply_close(reply);
+    }
+    reply_close(reply);
 }
 
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row)
@@ -84,7 +110,17 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
             break;
         case COLUMN_NAME:
         case COLUMN_CHARS:
+        case COLUMN_ROW:
+        case COLUMN_CHOICE:
             reply_string(reply, c->name, text_in(c, row));
+            break;
+        case COLUMN_OBJECT:
+            reply_object(reply, c->name);
+            reply_columns(reply, c->part, member(c, row));
+            reply_close(reply);
+            break;
+        case COLUMN_LIST:
+            put_parts(reply, c, row);
             break;
         }
     }
@@ -119,7 +155,7 @@ static bool fill_values(const struct result_columns *columns, const struct resul
             value[i] = (double)count_of(column, row);
         else if (column->kind == COLUMN_BOOL)
             text[i] = bool_of(column, row) ? "true" : "false";
-        else if (column->kind == COLUMN_NAME)
+        else if (column->kind != COLUMN_CHARS)
             text[i] = text_in(column, row);
         else if (!(text[i] = arena_text(arena, text_of(member(column, row)))))
             return false;
@@ -134,6 +170,11 @@ static bool fill_values(const struct result_columns *columns, const struct resul
     return true;
 }
 
+static bool is_only_recorded(enum column_kind kind)
+{
+    return kind == COLUMN_MEASURED || kind == COLUMN_OBJECT || kind == COLUMN_LIST;
+}
+
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table)
 {
@@ -141,7 +182,7 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
     int used = 0;
     for (int i = 0; out && i < columns->count; i++) {
         const struct result_column *column = &columns->column[i];
-        if (column->flags & COLUMN_NO_FILE || column->record || column->kind == COLUMN_MEASURED)
+        if (column->flags & COLUMN_NO_FILE || column->record || is_only_recorded(column->kind))
             continue;
         if (!fill_values(columns, column, rows, count, arena, &out[used++]))
             return false;
@@ -164,12 +205,9 @@ static bool has_value(const struct result_column *column, const void *row)
         return count_of(column, row) != 0;
     case COLUMN_BOOL:
         return bool_of(column, row);
-    case COLUMN_MEASURED:
-    case COLUMN_NAME:
-    case COLUMN_CHARS:
-        break;
+    default:
+        return text_in(column, row) != NULL;
     }
-    return text_in(column, row) != NULL;
 }
 
 static bool is_shown(const struct result_columns *columns, const struct result_column *column,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the
  * language goes through here once. */
+#include <hooke/base/safe_text.h>
 #include <hooke/result.h>
 
 #include <string.h>
@@ -86,32 +87,23 @@ static void put_caret(struct buffer *out, struct text line, struct text where)
     buffer_free(&under);
 }
 
-static void put_json(struct buffer *out, const struct error *error, const struct source *where,
-                     size_t column)
+static void write_record(struct reply *reply, const struct error *error, const struct source *where,
+                         size_t column)
 {
-    buffer_put(out, TEXT("{\"kind\":\"error\",\"code\":"));
-    buffer_json_text(out, text_of(error_name(error->code)));
-    buffer_put(out, TEXT(",\"file\":"));
-    if (where && where->name)
-        buffer_json_text(out, text_of(where->name));
-    else
-        buffer_put(out, TEXT("null"));
-    if (where && where->name)
-        buffer_format(out, ",\"line\":%d", where->line);
-    else
-        buffer_put(out, TEXT(",\"line\":null"));
-    if (column > 0)
-        buffer_format(out, ",\"column\":%zu", column);
-    else
-        buffer_put(out, TEXT(",\"column\":null"));
-    buffer_put(out, TEXT(",\"text\":"));
-    buffer_json_text(out, text_of(error->text));
-    buffer_put(out, TEXT(",\"hint\":"));
-    if (error->hint[0])
-        buffer_json_text(out, text_of(error->hint));
-    else
-        buffer_put(out, TEXT("null"));
-    buffer_put(out, TEXT("}\n"));
+    struct reply record = {.sink = {.out = reply->sink.err, .context = reply->sink.context},
+                           .format = FORMAT_JSON};
+    const bool is_placed = where && where->name;
+    reply_begin(&record, "error");
+    reply_string(&record, "code", error_name(error->code));
+    reply_string(&record, "file", is_placed ? where->name : NULL);
+    reply_real(&record, "line", is_placed ? where->line : NAN);
+    reply_real(&record, "column", column > 0 ? (double)column : NAN);
+    reply_string(&record, "text", error->text);
+    reply_string(&record, "hint", error->hint[0] ? error->hint : NULL);
+    reply_end(&record);
+    if (record.failed)
+        reply->sink.err(reply->sink.context, TEXT("error: out of memory\n"));
+    reply_free(&record);
 }
 
 static void put_text(struct buffer *out, const struct error *error, const struct source *where,
@@ -168,15 +160,15 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
     struct buffer out = {0};
     struct source own;
     const size_t column = index_of(error, &where, &own, &line);
+    reply_flush(reply);
     if (reply->error)
         reply->error(reply->sink.context, error, where, column);
-    if (reply->format == FORMAT_JSON)
-        put_json(&out, error, where, column);
-    else
-        put_text(&out, error, where, line, column);
-    if (!out.failed)
-        reply->sink.err(reply->sink.context, buffer_text(&out));
-    else
-        reply->sink.err(reply->sink.context, TEXT("error: out of memory\n"));
+    if (reply->format == FORMAT_JSON) {
+        write_record(reply, error, where, column);
+        return;
+    }
+    put_text(&out, error, where, line, column);
+    reply->sink.err(reply->sink.context,
+                    out.failed ? TEXT("error: out of memory\n") : buffer_text(&out));
     buffer_free(&out);
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What commands say, in three forms: lines, JSON objects, CSV rows. */
-#include <hooke/result.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/result/outlet.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -37,23 +40,43 @@ static void flush_out(struct reply *reply, struct buffer *buffer)
     buffer_clear(buffer);
 }
 
-static void put_text_record(struct reply *reply, const char *kind, struct text text)
+/* Writes {kind, text} to results or messages. */
+static void write_text_record(struct reply *reply, bool is_message, const char *kind,
+                              const char *text)
 {
-    buffer_put(&reply->json, TEXT("{\"kind\":"));
-    buffer_json_text(&reply->json, text_of(kind));
-    buffer_put(&reply->json, TEXT(",\"text\":"));
-    buffer_json_text(&reply->json, text);
-    buffer_put(&reply->json, TEXT("}\n"));
-    flush_out(reply, &reply->json);
+    struct reply record = {.sink = reply->sink, .format = FORMAT_JSON, .muted = reply->muted};
+    if (is_message) {
+        record.sink.out = reply->sink.err;
+        record.muted = false;
+    }
+    reply_begin(&record, kind);
+    reply_string(&record, "text", text);
+    reply_end(&record);
+    reply->failed |= record.failed && !is_message;
+    reply_free(&record);
+}
+
+void reply_flush(struct reply *reply)
+{
+    struct buffer *lines = &reply->lines;
+    if (lines->len > 0 && lines->data[lines->len - 1] != '\n')
+        buffer_char(lines, '\n');
+    if (reply->format == FORMAT_TEXT && !reply->quiet)
+        flush_out(reply, lines);
+}
+
+struct buffer *reply_buffer(struct reply *reply)
+{
+    reply_flush(reply);
+    return &reply->lines;
 }
 
 void reply_text(struct reply *reply, struct text text)
 {
-    buffer_put(&reply->lines, text);
-    if (text.len == 0 || text.at[text.len - 1] != '\n')
+    buffer_put(reply_buffer(reply), text);
+    if (text.len == 0)
         buffer_char(&reply->lines, '\n');
-    if (reply->format == FORMAT_TEXT && !reply->quiet)
-        flush_out(reply, &reply->lines);
+    reply_flush(reply);
 }
 
 void reply_paragraph(struct reply *reply, struct text text, int width)
@@ -80,6 +103,7 @@ static void begin_part(struct reply *reply, const char *kind)
 
 void reply_data(struct reply *reply, const char *kind, struct text text)
 {
+    reply_flush(reply);
     reply->recorded = true; /* no second time at the command's end */
     if (reply->format == FORMAT_CSV) {
         buffer_clear(&reply->last_header);
@@ -117,6 +141,7 @@ void reply_line(struct reply *reply, const char *format, ...)
 
 static void write_err(struct reply *reply, const struct buffer *text)
 {
+    reply_flush(reply);
     /* A message that does not fit into memory is lost, not the session. */
     if (!text->failed)
         reply->sink.err(reply->sink.context, buffer_text(text));
@@ -142,14 +167,12 @@ void reply_warning(struct reply *reply, const char *format, ...)
     put_safely(&line, format, args);
     va_end(args);
     if (reply->format == FORMAT_JSON) {
-        buffer_put(&out, TEXT("{\"kind\":\"warning\",\"text\":"));
-        buffer_json_text(&out, buffer_text(&line));
-        buffer_put(&out, TEXT("}\n"));
+        write_text_record(reply, true, "warning", buffer_view(&line));
     } else {
         buffer_format(&out, "warning: %s\n", buffer_view(&line));
+        out.failed |= line.failed;
+        write_err(reply, &out);
     }
-    out.failed |= line.failed;
-    write_err(reply, &out);
     buffer_free(&line);
     buffer_free(&out);
 }
@@ -212,28 +235,20 @@ static bool is_special(char c)
     return c == ',' || c == '"' || c == '\n' || c == '\r';
 }
 
-/* A value of a CSV row, quoted where it has to be. */
-static void put_value(struct buffer *row, struct text value)
+/* A text as a cell of CSV that shows what could command a terminal; a formula is quoted. */
+static void put_csv_text(struct buffer *row, const char *text)
 {
-    bool quote = value.len > 0 && strchr("=+-@", value.at[0]) &&
-                 (value.len < 2 || !strchr("0123456789.", value.at[1]));
-    for (size_t i = 0; i < value.len && !quote; i++)
-        quote = is_special(value.at[i]);
-    if (!quote) {
-        buffer_put(row, value);
-        return;
-    }
-    buffer_char(row, '"');
-    for (size_t i = 0; i < value.len; i++) {
-        if (value.at[i] == '"')
-            buffer_char(row, '"');
-        buffer_char(row, value.at[i]);
-    }
-    buffer_char(row, '"');
+    struct buffer safe = {0};
+    safe_text(&safe, text_of(text), true);
+    const char *second = text[0] ? text + 1 : text;
+    buffer_cell(row, buffer_text(&safe), ',',
+                text[0] && strchr("=+-@", text[0]) && !(*second && strchr("0123456789.", *second)));
+    row->failed |= safe.failed;
+    buffer_free(&safe);
 }
 
 /* A cell of the row; inside arrays the values of all elements share the cell of the array. */
-static void put_cell(struct reply *reply, const char *key, struct text value)
+static void put_cell(struct reply *reply, const char *key, struct text value, bool is_text)
 {
     struct buffer *row = &reply->row;
     if (reply->format != FORMAT_CSV)
@@ -241,14 +256,21 @@ static void put_cell(struct reply *reply, const char *key, struct text value)
     if (inside_array(reply)) {
         if (row->len > 0 && row->data[row->len - 1] != ',')
             buffer_char(row, ' ');
-        for (size_t i = 0; i < value.len; i++)
-            buffer_char(row, is_special(value.at[i]) ? ';' : value.at[i]);
+        struct buffer safe = {0};
+        safe_text(&safe, value, true);
+        for (size_t i = 0; i < safe.len; i++)
+            buffer_char(row, is_special(safe.data[i]) ? ';' : safe.data[i]);
+        row->failed |= safe.failed;
+        buffer_free(&safe);
         return;
     }
     if (reply->header.len > 0)
         buffer_char(row, ',');
     put_path(reply, key);
-    put_value(row, value);
+    if (is_text)
+        put_csv_text(row, value.at);
+    else
+        buffer_put(row, value);
 }
 
 /* The comma and the key before a JSON value. */
@@ -272,7 +294,7 @@ static void put_literal(struct reply *reply, const char *key, struct text json, 
     put_key(reply, key);
     if (reply->format == FORMAT_JSON)
         buffer_put(&reply->json, json);
-    put_cell(reply, key, cell);
+    put_cell(reply, key, cell, false);
 }
 
 static void open_level(struct reply *reply, const char *key, bool array)
@@ -334,13 +356,7 @@ void reply_string(struct reply *reply, const char *key, const char *value)
         collect(reply, key, NULL, "", value);
     if (reply->format == FORMAT_JSON)
         buffer_json_text(&reply->json, text_of(value));
-    if (reply->format != FORMAT_CSV)
-        return;
-    struct buffer safe = {0};
-    safe_text(&safe, text_of(value), true);
-    reply->row.failed |= safe.failed;
-    put_cell(reply, key, buffer_text(&safe));
-    buffer_free(&safe);
+    put_cell(reply, key, text_of(value), true);
 }
 
 void reply_quantity(struct reply *reply, const char *key, double value, const char *unit)
@@ -456,27 +472,26 @@ static void put_table_row(struct reply *reply, const char *kind, const struct ta
 /* The same as a row of CSV below others of the table. */
 static void put_csv_row(struct buffer *out, const char *kind, const struct table *table, size_t row)
 {
-    put_value(out, text_of(kind));
+    buffer_put(out, text_of(kind));
     for (const struct table_column *c = table->column; c < table->column + table->columns; c++) {
         buffer_char(out, ',');
-        if (!c->value) {
-            struct buffer safe = {0};
-            safe_text(&safe, text_of(c->text[row]), true);
-            put_value(out, buffer_text(&safe));
-            out->failed |= safe.failed;
-            buffer_free(&safe);
-        } else if (isfinite(c->value[row])) {
+        if (!c->value)
+            put_csv_text(out, c->text[row]);
+        else if (isfinite(c->value[row]))
             buffer_real(out, c->value[row]);
-        }
     }
     buffer_char(out, '\n');
 }
 
-void reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
+bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed)
 {
     const size_t chunk = (size_t)1 << 20; /* [byte] written at a time */
     for (size_t i = 0; i < count && !reply->failed; i++) {
+        if (i % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel)) {
+            flush_out(reply, &reply->row);
+            return false;
+        }
         if (i > 0 && reply->format == FORMAT_CSV) {
             put_csv_row(&reply->row, kind, table, first + i);
             if (reply->row.len >= chunk || reply->row.failed || i == count - 1)
@@ -491,12 +506,14 @@ void reply_table_rows(struct reply *reply, const char *kind, const struct table 
         }
         reply_end(reply);
     }
+    return true;
 }
 
 /* ---- one statement ---- */
 
 void reply_command_begin(struct reply *reply, enum output_format format)
 {
+    reply_flush(reply);
     reply->format = format;
     reply->recorded = false;
     buffer_clear(&reply->lines);
@@ -505,22 +522,20 @@ void reply_command_begin(struct reply *reply, enum output_format format)
 
 void reply_command_end(struct reply *reply, const char *kind)
 {
-    const struct text lines = buffer_text(&reply->lines);
-    if (reply->lines.failed)
-        reply->failed = true;
-    if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
-        put_text_record(reply, kind, (struct text){lines.at, lines.len - 1});
-    } else if (lines.len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
+    reply_flush(reply);
+    struct buffer *lines = &reply->lines;
+    reply->failed |= lines->failed;
+    if (lines->len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
+        lines->data[--lines->len] = '\0';
+        write_text_record(reply, false, kind, lines->data);
+    } else if (!reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
         struct buffer out = {0};
-        struct text rest = lines, line;
+        struct text rest = buffer_text(lines), line;
         while (text_split(&rest, '\n', &line))
-            if (line.len > 0) {
-                buffer_put(&out, TEXT("# "));
-                buffer_put(&out, line);
-                buffer_char(&out, '\n');
-            }
+            if (line.len > 0)
+                buffer_format(&out, "# %.*s\n", (int)line.len, line.at);
         flush_out(reply, &out);
         buffer_free(&out);
     }
-    buffer_clear(&reply->lines);
+    buffer_clear(lines);
 }

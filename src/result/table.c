@@ -1,27 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one
- * object; markup is table_markup.c. The text goes out in chunks, so that a large table needs no
+ * object. The text goes out in chunks, so that a large table needs no
  * memory for itself.
  */
-#include "result/outlet.h"
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/result/outlet.h>
 
 #include <math.h>
 #include <string.h>
-
-static const struct row rows[] = {
-    [TABLE_CSV] = {"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180",
-                   NULL},
-    [TABLE_TSV] = {"tsv", "", "the same with tabs", "", NULL},
-    [TABLE_JSON] = {"json", "", "one JSON object: keys, columns with their values", "RFC 8259",
-                    NULL},
-    [TABLE_MARKDOWN] = {"md", "", "a table in Markdown, below a list of the set-up",
-                        "GitHub Flavored Markdown", NULL},
-    [TABLE_HTML] = {"html", "", "a page with the table, below a list of the set-up", "HTML5", NULL},
-    [TABLE_LATEX] = {"tex", "", "a tabular for \\input, the set-up as comments", "LaTeX2e", NULL},
-};
-
-const struct catalog table_format_catalog = CATALOG("table format", rows);
 
 void outlet_pass(struct outlet *sink, size_t max)
 {
@@ -41,24 +30,34 @@ bool cell_is_formula(struct text cell)
     return at < cell.len && memchr("=+-@\t\r", cell.at[at], 6);
 }
 
-/* Quoted where it holds a separator, a quote or a line end, or could be taken for a number; what a
- * spreadsheet would run as a formula gets a ' in front. */
-static void put_cell(struct buffer *out, struct text cell, char separator)
+void buffer_cell(struct buffer *out, struct text cell, char separator, bool quoted)
 {
-    const bool formula = cell_is_formula(cell);
-    double number;
-    bool quoted = formula || text_is(cell, "inf") || real_parse(cell, &number) != REAL_MALFORMED;
-    quoted &= cell.len > 0;
     for (size_t i = 0; i < cell.len && !quoted; i++)
         quoted = cell.at[i] == separator || strchr("\"\r\n", cell.at[i]);
     if (!quoted) {
         buffer_put(out, cell);
         return;
     }
-    buffer_put(out, formula ? TEXT("\"'") : TEXT("\""));
+    buffer_char(out, '"');
     for (size_t i = 0; i < cell.len; i++)
         buffer_put(out, cell.at[i] == '"' ? TEXT("\"\"") : (struct text){cell.at + i, 1});
     buffer_char(out, '"');
+}
+
+/* Quotes what could be taken for a number; what a spreadsheet would run as a formula gets a ' in
+ * front. */
+static void put_text(struct buffer *out, struct text cell, char separator)
+{
+    struct buffer guarded = {0};
+    double number;
+    const bool is_formula = cell_is_formula(cell),
+               is_number = cell.len > 0 &&
+                           (text_is(cell, "inf") || real_parse(cell, &number) != REAL_MALFORMED);
+    if (is_formula)
+        buffer_format(&guarded, "'%.*s", (int)cell.len, cell.at);
+    buffer_cell(out, is_formula ? buffer_text(&guarded) : cell, separator, is_formula || is_number);
+    out->failed |= guarded.failed;
+    buffer_free(&guarded);
 }
 
 static void put_name(struct buffer *out, const struct table_column *column, char separator)
@@ -70,7 +69,7 @@ static void put_name(struct buffer *out, const struct table_column *column, char
         safe_text(&name, text_of(column->unit), false);
         buffer_char(&name, ']');
     }
-    put_cell(out, buffer_text(&name), separator);
+    put_text(out, buffer_text(&name), separator);
     out->failed |= name.failed;
     buffer_free(&name);
 }
@@ -97,7 +96,7 @@ static void put_separated(const struct table *table, char separator, struct outl
             if (i > 0)
                 buffer_char(out, separator);
             if (!column->value)
-                put_cell(out, text_of(column->text[row]), separator);
+                put_text(out, text_of(column->text[row]), separator);
             else if (!isnan(column->value[row]))
                 buffer_real(out, column->value[row]);
         }
@@ -144,7 +143,7 @@ void buffer_json_real(struct buffer *out, double value)
         buffer_put(out, TEXT("null"));
 }
 
-static void put_json(const struct table *table, struct outlet *sink)
+void table_json(const struct table *table, struct outlet *sink)
 {
     struct buffer *out = sink->text;
     buffer_put(out, TEXT("{\"keys\":{"));
@@ -176,34 +175,35 @@ static void put_json(const struct table *table, struct outlet *sink)
     buffer_put(out, TEXT("\n]}\n"));
 }
 
-static void put_table(const struct table *table, enum table_format format, struct outlet *sink)
+void table_csv(const struct table *table, struct outlet *to)
 {
-    if (format == TABLE_JSON)
-        put_json(table, sink);
-    else if (format == TABLE_CSV || format == TABLE_TSV)
-        put_separated(table, format == TABLE_CSV ? ',' : '\t', sink);
-    else
-        table_put_markup(table, format, sink);
-    outlet_pass(sink, 0);
+    put_separated(table, ',', to);
 }
 
-void table_format(const struct table *table, enum table_format format, struct buffer *out)
+void table_tsv(const struct table *table, struct outlet *to)
 {
-    put_table(table, format, &(struct outlet){out, NULL});
+    put_separated(table, '\t', to);
 }
 
-bool table_write(const struct table *table, enum table_format format, const char *path,
+void table_put(const struct table *table, table_format *format, struct buffer *out)
+{
+    format(table, &(struct outlet){out, NULL});
+}
+
+bool table_write(const struct table *table, table_format *format, const char *path,
                  struct write_policy policy, struct error *error)
 {
     struct writer writer;
     return writer_open(&writer, path, policy, error) && table_send(table, format, &writer, error);
 }
 
-bool table_send(const struct table *table, enum table_format format, struct writer *writer,
+bool table_send(const struct table *table, table_format *format, struct writer *writer,
                 struct error *error)
 {
     struct buffer text = {0};
-    put_table(table, format, &(struct outlet){&text, writer});
+    struct outlet to = {&text, writer};
+    format(table, &to);
+    outlet_pass(&to, 0);
     const bool failed = text.failed;
     buffer_free(&text);
     if (failed) {

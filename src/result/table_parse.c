@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads back what table.c writes as CSV, TSV and JSON: the same doubles, the same texts. */
-#include "result/outlet.h"
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/result/outlet.h>
 
 #include <assert.h>
 #include <math.h>

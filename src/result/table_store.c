@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables by the kind of their rows, and records as rows of such tables. */
+#include <hooke/base/number.h>
 #include <hooke/result.h>
 
 #include <math.h>

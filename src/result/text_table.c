@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
 #include <hooke/result.h>
 
 #include <math.h>
@@ -29,40 +32,37 @@ void cell_take(struct text_table *table, struct buffer *text)
     buffer_free(text);
 }
 
-void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits)
+void cell_format(struct text_table *table, const char *format, ...)
 {
     struct buffer text = {0};
-    if (!isfinite(value))
-        buffer_char(&text, '-');
-    else
-        buffer_quantity(&text, value, quantity, digits);
+    va_list args;
+    va_start(args, format);
+    buffer_vformat(&text, format, args);
+    va_end(args);
     cell_take(table, &text);
+}
+
+void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits)
+{
+    cell_text(table, isfinite(value) ? SHOWN_QUANTITY(value, quantity, digits) : "-");
 }
 
 void cell_error(struct text_table *table, double value)
 {
-    struct buffer text = {0};
-    buffer_format(&text, isfinite(value) ? value == 0 ? "0" : "%.1e" : "-", value);
-    cell_take(table, &text);
+    cell_format(table, isfinite(value) ? value == 0 ? "0" : "%.1e" : "-", value);
 }
 
 void cell_count(struct text_table *table, int64_t value)
 {
-    struct buffer text = {0};
-    buffer_format(&text, "%lld", (long long)value);
-    cell_take(table, &text);
+    cell_format(table, "%lld", (long long)value);
 }
 
 void cell_seconds(struct text_table *table, double seconds)
 {
-    struct buffer text = {0};
-    if (!isfinite(seconds))
-        buffer_char(&text, '-');
-    else if (seconds < 1e-3)
-        buffer_format(&text, "%.3g us", seconds * 1e6);
+    if (seconds < 1e-3)
+        cell_format(table, "%.3g us", seconds * 1e6);
     else
-        buffer_quantity(&text, seconds, QUANTITY_TIME, 3);
-    cell_take(table, &text);
+        cell_quantity(table, seconds, QUANTITY_TIME, 3);
 }
 
 void table_cells(const struct table *from, size_t rows, struct text_table *table)

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values and words as people read them, and as commands read them back. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include <hooke/result.h>
 
 #include <math.h>
@@ -25,6 +27,40 @@ void buffer_measured(struct buffer *buffer, struct measured value, enum quantity
     const char *name = unit ? unit->row.name : quantity_unit(quantity);
     if (*name)
         buffer_format(buffer, " %s", name);
+}
+
+/* A buffer in memory that is large enough for every value, so that it never grows. */
+static struct buffer fixed_buffer(struct value_text *text)
+{
+    return (struct buffer){.data = text->at, .cap = sizeof text->at};
+}
+
+const char *value_text_short(struct value_text *text, double value, int digits)
+{
+    struct buffer out = fixed_buffer(text);
+    buffer_short(&out, value, digits);
+    return text->at;
+}
+
+const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
+                                int digits)
+{
+    struct buffer out = fixed_buffer(text);
+    buffer_quantity(&out, value, quantity, digits);
+    return text->at;
+}
+
+const char *value_text_measured(struct value_text *text, struct measured value,
+                                enum quantity quantity, int digits)
+{
+    struct buffer out = fixed_buffer(text);
+    buffer_measured(&out, value, quantity, digits);
+    return text->at;
+}
+
+const char *plural_s(int64_t count)
+{
+    return count == 1 ? "" : "s";
 }
 
 void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity)

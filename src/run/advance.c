@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loop: steps, conditions, stop reasons, slices. */
+#include <hooke/base/cancel.h>
 #include <hooke/scene/formula.h>
 #include "run/event/watch.h"
 
@@ -24,6 +25,11 @@ static bool same_time(double a, double b)
     return isfinite(b) && fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b));
 }
 
+double run_arrival(double t, double end)
+{
+    return same_time(t, end) ? end : t;
+}
+
 static enum stop segment_begin(struct run *run, const struct run_target *target,
                                struct segment *segment)
 {
@@ -41,6 +47,8 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
     double h = copysign(run->settings.dt, target->t - run->t);
     if (run->plan.adaptive) {
         run->controller.h = copysign(run->controller.h, h);
+        if (trace_grid(run->trace)->origin != target->t)
+            trace_regrid(run->trace, (struct time_grid){run->steps, target->t, h});
     } else {
         if (trace_grid(run->trace)->h != h) {
             trace_regrid(run->trace,
@@ -59,10 +67,8 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
         trace_aim(run->trace, run->t, h);
         segment->between = run->plan.adaptive || !trace_in_step(run->trace);
     }
-    if (target->condition || target->events > 0) {
-        ledger_demand(run);
-        p->is_unrepeatable = true;
-    }
+    if (target->condition || target->events > 0)
+        ledger_will_not_repeat(run);
     segment->armed = target->condition && !holds(segment);
     return events_begin(run, segment) ? STOP_NONE : STOP_FULL;
 }
@@ -200,7 +206,7 @@ static enum step_status step_once(struct run *run, const struct segment *segment
         *t = step->t = run->t;
         status = method_adapt(run->method, step, &run->controller, segment->target->t);
         *h = step->h;
-        *end = same_time(step->t, segment->target->t) ? segment->target->t : step->t;
+        *end = run_arrival(step->t, segment->target->t);
         return status;
     }
     *t = grid_time(&segment->grid, run->steps);
@@ -227,14 +233,17 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
-/* Copies the controller of a system of n variables: its arrays are long enough for any system. */
-static void copy_controller(struct controller *to, const struct controller *from, int n)
+void controller_copy(struct controller *to, const struct controller *from,
+                     const struct system *system)
 {
-    const size_t behind = offsetof(struct controller, elapsed);
+    const size_t behind = offsetof(struct controller, elapsed),
+                 switches = offsetof(struct controller, switches);
     to->tol = from->tol;
-    copy_state(to->scale, from->scale, n);
-    copy_state(to->excess, from->excess, n);
-    memcpy((char *)to + behind, (const char *)from + behind, sizeof *to - behind);
+    copy_state(to->scale, from->scale, system->n);
+    copy_state(to->excess, from->excess, system->n);
+    memcpy((char *)to + behind, (const char *)from + behind, switches - behind);
+    if (system->switches > 0)
+        to->switches = from->switches;
 }
 
 static inline bool must_thin(const struct run *run)
@@ -250,10 +259,8 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     if (must_thin(run)) /* instead of a step */
         return ledger_thin(run) ? STOP_NONE : STOP_FULL;
     double t, h, end, was = run->t;
-    /* Fixed steps do not use it. */
-    const int controlled = run->plan.adaptive ? run->system.n : 0;
     struct controller controller;
-    copy_controller(&controller, &run->controller, controlled);
+    controller_copy(&controller, &run->controller, &run->system);
     p->gap_known = false;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
@@ -265,7 +272,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     }
     if (!run_in_bounds(run, run->y)) {
         restore(run);
-        copy_controller(&run->controller, &controller, controlled);
+        controller_copy(&run->controller, &controller, &run->system);
         return STOP_DIVERGED;
     }
     bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, noticed = true;
@@ -292,7 +299,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     }
     if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
-        copy_controller(&run->controller, &controller, controlled);
+        controller_copy(&run->controller, &controller, &run->system);
         run->steps--;
         run->t = was;
         event_records_truncate(run, 0);
@@ -306,7 +313,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
                                      .first = run->steps, .origin = run->t, .h = segment->grid.h});
         p->step.warm = false;
     }
-    ledger_take(run, run->y, 1);
+    ledger_take(run, run->y, run->plan.adaptive ? &run->t : NULL, (size_t)run->system.n, 1);
     return stop == STOP_NONE && run->plan.adaptive && run_creeps(run) ? STOP_SINGULAR : stop;
 }
 
@@ -316,9 +323,8 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     struct run_private *p = run->private_state;
     struct segment segment;
     int64_t begin = clock_ns(), now = begin;
-    /* who draws the energy between slices asks again: half of each is for that */
+    /* Who draws the energy between slices asks again: its part of a slice may be the larger one. */
     const bool follows = budget_ns > 0 && ledger_is_asked(run);
-    budget_ns = follows ? budget_ns / 2 : budget_ns;
     run->cancel = cancel ? cancel : run->cancel;
     enum stop stop = segment_begin(run, target, &segment);
     bool more = false;
@@ -333,6 +339,8 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
                 if (must_thin(run))
                     break;
             }
+        if (follows && run->trace->bucket == 1)
+            ledger_follow(run);
         int64_t then = now;
         now = clock_ns();
         if (now - then < BATCH_NS_MIN && p->batch < BATCH_MAX)
@@ -345,8 +353,6 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     run->seconds += clock_seconds(begin);
     run->stop = stop;
     trace_present(run->trace, run->steps, run->t, run->y);
-    if (more && follows && run->trace->bucket == 1)
-        ledger_follow(run);
     return more;
 }
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `plan` for people: what will be computed and what is left out, like the EXPLAIN of a database. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include <hooke/run/price.h>
 
 #include "run/private.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whole steps of a fixed size in bulk: a kernel writes the states, where possible straight into the
- * trace. */
+/* Many steps at once, of a fixed size or adaptive: a kernel writes the states, where possible
+ * straight into the trace. */
 #include "run/private.h"
 
 #include <math.h>
@@ -104,8 +104,6 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
     const size_t size = method_work_size(run->method, n) * sizeof *p->work;
     const struct step was = p->step;
     const struct switches_state switches = run->controller.switches;
-    if (restores)
-        memcpy(p->work_before, p->work, size);
     int64_t taken = method_turning_march(run->method, p->kernel, march, status);
     *good = rows_within(march->row, taken, n, p->bound);
     if (restores && *good + 1 < taken + (*status != STEP_OK)) {
@@ -119,25 +117,141 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
     return taken;
 }
 
+/* Copies the working memory of the method, so that many steps can be taken back. Returns false if
+ * out of memory. */
+static bool keep_work(struct run *run)
+{
+    struct run_private *p = run->private_state;
+    const size_t size = method_work_size(run->method, run->system.n) * sizeof *p->work;
+    if (!p->work_before)
+        p->work_before = malloc(size + 1);
+    if (p->work_before)
+        memcpy(p->work_before, p->work, size);
+    return p->work_before;
+}
+
+/* Opens *capacity rows of `width` numbers: in the trace if each of them stays as it is, else in
+ * memory that is used again. Returns NULL if there is none. */
+static double *open_rows(struct run *run, size_t width, size_t *capacity, bool *in_trace)
+{
+    struct run_private *p = run->private_state;
+    double *row = trace_open(run->trace, width, capacity);
+    *in_trace = row;
+    if (row)
+        return row;
+    *capacity = CHUNK_ROWS;
+    if (!p->scratch)
+        p->scratch = malloc(CHUNK_ROWS * width * sizeof *p->scratch);
+    return p->scratch;
+}
+
+/* Where adaptive steps began, beside run_private's before and work_before. */
+struct adapted_from {
+    struct step step;
+    struct controller controller;
+};
+
+/* Takes `count` adaptive steps from there once more, fewer than before. */
+static void adapt_again(struct run *run, const struct adapted_from *from, double end, int64_t count,
+                        double *row)
+{
+    struct run_private *p = run->private_state;
+    enum step_status status;
+    p->step = from->step;
+    copy_state(run->y, p->before, run->system.n);
+    memcpy(p->work, p->work_before, method_work_size(run->method, run->system.n) * sizeof *p->work);
+    controller_copy(&run->controller, &from->controller, &run->system);
+    if (count > 0)
+        method_adapt_many(&p->step, &run->controller, end, count, row, &status);
+}
+
+/* Takes up to `count` adaptive steps, writes them to `row` [count][n + 1] and records them; ends
+ * before the first one that is out of bounds or has no room. Returns the number of steps, after
+ * which the state of the run is the last of them. */
+static int64_t adapt_within(struct run *run, double end, int64_t count, double *row, bool in_trace,
+                            enum stop *stop)
+{
+    struct run_private *p = run->private_state;
+    const int n = run->system.n;
+    struct adapted_from from = {.step = p->step};
+    enum step_status status = STEP_OK;
+    double bound[LIMIT_VARIABLES + 1];
+    copy_state(bound, p->bound, n);
+    bound[n] = HUGE_VAL; /* of the time */
+    controller_copy(&from.controller, &run->controller, &run->system);
+    copy_state(p->before, run->y, n);
+    const int64_t taken = method_adapt_many(&p->step, &run->controller, end, count, row, &status);
+    int64_t good = rows_within(row, taken, n + 1, bound);
+    /* Beyond the bounds nothing was taken: the step there says why. */
+    if (good == taken && good > 0)
+        *stop = stop_of_step(status);
+    if (good > 0)
+        row[good * (n + 1) - 1] = run_arrival(row[good * (n + 1) - 1], end);
+    if (in_trace) {
+        trace_close(run->trace, (size_t)good);
+    } else {
+        const int64_t recorded = trace_record_many(run->trace, run->steps + 1, row, good);
+        *stop = recorded < good ? STOP_FULL : *stop;
+        good = recorded;
+    }
+    if (good < taken || good == 0)
+        adapt_again(run, &from, end, good, row);
+    return good;
+}
+
+/* Takes adaptive steps: at most a batch, and none beyond the limit or the next look for a
+ * singularity. Returns false if nothing was done, so that the next step has to be taken alone. */
+static bool adapt_many(struct run *run, const struct segment *segment, enum stop *stop)
+{
+    struct run_private *p = run->private_state;
+    const int n = run->system.n;
+    const size_t width = (size_t)n + 1;
+    const double end = segment->target->t;
+    const int64_t left = min(segment->limit, p->look) - run->steps;
+    size_t capacity = 0;
+    bool in_trace;
+    if (!method_adapts_many(&p->step, &run->controller) || run->t == end || left <= 0)
+        return false;
+    double *row = open_rows(run, width, &capacity, &in_trace);
+    if (!row || !keep_work(run))
+        return false;
+    p->step.t = run->t;
+    const int64_t count = min(min(left, p->batch), (int64_t)capacity),
+                  good = adapt_within(run, end, count, row, in_trace, stop);
+    if (good == 0)
+        return false; /* one step says why */
+    const double *last = row + (size_t)(good - 1) * width;
+    p->gap_known = false;
+    if (good > 1)
+        copy_state(p->before, last - width, n);
+    if (!in_trace)
+        ledger_take(run, row, row + n, width, good);
+    run->steps += good;
+    run->t = last[n];
+    if (*stop != STOP_NONE)
+        copy_state(p->before, run->y, n);
+    else if (run_creeps(run))
+        *stop = STOP_SINGULAR;
+    return true;
+}
+
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;
     const int n = run->system.n;
     const int64_t left = min(segment->limit, segment->last) - run->steps;
-    if (run->plan.adaptive || segment->target->condition || segment->target->events > 0 ||
-        p->step.low || left <= 0 || segment->between || ledger_is_due(run))
+    if (segment->target->condition || segment->target->events > 0 || segment->between ||
+        ledger_is_due(run))
         return false;
-
-    if (!p->work_before &&
-        !(p->work_before = malloc(method_work_size(run->method, n) * sizeof *p->work + 1)))
+    if (run->plan.adaptive)
+        return adapt_many(run, segment, stop);
+    if (p->step.low || left <= 0 || !keep_work(run))
         return false;
-    size_t capacity = CHUNK_ROWS;
-    double *in_trace = trace_open(run->trace, &capacity), *row = in_trace;
-    if (!row) {
-        if (!p->scratch && !(p->scratch = malloc(CHUNK_ROWS * (size_t)n * sizeof *p->scratch)))
-            return false;
-        row = p->scratch;
-    }
+    size_t capacity = 0;
+    bool in_trace;
+    double *row = open_rows(run, (size_t)n, &capacity, &in_trace);
+    if (!row)
+        return false;
     copy_state(p->before, run->y, n);
     p->step.h = segment->grid.h;
     struct march march = {.step = &p->step,
@@ -151,7 +265,9 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         march.count = min(march.count, HOT_ROWS);
     if (propagator)
         find_block(run, segment, march.first);
-    int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0,
+    int64_t taken = propagator
+                        ? propagator_advance(propagator, march.first, march.count, run->y, row)
+                        : 0,
             good = -1;
     const bool propagated = taken > 0;
     if (propagated) {
@@ -177,7 +293,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         if (recorded < good)
             *stop = STOP_FULL;
         good = recorded;
-        ledger_take(run, row, good);
+        ledger_take(run, row, NULL, (size_t)n, good);
     }
     if (good < march.count && *stop != STOP_NONE) { /* back to the last good state */
         copy_state(run->y, good > 0 ? row + (good - 1) * n : p->before, n);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Observables: functions of a row of a run. A new one is a row of the table. */
+/* Observables: functions of a row of a run. A new one is a row of observables.def. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
 #include <hooke/base/elementary.h>
 #include <hooke/scene/typed.h>
 #include "run/private.h"
@@ -12,15 +14,27 @@ static const double *velocity(const struct sample *sample)
     return sample->y + sample->system->n / 2;
 }
 
-/* Of positions, or of all there is in a first-order scene. */
-static int coordinates(const struct system *system)
+static double acceleration(const struct sample *sample)
 {
-    return system->order == 2 ? system->n / 2 : system->n;
+    double a[LIMIT_VARIABLES];
+    system_acceleration(sample->system, sample->t, sample->y, a);
+    return a[0];
 }
 
-static double energy_of(const struct sample *sample)
+static double energy_error(const struct sample *s)
 {
-    return system_energy(sample->system, sample->y);
+    const double error = system_energy(s->system, s->y) - s->initial - s->work;
+    return s->initial != 0 ? error / fabs(s->initial) : NAN;
+}
+
+/* In positions, or in all there is in a first-order scene. */
+static double distance_from_exact(const struct sample *s)
+{
+    const int count = s->system->order == 2 ? s->system->n / 2 : s->system->n;
+    double distance = s->y[0] - s->exact[0];
+    for (int i = 1; i < count; i++)
+        distance = fixed_hypot(distance, s->y[i] - s->exact[i]);
+    return distance;
 }
 
 /* About the equilibrium: position [m], velocity over omega0 [m]. */
@@ -45,11 +59,6 @@ static double phase_after(struct phase_point a, struct phase_point b)
     return remainder(fixed_atan2(-a.p, a.q) - fixed_atan2(-b.p, b.q), 2 * M_PI);
 }
 
-static double phase_between(const struct system *system, const double *y, const double *from)
-{
-    return phase_after(phase_point(system, y), phase_point(system, from));
-}
-
 /* The angle, whose turns are not known, that is nearest to the one before. */
 static double with_turns(double angle, double before)
 {
@@ -64,147 +73,35 @@ static double amplitude_of(const struct system *system, const double *y)
 
 /* ---- the table ---- */
 
-static double value_t(const struct sample *sample)
-{
-    return sample->t;
-}
-
-static double value_y(const struct sample *sample)
-{
-    return sample->y[0];
-}
-
-static double value_v(const struct sample *sample)
-{
-    return velocity(sample)[0];
-}
-
-static double value_a(const struct sample *sample)
-{
-    double a[LIMIT_VARIABLES];
-    system_acceleration(sample->system, sample->t, sample->y, a);
-    return a[0];
-}
-
-static double value_kinetic(const struct sample *sample)
-{
-    return system_kinetic(sample->system, sample->y);
-}
-
-static double value_potential(const struct sample *sample)
-{
-    return system_potential(sample->system, sample->y);
-}
-
-static double value_energy_error(const struct sample *sample)
-{
-    return sample->initial != 0
-               ? (energy_of(sample) - sample->initial - sample->work) / fabs(sample->initial)
-               : NAN;
-}
-
-static double value_dissipated(const struct sample *sample)
-{
-    return sample->dissipated;
-}
-
-static double value_work(const struct sample *sample)
-{
-    return sample->work;
-}
-
-static double value_power(const struct sample *sample)
-{
-    return system_power(sample->system, sample->t, sample->y);
-}
-
-static double value_momentum(const struct sample *sample)
-{
-    return sample->system->mass * velocity(sample)[0];
-}
-
-static double value_amplitude(const struct sample *sample)
-{
-    return amplitude_of(sample->system, sample->y);
-}
-
-static double value_exact(const struct sample *sample)
-{
-    return sample->exact[0];
-}
-
-static double value_error(const struct sample *sample)
-{
-    int count = coordinates(sample->system);
-    double distance = sample->y[0] - sample->exact[0];
-    for (int i = 1; i < count; i++)
-        distance = fixed_hypot(distance, sample->y[i] - sample->exact[i]);
-    return distance;
-}
-
-static double value_phase_error(const struct sample *sample)
-{
-    return phase_between(sample->system, sample->y, sample->exact);
-}
-
+#define OBSERVABLE(id, name, alias, unit, brief, quantity, needs, value)                           \
+    static double value_##id(const struct sample *s)                                               \
+    {                                                                                              \
+        return value;                                                                              \
+    }
+#include "run/observables.def"
+#undef OBSERVABLE
+#define OBSERVABLE(id, name, alias, unit, brief, quantity, needs, value)                           \
+    {{name, unit, brief, "", alias}, QUANTITY_##quantity, needs, value_##id},
 static const struct observable observables[] = {
-    {{"t", "s", "time", "", NULL}, QUANTITY_TIME, 0, value_t},
-    {{"y", "m", "position", "", NULL}, QUANTITY_LENGTH, 0, value_y},
-    {{"v", "m/s", "velocity", "", NULL}, QUANTITY_VELOCITY, NEED_MECHANICS, value_v},
-    {{"a", "m/s^2", "acceleration", "", NULL}, QUANTITY_ACCELERATION, NEED_MECHANICS, value_a},
-    {{"energy", "J", "kinetic and potential energy", "", NULL},
-     QUANTITY_ENERGY,
-     NEED_MECHANICS | NEED_ENERGY,
-     energy_of},
-    {{"kinetic", "J", "kinetic energy m v^2/2", "", NULL},
-     QUANTITY_ENERGY,
-     NEED_MECHANICS,
-     value_kinetic},
-    {{"potential", "J", "potential energy of the conservative forces", "", NULL},
-     QUANTITY_ENERGY,
-     NEED_MECHANICS | NEED_ENERGY,
-     value_potential},
-    {{"work", "J", "work of drag and drive since the start", "", NULL},
-     QUANTITY_ENERGY,
-     NEED_MECHANICS | NEED_WORK | NEED_POWER,
-     value_work},
-    {{"dissipated", "J", "energy that drag took away since the start", "", NULL},
-     QUANTITY_ENERGY,
-     NEED_MECHANICS | NEED_WORK | NEED_POWER,
-     value_dissipated},
-    {{"power", "W", "power of drag and drive", "", NULL},
-     QUANTITY_POWER,
-     NEED_MECHANICS | NEED_POWER,
-     value_power},
-    {{"energy-error", "", "error of the energy balance, (E - E0 - work)/E0", "", "energy_error"},
-     QUANTITY_NUMBER,
-     NEED_MECHANICS | NEED_ENERGY | NEED_WORK | NEED_RATIO,
-     value_energy_error},
-    {{"momentum", "kg m/s", "momentum m v", "", NULL},
-     QUANTITY_OTHER,
-     NEED_MECHANICS | NEED_LINE,
-     value_momentum},
-    {{"amplitude", "m", "hypot(y - equilibrium, v/omega0)", "", NULL},
-     QUANTITY_LENGTH,
-     NEED_MECHANICS | NEED_CENTRE,
-     value_amplitude},
-    {{"exact", "m", "position of the exact solution", "", NULL},
-     QUANTITY_LENGTH,
-     NEED_EXACT,
-     value_exact},
-    {{"error", "m", "position minus the exact one; in several coordinates the distance from it", "",
-      NULL},
-     QUANTITY_LENGTH,
-     NEED_EXACT,
-     value_error},
-    {{"phase-error", "rad", "phase minus that of the exact solution, within -pi..pi", "",
-      "phase_error"},
-     QUANTITY_ANGLE,
-     NEED_MECHANICS | NEED_CENTRE | NEED_EXACT,
-     value_phase_error},
+#include "run/observables.def"
 };
 
 const struct catalog observable_catalog = CATALOG("observable", observables);
+
+const struct observable *observable_by_name(struct text name)
+{
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
+}
+
+const struct observable *observable_at(size_t i)
+{
+    return (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+}
+
+const struct observable *observable_from(const struct row *row)
+{
+    return (const struct observable *)(const void *)row;
+}
 
 /* ---- what they are in a scene ---- */
 
@@ -276,9 +173,8 @@ bool observable_defined(const struct observable *observable, const struct system
 
 const struct observable *observable_energy(const struct system *system)
 {
-    return (const struct observable *)(const void *)catalog_find(
-        &observable_catalog,
-        system->energy || system->order != 2 ? TEXT("energy") : TEXT("kinetic"));
+    return observable_by_name(system->energy || system->order != 2 ? TEXT("energy")
+                                                                   : TEXT("kinetic"));
 }
 
 bool run_column(const struct run *run, const struct observable *observable, double *out,
@@ -398,12 +294,11 @@ static bool scope_find(const void *context, struct text name, int *slot)
     if (*slot >= 0)
         return true;
     const struct row *row = catalog_find(&observable_catalog, name);
-    if (row && ((const struct observable *)(const void *)row)->needs & NEED_ENERGY &&
-        run->system.order == 2 && !run->system.energy)
+    if (row && (observable_from(row))->needs & NEED_ENERGY && run->system.order == 2 &&
+        !run->system.energy)
         return false;
     if (row)
-        *slot = model->n + model_observed(model) +
-                (int)((const struct observable *)(const void *)row - observables);
+        *slot = model->n + model_observed(model) + (int)(observable_from(row) - observables);
     return row != NULL;
 }
 

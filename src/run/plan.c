@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plan: what a scene and a method really need, and what is refused before anything starts. */
+#include <hooke/base/catalog.h>
 #include <hooke/run/step_limit.h>
 #include "run/private.h"
 

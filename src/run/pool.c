@@ -66,3 +66,18 @@ void pool_release(struct pool *pool)
     }
     *pool = (struct pool){0};
 }
+
+bool array_reserve(void *array, size_t bytes, size_t count, size_t *capacity)
+{
+    static const size_t large = 1024; /* [byte] things of which most arrays have one */
+    const size_t first = bytes < large ? 16 : 1;
+    if (count < *capacity)
+        return true;
+    const size_t larger = *capacity > 0 ? 2 * *capacity : first;
+    void *made = realloc(*(void **)array, larger * bytes);
+    if (!made)
+        return false;
+    *(void **)array = made;
+    *capacity = larger;
+    return true;
+}

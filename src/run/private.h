@@ -11,6 +11,8 @@
 #include "run/failure/failure.h"
 #include "run/saltation.h"
 
+struct cancel;
+
 /* Once or twice a step: most scenes have two variables, for which a call costs more than the copy.
  */
 static inline void copy_state(double *to, const double *from, int n)
@@ -27,7 +29,7 @@ static inline void copy_state(double *to, const double *from, int n)
 
 struct time_grid {
     int64_t first; /* step index at the origin */
-    double origin; /* [s] */
+    double origin; /* [s]; the target of adaptive steps, whose times are in their rows */
     double h;      /* [s] signed */
 };
 
@@ -66,6 +68,9 @@ struct pool {
     size_t left, bytes;
 };
 
+/* Makes room for one more than `count` things in an array, whose pointer is at `array`. Returns
+ * false if out of memory. Arrays that share a capacity each begin from the same one. */
+bool array_reserve(void *array, size_t bytes, size_t count, size_t *capacity);
 /* a multiple of 16 bytes, not cleared; NULL: no memory */
 void *pool_take(struct pool *pool, size_t size);
 void pool_release(struct pool *pool);
@@ -136,22 +141,20 @@ bool trace_put_row(struct trace *trace, int64_t step, const double *row,
                    const struct energy_tally *mark);
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
-/* The first of the rows, n numbers each, with the smallest and the largest position among them. */
-void rows_extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high);
 /* NULL: no memory */
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory);
 void trace_destroy(struct trace *trace);
 /* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order,
  * each once. */
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y);
-/* The same for the states after `step`, `step` + 1, …, whose times are not recorded; returns how
- * many were taken. */
+/* The same for the states after `step`, `step` + 1, …, rows as the trace has them; returns how many
+ * were taken. */
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count);
 /* The recorded state after `step`; NULL: not recorded, or the trace is decimated. */
 const double *trace_state_after(const struct trace *trace, int64_t step);
-/* Where the next rows go when every step is kept: room for *rows of them, one after the other.
- * NULL: not so. */
-double *trace_open(struct trace *trace, size_t *rows);
+/* Returns the place of the next rows of `width` numbers, with room for *rows of them one after the
+ * other, or NULL unless every step is kept in rows of that width. */
+double *trace_open(struct trace *trace, size_t width, size_t *rows);
 /* that gives this step its time */
 const struct time_grid *trace_grid_of(const struct trace *trace, int64_t step);
 void trace_close(struct trace *trace, size_t rows); /* so many were written there */
@@ -174,6 +177,31 @@ void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *ta
 size_t trace_row_from(const struct trace *trace, int64_t step);
 /* Recorded row i of those before `end`, and how many follow it in memory, each trace->width on. */
 const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count);
+/* Row i changes. */
+static inline void trace_touch(struct trace *trace, size_t i)
+{
+    trace->stored = i < trace->stored ? i : trace->stored;
+}
+
+static const struct energy_tally unknown_tally = {.scale = -1};
+
+/* Makes room for a few more rows, and for the steps of the rows that there are. Return false if
+ * there is no memory. */
+bool trace_reserve_rows(struct trace *trace, size_t rows);
+bool trace_grow_index(struct trace *trace);
+/* Sets row i, for which there is room. */
+void trace_write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y,
+                     const struct energy_tally *mark);
+
+/* ---- decimation.c ---- */
+
+/* Offers a step to a decimated trace. Returns false if there is no memory. */
+bool trace_keep(struct trace *trace, int64_t step, double t, const double *y);
+/* Makes buckets longer until at most half of the rows remain. Returns false if there is no memory.
+ */
+bool trace_coarsen(struct trace *trace);
+/* Finds the rows of the last bucket, which begins at that step, again. */
+void trace_find_tail(struct trace *trace, int64_t begin);
 /*
  * A trace with each step is decimated in two parts: its steps and its number of rows are those that
  * stay, while trace_rows() still finds each step's row; then rows move to their places. False: no
@@ -270,13 +298,11 @@ struct run_private {
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* at least one */
     size_t epochs, epoch_capacity;
-    int64_t batch, look; /* steps between looks at the clock; the next one of run_creeps() */
-    /* rows that run_diagnose() has seen; the next that it would look into, */
-    size_t looked, across;
-    size_t unchecked, checks;      /* and whose step it would check, after so many */
-    size_t searched;               /* the last row that run_missed_burst() has seen */
-    double probed;                 /* [s] as far as run_force_unresolved() has looked for pulses */
-    march_function *kernel;        /* NULL: none for this method and system */
+    int64_t batch, look;    /* steps between looks at the clock; the next one of run_creeps() */
+    size_t looked, checks;  /* rows that run_diagnose() has seen, and strange steps among them */
+    size_t searched;        /* the last row that run_missed_burst() has seen */
+    double probed;          /* [s] as far as run_force_unresolved() has looked for pulses */
+    march_function *kernel; /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
     /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
     double *scratch;
@@ -285,7 +311,8 @@ struct run_private {
     int64_t given_first, given_end;
     double factor;              /* power of two on states before their energies are compared */
     const struct run *original; /* whose steps are taken again, for its balance; or NULL */
-    bool is_unrepeatable;       /* conditions or events may have ended a step early */
+    /* Conditions or events may have ended a step early, or adaptive steps began anew. */
+    bool is_unrepeatable;
     /* up to the last step where rows have marks, else as far as somebody asked */
     struct balance balance;
     struct thinning *thinning; /* ledger.c; NULL: none has begun */
@@ -304,7 +331,6 @@ struct run_private {
     double sunk;             /* run_opinion_sunk() */
     /* evaluations and Jacobians of the solutions that regrowth_look() followed */
     double regrowth_work;
-    size_t restless; /* rows in which nothing rests that may grow again */
 };
 
 /* The state is no longer what the compensated sums know about. */
@@ -384,6 +410,8 @@ void events_until_at(struct run *run, double theta);
 /* Drops those after the present step; of that step those ahead of the present time. */
 void event_records_truncate(struct run *run, double ahead);
 
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
 /* Four numbers at once, in whatever registers there are; of wider ones, where there are none,
  * compilers make a mess. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
@@ -413,8 +441,8 @@ bool propagator_knows(const struct propagator *propagator, int64_t step);
 void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
 /* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were
  * written: fewer where the block that `first` stands in was begun by something else. */
-int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y,
-                  double *row);
+int64_t propagator_advance(struct propagator *propagator, int64_t first, int64_t count, double *y,
+                           double *row);
 /* Are the rows of the last call within bounds for certain, without a look at each? */
 bool propagator_within(const struct propagator *propagator, const double *bound);
 
@@ -422,6 +450,12 @@ bool propagator_within(const struct propagator *propagator, const double *bound)
  * False: step by step. */
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
+/* Returns the time [s] that a step to t has reached: `end` if they differ by rounding only, else
+ * t. */
+double run_arrival(double t, double end);
+/* Copies the part of a controller that a system of this size uses. */
+void controller_copy(struct controller *to, const struct controller *from,
+                     const struct system *system);
 /* all finite, and not what counts as diverged */
 bool run_in_bounds(const struct run *run, const double *y);
 
@@ -488,6 +522,8 @@ bool ledger_known(const struct run *run); /* the trace has each step, or marks *
 bool ledger_waits(const struct run *run); /* nothing is kept before somebody asks */
 /* Takes the steps again where rows are apart and have no marks yet. Returns ledger_known(). */
 bool ledger_demand(const struct run *run);
+/* The steps to come do not follow from the run's scene, grids and number of steps. */
+void ledger_will_not_repeat(struct run *run);
 void balance_begin(const struct run *run, struct balance *balance); /* at the start */
 /*
  * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
@@ -511,7 +547,8 @@ void ledger_forget_thinning(struct run_private *p);
 bool ledger_is_asked(const struct run *run);
 void ledger_follow(const struct run *run);
 /* After steps to these states were offered to the trace, whose marks it sets. */
-void ledger_take(struct run *run, const double *row, int64_t count);
+void ledger_take(struct run *run, const double *row, const double *time, size_t stride,
+                 int64_t count);
 /* the last row is this state, inside of the next step */
 void ledger_inside(struct run *run, double t, const double *y);
 void ledger_back(struct run *run); /* the run went back to a recorded row, the last one */

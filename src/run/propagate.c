@@ -169,7 +169,8 @@ void propagator_set_place(struct propagator *p, const struct propagator_place *p
     propagator_anchor(p, place->anchored, place->anchor);
 }
 
-int64_t propagate(struct propagator *p, int64_t first, int64_t count, double *y, double *row)
+int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, double *y,
+                           double *row)
 {
     double within[BLOCK * N];
     int64_t done = 0;

@@ -64,15 +64,8 @@ static double energy_factor(const struct system *system)
 struct epoch *run_push_epoch(struct run *run)
 {
     struct run_private *p = run->private_state;
-    if (p->epochs == p->epoch_capacity) {
-        size_t capacity = p->epoch_capacity ? p->epoch_capacity * 2 : 1;
-        struct epoch *more = realloc(p->epoch, capacity * sizeof *more);
-        if (!more)
-            return NULL;
-        p->epoch = more;
-        p->epoch_capacity = capacity;
-    }
-    return &p->epoch[p->epochs++];
+    const bool fits = array_reserve(&p->epoch, sizeof *p->epoch, p->epochs, &p->epoch_capacity);
+    return fits ? &p->epoch[p->epochs++] : NULL;
 }
 
 static bool push_epoch(struct run *run, const struct scene *scene, const struct system *system,
@@ -83,7 +76,7 @@ static bool push_epoch(struct run *run, const struct scene *scene, const struct 
         return false;
     epoch->first = run->steps;
     epoch->t = run->t;
-    epoch->system = *system;
+    system_copy(&epoch->system, system);
     epoch->plan = run->plan;
     epoch->drag = run->settings.drag;
     copy_state(epoch->start, start, system->n);
@@ -126,7 +119,9 @@ static bool needs_side_steps(const struct run *run)
 static bool allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
-    struct run_private *p = run->private_state = calloc(1, sizeof *p);
+    struct run_private *p = run->private_state = malloc(sizeof *p);
+    if (p)
+        *p = (struct run_private){.work = NULL};
     run->trace =
         trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
@@ -173,11 +168,15 @@ static void choose_kernel(struct run *run)
 struct run *run_create(const struct scene *scene, const struct method *method,
                        const struct run_settings *settings, double span, struct error *error)
 {
-    struct run *run = calloc(1, sizeof *run);
+    struct run *run = malloc(sizeof *run);
     if (!run) {
         error_memory(error);
         return NULL;
     }
+    /* Scene and system, most of it, are set below. */
+    memset(run, 0, offsetof(struct run, scene));
+    memset((char *)run + offsetof(struct run, method), 0,
+           sizeof *run - offsetof(struct run, method));
     run->scene = *scene;
     run->method = method;
     run->settings = *settings;
@@ -236,7 +235,7 @@ void run_use_epoch(struct run *run)
 {
     struct run_private *p = run->private_state;
     const struct epoch *epoch = &p->epoch[p->epochs - 1];
-    run->system = epoch->system;
+    system_copy(&run->system, &epoch->system);
     run->plan = epoch->plan;
     run->plan.exact_known &= p->kicks == 0;
     run->plan.ledger |= p->kicks > 0;
@@ -272,9 +271,12 @@ bool run_back(struct run *run, int64_t rows)
                p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
-    ledger_demand(run);
     /* Of an adaptive run the size of the step that led here is the next proposal; the controller's
      * memory is not recorded. */
+    if (run->plan.adaptive)
+        ledger_will_not_repeat(run);
+    else
+        ledger_demand(run);
     double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
     trace_truncate(trace, row);
     events_forget_sizes(run);
@@ -348,7 +350,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
             return error_memory(error);
         last = &p->epoch[p->epochs - 1];
     }
-    last->system = system;
+    system_copy(&last->system, &system);
     memcpy(last->value, scene->value, sizeof last->value);
     last->drag = drag;
     last->plan.exact_known = exact;
@@ -379,19 +381,6 @@ void run_unbind(struct run *run)
     run_use_epoch(run);
 }
 
-static bool reserve_kick(struct run_private *p)
-{
-    if (p->kicks < p->kick_capacity)
-        return true;
-    const size_t capacity = p->kick_capacity ? 2 * p->kick_capacity : 16;
-    struct kick *kick = realloc(p->kick, capacity * sizeof *kick);
-    if (!kick)
-        return false;
-    p->kick = kick;
-    p->kick_capacity = capacity;
-    return true;
-}
-
 bool run_kick(struct run *run, int i, double value, struct error *error)
 {
     struct run_private *p = run->private_state;
@@ -405,7 +394,8 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         return error_set(error, ERROR_COMMAND, "%s cannot become %g",
                          system_variable(system, i).name, value);
     ledger_demand(run);
-    if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run) ||
+    if (!array_reserve(&p->kick, sizeof *p->kick, p->kicks, &p->kick_capacity) ||
+        !trace_reserve_grids(run->trace, 1) || !ledger_ready(run) ||
         (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);
     run->y[i] = value;
@@ -425,7 +415,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     run->controller = (struct controller){.tol = run->settings.tol,
                                           .h = copysign(run->settings.dt, run->controller.h)};
     ledger_rescale(run, 1);
-    ledger_take(run, run->y, 1);
+    ledger_take(run, run->y, run->plan.adaptive ? &run->t : NULL, (size_t)run->system.n, 1);
     p->step.warm = false;
     forget_rounding(p, system->n);
     run->plan.ledger = true;

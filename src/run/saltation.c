@@ -17,22 +17,6 @@
 /* What a derivative is taken over, as a share of a size: a compromise of rounding and curvature. */
 static const double difference = 6e-6;
 
-static bool reserve_response(struct responses *all, int n)
-{
-    const size_t width = 2 * (size_t)n + 1;
-    if (all->count < all->capacity)
-        return true;
-    const size_t capacity = all->capacity ? 2 * all->capacity : 16;
-    struct response *at = realloc(all->at, capacity * sizeof *at);
-    all->at = at ? at : all->at;
-    double *slope = at ? realloc(all->slope, capacity * width * sizeof *slope) : NULL;
-    all->slope = slope ? slope : all->slope;
-    if (!slope)
-        return false;
-    all->capacity = capacity;
-    return true;
-}
-
 void responses_free(struct responses *all)
 {
     free(all->at);
@@ -54,7 +38,10 @@ static bool add_response(struct run *run, const struct response *response, const
 {
     struct responses *all = &run->private_state->responses;
     const int n = run->system.n;
-    if (!reserve_response(all, n))
+    size_t capacity = all->capacity;
+    if (!array_reserve(&all->at, sizeof *all->at, all->count, &capacity) ||
+        !array_reserve(&all->slope, (2 * (size_t)n + 1) * sizeof *all->slope, all->count,
+                       &all->capacity))
         return false;
     all->at[all->count++] = *response;
     double *slope = slopes_of(run, all->count - 1);

@@ -5,6 +5,7 @@
  * matrix) is made anew, the same bits by the same operations; all that was computed is there. What
  * somebody else's library remembers, nobody can keep.
  */
+#include <hooke/base/catalog.h>
 #include "run/store_private.h"
 
 #include <stdlib.h>
@@ -39,8 +40,8 @@ static const struct field run_fields[] = {
 static const struct field private_fields[] = {
     OF_PRIVATE(step.warm), OF_PRIVATE(step.t),      OF_PRIVATE(step.h),    OF_PRIVATE(step.again),
     OF_PRIVATE(step.tol),  OF_PRIVATE(step.square), OF_PRIVATE(step.cost), OF_PRIVATE(look),
-    OF_PRIVATE(looked),    OF_PRIVATE(across),      OF_PRIVATE(unchecked), OF_PRIVATE(checks),
-    OF_PRIVATE(searched),  OF_PRIVATE(factor),      OF_PRIVATE(balance),   OF_PRIVATE(doubt),
+    OF_PRIVATE(looked),    OF_PRIVATE(checks),      OF_PRIVATE(searched),  OF_PRIVATE(factor),
+    OF_PRIVATE(balance),   OF_PRIVATE(doubt),
 };
 
 #define OF_TRACE(member) FIELD_OF(struct trace, member)
@@ -234,14 +235,10 @@ static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pi
     return trace->count == count && count > 0;
 }
 
-/* Sessions of older versions have none: then a second opinion ends at the first jump. */
 static bool get_responses(struct run *run, struct text in)
 {
     struct responses *all = &run->private_state->responses;
-    struct text found;
     size_t slopes = 0;
-    if (!field_find(in, "responses", &found))
-        return true;
     if (!get_array(in, "responses", sizeof *all->at, &all->at, &all->count) ||
         !get_array(in, "response_slopes", sizeof *all->slope, &all->slope, &slopes) ||
         slopes != all->count * (2 * (size_t)run->system.n + 1))

@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+/* The settings among a run's fields; false: they are not there, or none that a run can have. */
+bool run_settings_take(struct text fields, struct run_settings *settings);
 /* All but its rows, of which there are so many, can be what a run has come to. */
 bool run_is_sound(const struct run *run);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The trace: its creation, and reading it: rows by number, step and time, the last one being the
- * present state; the largest and smallest of many rows. */
+ * present state. */
 #include "run/private.h"
 
 #include <stdlib.h>
@@ -122,54 +122,4 @@ const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t
     const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));
     *count = end - i < in_chunk ? end - i : in_chunk;
     return trace_row(trace, i);
-}
-
-/* The same for many rows, side by side. */
-CLONES static void extremes_of_many(const double *row, int64_t count, int n, int64_t *low,
-                                    int64_t *high)
-{
-    double min = row[0], max = row[0];
-    int64_t i = 0;
-    if (FOUR % n == 0 && count >= FOUR) {
-        four smallest = *(const four *)(const void *)row, largest = smallest;
-        for (const int64_t rows = FOUR / n; i + rows <= count; i += rows) {
-            const four x = *(const four *)(const void *)(row + i * n);
-            const four_bits less = (four_bits)(x < smallest), more = (four_bits)(x > largest);
-            smallest = (four)((less & (four_bits)x) | (~less & (four_bits)smallest));
-            largest = (four)((more & (four_bits)x) | (~more & (four_bits)largest));
-        }
-        for (int k = 0; k < FOUR; k += n) {
-            min = smallest[k] < min ? smallest[k] : min;
-            max = largest[k] > max ? largest[k] : max;
-        }
-    }
-    for (; i < count; i++) {
-        min = row[i * n] < min ? row[i * n] : min;
-        max = row[i * n] > max ? row[i * n] : max;
-    }
-    for (*low = 0; row[*low * n] != min; ++*low) {
-    }
-    for (*high = 0; row[*high * n] != max; ++*high) {
-    }
-}
-
-void rows_extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
-{
-    static const int64_t many = 32; /* the call and the search for both rows take their time */
-    if (count >= many) {
-        extremes_of_many(row, count, n, low, high);
-        return;
-    }
-    double min = row[0], max = row[0];
-    *low = *high = 0;
-    for (int64_t i = 1; i < count; i++) {
-        const double y = row[i * n];
-        if (y < min) {
-            min = y;
-            *low = i;
-        } else if (y > max) {
-            max = y;
-            *high = i;
-        }
-    }
 }

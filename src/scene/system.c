@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A scene bound to its coefficients, and what integrators ask of it. */
+#include <hooke/base/unit.h>
 #include <hooke/base/elementary.h>
 
 #include <math.h>
@@ -106,14 +107,29 @@ bool system_has_potential(const struct system *system)
     return true;
 }
 
+double term_power(const struct system *system, const struct bound_term *term, double t,
+                  const double *y)
+{
+    const int rows = term_rows(system);
+    double a[LIMIT_VARIABLES] = {0}, sum = 0;
+    if (term->row->power)
+        return term->row->power(term->c, t, y);
+    if (system->order != 2 || !term_has_power(term->row))
+        return 0;
+    term->row->add(term->c, t, y, a);
+    for (int i = 0; i < rows; i++)
+        sum += system->mass * a[i] * y[rows + i];
+    return sum;
+}
+
 /* Of the terms whose flags under `mask` are `wanted`. */
 static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t,
                        const double *y)
 {
     double sum = 0;
     for (int i = 0; i < system->terms; i++)
-        if (system->term[i].row->power && (system->term[i].row->flags & mask) == wanted)
-            sum += system->term[i].row->power(system->term[i].c, t, y);
+        if ((system->term[i].row->flags & mask) == wanted)
+            sum += term_power(system, &system->term[i], t, y);
     return sum;
 }
 
@@ -297,6 +313,16 @@ static void begin(const struct model *model, struct system *system)
         .whole = typed_base(model) == &oscillator_model,
         .drag_whole = model->order == 2,
     };
+}
+
+void system_copy(struct system *to, const struct system *from)
+{
+    const size_t terms = offsetof(struct system, term) + (size_t)from->terms * sizeof *from->term,
+                 typed = from->typed.row ? offsetof(struct system, typed)
+                                         : offsetof(struct system, linear);
+    memcpy(to, from, terms);
+    to->typed.row = from->typed.row;
+    memcpy((char *)to + typed, (const char *)from + typed, sizeof *from - typed);
 }
 
 /* Natural sizes of what is typed cost a trial run; without them the start is not looked at. */

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/run.h>
+#include <hooke/base/unit.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/run.h>
+#include <hooke/base/statement.h>
 #include <hooke/session/events.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
@@ -35,17 +37,17 @@ static struct events *copy_without(const struct events *from, struct text name, 
 
 static void keep(struct session *session, struct events *events)
 {
-    events->older = session->events;
-    session->events = events;
-    session->event_lists++;
+    events->older = session->definitions.events;
+    session->definitions.events = events;
+    session->definitions.event_lists++;
 }
 
 void events_sweep(struct session *session,
                   bool (*used)(const struct session *session, const struct events *events))
 {
-    if (session->event_lists < 2 * session->event_lists_left + SWEEP_FROM)
+    if (session->definitions.event_lists < 2 * session->definitions.event_lists_left + SWEEP_FROM)
         return;
-    struct events **at = &session->events;
+    struct events **at = &session->definitions.events;
     while (*at) {
         struct events *events = *at;
         if (used(session, events)) {
@@ -54,10 +56,10 @@ void events_sweep(struct session *session,
             *at = events->older;
             events->older = NULL;
             events_destroy(events);
-            session->event_lists--;
+            session->definitions.event_lists--;
         }
     }
-    session->event_lists_left = session->event_lists;
+    session->definitions.event_lists_left = session->definitions.event_lists;
 }
 
 const struct events *events_with(struct session *session, const struct event_line *line,

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs while a person watches: pace, pauses, parameters that change on the way. */
+#include <hooke/run.h>
+#include <hooke/result.h>
+#include <hooke/base/cancel.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
@@ -7,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SLICE_NS 10000000   /* computing between two looks at the terminal */
+#define SLICE_NS 5000000    /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
 #define WINDOW_NS 500000000 /* over which the speed achieved is measured */
 /* [s] of wall time by which a run may trail the clock before it stops catching up */
@@ -110,7 +113,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
             window = (struct clock_pace){now, run->t, 0, window.direction};
         }
         if (!front->slice(front->context, session, next_look(&pace, run, target, now)) ||
-            live->pausing || session->quit) {
+            live->pausing || session->execution.quit) {
             run->stop = STOP_CANCELLED;
             break;
         }
@@ -128,7 +131,7 @@ void live_refresh(struct session *session)
 {
     struct live *live = &session->live;
     const struct run *run = session_run(session);
-    const struct run_slot *slot = run ? session->run[session->current_run] : NULL;
+    const struct run_slot *slot = run ? session->runs.slot[session->runs.current] : NULL;
     live->state = !run                                                       ? LIVE_IDLE
                   : stop_is_pause(run->stop)                                 ? LIVE_PAUSED
                   : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
@@ -171,12 +174,12 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     if (live->changing && index < 0)
         return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number,
                          name);
-    const bool going =
-        run && (live->state == LIVE_RUNNING || (session->typed && stop_is_pause(run->stop)) ||
-                live->changing || session->reacting);
+    const bool going = run && (live->state == LIVE_RUNNING ||
+                               (session->execution.typed && stop_is_pause(run->stop)) ||
+                               live->changing || session->execution.reacting);
     if (!going || is_start || is_other || index < 0)
         return true;
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct measured value = {now->value[param], now->uncertainty[param]};
     struct scene scene;
     const struct request request = {.kind = REQUEST_SET,
@@ -184,7 +187,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
                                     .from_t = run->t,
                                     .param = index,
                                     .value = value,
-                                    .by_event = session->reacting};
+                                    .by_event = session->execution.reacting};
     journal_scene(slot, true, &scene);
     if (!scene_set(&scene, index, value, error) || !journal_add(slot, request, TEXT(""), error))
         return false;
@@ -193,7 +196,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return false;
     }
     const enum live_state state = live->state;
-    if (state != LIVE_RUNNING && !live->changing && !session->reacting) {
+    if (state != LIVE_RUNNING && !live->changing && !session->execution.reacting) {
         journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
                       &session->history.happened); /* in a file `set` alone would not do it */
         if (!now->chosen[param])
@@ -208,13 +211,13 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
 bool live_kick(struct session *session, int variable, double value, struct error *error)
 {
     struct run *run = session_run(session);
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct request request = {.kind = REQUEST_KICK,
                                     .from = run->steps,
                                     .from_t = run->t,
                                     .param = variable,
                                     .value = {value, 0},
-                                    .by_event = session->reacting};
+                                    .by_event = session->execution.reacting};
     if (!journal_add(slot, request, TEXT(""), error))
         return false;
     if (run_kick(run, variable, value, error))

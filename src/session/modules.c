@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The modules of this build, and what they keep in a session. */
 #include <hooke/module.h>
+#include <hooke/session/stored.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +30,14 @@ void modules_put(struct buffer *text)
     buffer_put(text, module_list[0] ? TEXT("\n") : TEXT(" none\n"));
 }
 
+void modules_label(const struct session *session, struct buffer *text)
+{
+    const size_t before = text->len;
+    for (size_t i = 0; module_list[i] && text->len == before; i++)
+        if (module_list[i]->prompt.label)
+            module_list[i]->prompt.label(session, text);
+}
+
 /* ---- those that are not in ---- */
 
 bool module_is_in(const char *what, struct text word, struct error *error)
@@ -47,6 +56,57 @@ bool module_is_in(const char *what, struct text word, struct error *error)
              what, missing[i][1]);
     error->code = ERROR_USAGE;
     return error_hint(error, "'hooke --version' names the modules that are in");
+}
+
+/* ---- what was stopped ---- */
+
+const struct module *module_waiting(const struct session *session)
+{
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->stopped.waits && module_list[i]->stopped.waits(session))
+            return module_list[i];
+    return NULL;
+}
+
+void modules_forget_stopped(struct session *session)
+{
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->stopped.waits)
+            module_list[i]->stopped.forget(session);
+}
+
+/* ---- what they offer the core ---- */
+
+const struct series_tools *series_tools(void)
+{
+    size_t i = 0;
+    while (module_list[i] && !module_list[i]->series)
+        i++;
+    return module_list[i] ? module_list[i]->series : NULL;
+}
+
+const struct series_tools *series_tools_for(const char *what, struct text word, struct error *error)
+{
+    const struct series_tools *tools = series_tools();
+    if (!tools)
+        module_is_in(what, word, error);
+    return tools;
+}
+
+const struct store_tools *store_tools(void)
+{
+    size_t i = 0;
+    while (module_list[i] && !module_list[i]->keeps)
+        i++;
+    return module_list[i] ? module_list[i]->keeps : NULL;
+}
+
+const struct picture_writer *module_pictures(void)
+{
+    size_t i = 0;
+    while (module_list[i] && !module_list[i]->pictures.files)
+        i++;
+    return module_list[i] ? &module_list[i]->pictures : NULL;
 }
 
 /* ---- their parts of a session ---- */

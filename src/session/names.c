@@ -4,6 +4,8 @@
  * and derived quantities of the scene, settings, variables, results. Parameters that a user has
  * typed come before observables.
  */
+#include <hooke/run.h>
+#include <hooke/base/unit.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
@@ -37,7 +39,7 @@ static bool in_values(const struct named_value *values, int count, struct text n
 /* Settings that are a number, not a choice. */
 static bool setting_is_number(const struct row *row)
 {
-    const struct setting *setting = (const struct setting *)(const void *)row;
+    const struct setting *setting = setting_from(row);
     return setting && setting->max > 0;
 }
 
@@ -122,7 +124,8 @@ static bool find_name(const struct names *names, struct text name, int *slot)
         kind = NAME_SETTING;
     else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &index))
         kind = NAME_LET;
-    else if (!names->saved_only && in_values(session->result, session->results, name, &index))
+    else if (!names->saved_only &&
+             in_values(session->results.value, session->results.count, name, &index))
         kind = NAME_RESULT;
     else
         return false;
@@ -163,8 +166,7 @@ static struct named_value slot_value(const struct names *names, int slot)
             value.value = run_observed(run, (int)index);
         break;
     case NAME_OBSERVABLE: {
-        const struct observable *observable =
-            (const struct observable *)(const void *)catalog_row(&observable_catalog, index);
+        const struct observable *observable = observable_at(index);
         value.quantity = model_quantity(moving, observable);
         if (run)
             value.value = run_observable(run, observable);
@@ -193,7 +195,7 @@ static struct named_value slot_value(const struct names *names, int slot)
     case NAME_LET:
         return setup->let[index];
     case NAME_RESULT:
-        return session->result[index];
+        return session->results.value[index];
     }
     return value;
 }
@@ -218,15 +220,14 @@ static void each_name(const struct session *session, const struct model *moving,
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++) {
             const struct row *row = catalog_row(catalogs[c], i);
-            const bool fits =
-                c > 0 || model_offers(moving, (const struct observable *)(const void *)row);
+            const bool fits = c > 0 || model_offers(moving, observable_from(row));
             if (fits && (catalogs[c] != &setting_catalog || setting_is_number(row)))
                 offer(context, row->name, row->brief);
         }
     for (int i = 0; i < session->setup.lets; i++)
         offer(context, session->setup.let[i].name, "variable");
-    for (int i = 0; i < session->results; i++)
-        offer(context, session->result[i].name, "result");
+    for (int i = 0; i < session->results.count; i++)
+        offer(context, session->results.value[i].name, "result");
 }
 
 void names_each(const struct session *session,
@@ -366,6 +367,8 @@ bool name_is_taken(const struct session *session, struct text name, const char *
             *kind = catalogs[i]->kind;
             return true;
         }
-    *kind = in_values(session->result, session->results, name, &index) ? "result" : "constant";
-    return text_is(name, "pi") || in_values(session->result, session->results, name, &index);
+    *kind = in_values(session->results.value, session->results.count, name, &index) ? "result"
+                                                                                    : "constant";
+    return text_is(name, "pi") ||
+           in_values(session->results.value, session->results.count, name, &index);
 }

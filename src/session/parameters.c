@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a scene has: parameters, derived quantities and variables by name. Which there are depends
  * on its model. */
+#include <hooke/run.h>
+#include <hooke/result.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 
@@ -37,11 +39,10 @@ static enum effect effect_between(const struct scene *scene, int index, struct s
                                   struct system *b)
 {
     struct scene other = *scene;
-    struct error ignored;
     const double value = scene->value[index];
     other.value[index] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
-    if (!scene_bind(scene, a, &ignored) || !scene_bind(&other, b, &ignored) ||
-        a->terms != b->terms || a->mass != b->mass)
+    if (!scene_bind_rates(scene, a) || !scene_bind_rates(&other, b) || a->terms != b->terms ||
+        a->mass != b->mass)
         return EFFECT_FORCE;
     for (int i = 0; i < a->terms; i++)
         if (!bound_term_equal(&a->term[i], &b->term[i]))
@@ -106,8 +107,7 @@ const struct model *model_with(struct text name)
 const char *model_scene(const struct model *model)
 {
     for (size_t i = 0; i < preset_catalog.count; i++) {
-        const struct preset *preset =
-            (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        const struct preset *preset = preset_at(i);
         if ((preset->model ? preset->model : &oscillator_model) == model)
             return preset->row.name;
     }
@@ -124,7 +124,7 @@ const struct observable *model_observable(const struct model *model, struct text
 {
     const struct row *row =
         model->typed && text_is(name, "y") ? NULL : catalog_find(&observable_catalog, name);
-    return (const struct observable *)(const void *)row;
+    return observable_from(row);
 }
 
 bool model_offers(const struct model *model, const struct observable *observable)

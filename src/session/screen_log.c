@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The last lines that commands said: a ring. How a line is broken into the rows of a pane. */
+#include <hooke/base/safe_text.h>
 #include <hooke/session/subject.h>
 
 #include <stdlib.h>

@@ -1,5 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
+#include <hooke/session.h>
+#include <hooke/run.h>
+#include <hooke/method.h>
+#include <hooke/result.h>
+#include <hooke/figure.h>
+#include <hooke/base/file.h>
+#include <hooke/data.h>
+#include <hooke/base/number.h>
 #include <hooke/base/numeric.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
@@ -13,13 +21,16 @@
 
 struct session *session_create(const struct front *front)
 {
-    struct session *session = calloc(1, sizeof *session);
+    /* A block that large is pages of the system, which are zero and cost nothing until they are
+     * touched; a smaller one would be cleared. */
+    static const size_t pages_min = 1 << 18;
+    struct session *session = calloc(1, sizeof *session < pages_min ? pages_min : sizeof *session);
     struct error ignored;
     if (!session)
         return NULL;
     session->front = *front;
     session->parts = calloc(1, sizeof *session->parts);
-    if (!session->parts || !(session->models = typed_create(&ignored))) {
+    if (!session->parts || !(session->definitions.models = typed_create(&ignored))) {
         free(session->parts);
         free(session);
         return NULL;
@@ -27,9 +38,9 @@ struct session *session_create(const struct front *front)
     scene_init(&session->setup.scene, NULL);
     session_unset_method(&session->setup);
     session_default_settings(&session->setup.settings);
-    session->current_run = session->current_recording = -1;
-    session->next_run = 1;
-    session->record_fd = -1;
+    session->runs.current = session->current_recording = -1;
+    session->runs.next_number = 1;
+    session->transcript.fd = -1;
     session->live.speed = 1;
     session->view = (struct view){.x = {NAN, NAN},
                                   .y = {NAN, NAN},
@@ -39,49 +50,26 @@ struct session *session_create(const struct front *front)
     return session;
 }
 
-void session_forget_sweep(struct session *session)
-{
-    if (!session->stopped)
-        return;
-    free(session->stopped->statement);
-    buffer_free(&session->stopped->made);
-    sweep_free(&session->stopped->found);
-    free(session->stopped);
-    session->stopped = NULL;
-}
-
 void session_destroy(struct session *session)
 {
     if (!session)
         return;
-    session_forget_sweep(session);
     session_free_parts(session);
-    free(session->meant);
+    free(session->execution.meant);
     undo_clear(session);
-    arena_reset(&session->leftover);
-    for (int i = 0; i < session->checkpoints; i++)
-        snapshot_free(session->checkpoint[i]);
-    while (session->runs > 0)
-        session_drop_run(session, session->runs - 1);
+    arena_reset(&session->execution.leftover);
+    for (int i = 0; i < session->undo.checkpoints; i++)
+        snapshot_free(session->undo.checkpoint[i]);
+    while (session->runs.count > 0)
+        session_drop_run(session, session->runs.count - 1);
     while (session->recordings > 0)
         session_drop_recording(session, session->recordings - 1);
     history_free(session);
-    if (session->lesson)
-        buffer_free(&session->lesson->text);
-    free(session->lesson);
     free(session->measurement);
-    free(session->stored_fit);
-    free(session->fit_curve[0]);
-    free(session->fit_curve[1]);
-    session_drop_band(session);
-    if (session->precision)
-        precision_free(session->precision);
-    free(session->precision);
-    table_store_free(&session->found);
-    references_free(&session->references);
+    table_store_free(&session->studies.found);
     log_clear(&session->log);
-    typed_destroy(session->models);
-    events_destroy(session->events);
+    typed_destroy(session->definitions.models);
+    events_destroy(session->definitions.events);
     free(session);
 }
 
@@ -124,7 +112,7 @@ void recording_slot_release(struct recording_slot *slot)
 bool session_add_run(struct session *session, struct run *run, struct error *error)
 {
     struct run_slot *slot = NULL;
-    if (session->runs == LIMIT_RUNS) {
+    if (session->runs.count == LIMIT_RUNS) {
         error_set(error, ERROR_COMMAND, "%d runs are kept already", LIMIT_RUNS);
         error_hint(error, "drop some: drop N.. or drop all");
     } else if (!(slot = calloc(1, sizeof *slot))) {
@@ -133,7 +121,7 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         *slot = (struct run_slot){.run = run,
                                   .references = 1,
                                   .statement = session->history.count,
-                                  .id = session->next_id++};
+                                  .id = session->runs.next_id++};
         memcpy(slot->origin, session->setup.origin, sizeof slot->origin);
         run->cancel = session->front.cancel;
         /* A run that comes from a study has been somewhere already. */
@@ -151,10 +139,10 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         run_destroy(run);
         return false;
     }
-    run->number = session->next_run++;
+    run->number = session->runs.next_number++;
     session->view.overlays = 0; /* a new run stands alone */
-    session->run[session->runs] = slot;
-    session->current_run = session->runs++;
+    session->runs.slot[session->runs.count] = slot;
+    session->runs.current = session->runs.count++;
     session->data_is_latest = false;
     session_changed(session);
     return true;
@@ -176,7 +164,10 @@ bool session_add_recording(struct session *session, struct recording *recording,
         recording_destroy(recording);
         return false;
     }
-    *slot = (struct recording_slot){.recording = recording, .references = 1, .options = copy};
+    *slot = (struct recording_slot){.recording = recording,
+                                    .references = 1,
+                                    .options = copy,
+                                    .statement = session->history.count};
     session->recording[session->recordings] = slot;
     session->current_recording = session->recordings++;
     session->data_is_latest = true;
@@ -194,11 +185,11 @@ static int after_drop(int current, int dropped, int count)
 
 void session_drop_run(struct session *session, int index)
 {
-    run_slot_release(session->run[index]);
-    session->runs--;
-    memmove(&session->run[index], &session->run[index + 1],
-            (size_t)(session->runs - index) * sizeof(session->run[0]));
-    session->current_run = after_drop(session->current_run, index, session->runs);
+    run_slot_release(session->runs.slot[index]);
+    session->runs.count--;
+    memmove(&session->runs.slot[index], &session->runs.slot[index + 1],
+            (size_t)(session->runs.count - index) * sizeof(session->runs.slot[0]));
+    session->runs.current = after_drop(session->runs.current, index, session->runs.count);
     session_changed(session);
 }
 
@@ -216,8 +207,8 @@ int session_find_run(const struct session *session, struct text name)
 {
     double number;
     const bool numeric = real_parse(name, &number) == REAL_OK;
-    for (int i = 0; i < session->runs; i++) {
-        const struct run *run = session->run[i]->run;
+    for (int i = 0; i < session->runs.count; i++) {
+        const struct run *run = session->runs.slot[i]->run;
         if ((numeric && number == run->number) || (name.len > 0 && text_is(name, run->name)))
             return i;
     }
@@ -238,41 +229,17 @@ void session_set_result(struct session *session, const char *name, struct measur
                         enum quantity quantity)
 {
     struct named_value *result = NULL;
-    for (int i = 0; i < session->results; i++)
-        if (strcmp(session->result[i].name, name) == 0)
-            result = &session->result[i];
-    if (!result && session->results == LIMIT_RESULTS)
-        memmove(session->result, session->result + 1,
-                (size_t)--session->results * sizeof *session->result);
+    for (int i = 0; i < session->results.count; i++)
+        if (strcmp(session->results.value[i].name, name) == 0)
+            result = &session->results.value[i];
+    if (!result && session->results.count == LIMIT_RESULTS)
+        memmove(session->results.value, session->results.value + 1,
+                (size_t)--session->results.count * sizeof *session->results.value);
     if (!result)
-        result = &session->result[session->results++];
+        result = &session->results.value[session->results.count++];
     *result = (struct named_value){
         .value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
     snprintf(result->name, sizeof result->name, "%s", name);
-}
-
-void session_store_fit(struct session *session, const struct stored_fit *fit)
-{
-    struct stored_fit *stored = NULL;
-    for (int i = 0; i < session->stored_fits; i++)
-        if (strcmp(session->stored_fit[i].of, fit->of) == 0 &&
-            strcmp(session->stored_fit[i].fit.model, fit->fit.model) == 0 &&
-            memcmp(session->stored_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
-            stored = &session->stored_fit[i];
-    if (!stored && session->stored_fits == LIMIT_FITS) {
-        stored = &session->stored_fit[LIMIT_FITS - 1];
-        memmove(session->stored_fit, session->stored_fit + 1,
-                (LIMIT_FITS - 1) * sizeof *session->stored_fit);
-    } else if (!stored) {
-        struct stored_fit *larger = realloc(
-            session->stored_fit, ((size_t)session->stored_fits + 1) * sizeof *session->stored_fit);
-        if (!larger)
-            return;
-        session->stored_fit = larger;
-        stored = &larger[session->stored_fits++];
-    }
-    *stored = *fit;
-    stored->statement = session->history.count;
 }
 
 void session_trace(struct session *session, const struct scene *before, size_t statement)
@@ -289,8 +256,9 @@ void session_trace(struct session *session, const struct scene *before, size_t s
 
 struct write_policy session_policy(const struct session *session, bool force)
 {
-    return (struct write_policy){
-        .force = force, .confine = session->safe, .refuse = session->checking != NULL};
+    return (struct write_policy){.force = force,
+                                 .confine = session->options.safe,
+                                 .refuse = session->options.checking != NULL};
 }
 
 double session_first_step(const struct session *session)
@@ -313,21 +281,13 @@ struct run_settings session_run_settings(const struct session *session)
                                  .record = settings->record};
 }
 
-enum charset session_charset(const struct session *session)
+const struct charset *session_charset(const struct session *session)
 {
-    switch ((enum charset_choice)session->setup.settings.charset) {
-    case CHOOSE_ASCII:
-        return CHARSET_ASCII;
-    case CHOOSE_BLOCK:
-        return CHARSET_BLOCK;
-    case CHOOSE_BRAILLE:
-        return CHARSET_BRAILLE;
-    case CHOOSE_WORDS:
-        return CHARSET_WORDS;
-    case CHOOSE_AUTO:
-        break;
-    }
-    return session->front.utf8 ? CHARSET_BRAILLE : CHARSET_ASCII;
+    const struct charset_choice *choice =
+        (const void *)catalog_row(&charset_choice_catalog, (size_t)session->setup.settings.charset);
+    if (choice->charset)
+        return choice->charset;
+    return session->front.utf8 ? &charset_braille : &charset_ascii;
 }
 
 void session_size(const struct session *session, int *width, int *height)
@@ -363,30 +323,4 @@ void session_state_line(const struct session *session, struct buffer *text)
         buffer_format(text, " | run %d t=", run->number);
         buffer_measured(text, (struct measured){run->t, 0}, QUANTITY_TIME, 4);
     }
-}
-
-void session_drop_band(struct session *session)
-{
-    free(session->band.half);
-    session->band = (struct fit_band){.half = NULL};
-}
-
-static double curve_value(const struct session *session, double t)
-{
-    const double *time = session->fit_curve[0], *value = session->fit_curve[1];
-    const size_t low = first_from(time, session->fit_samples, t);
-    if (low < session->fit_samples && time[low] == t)
-        return value[low];
-    if (low == 0 || low == session->fit_samples)
-        return NAN;
-    const double fraction = (t - time[low - 1]) / (time[low] - time[low - 1]);
-    return value[low - 1] + fraction * (value[low] - value[low - 1]);
-}
-
-void session_fit_values(const struct session *session, const double *t, size_t n, double *value)
-{
-    if (session->fit_samples == 0)
-        fit_values(&session->fit, t, n, value);
-    for (size_t i = 0; i < n && session->fit_samples > 0; i++)
-        value[i] = curve_value(session, t[i]);
 }

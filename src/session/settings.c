@@ -1,7 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The settings that are not part of the scene: one row each. */
+#include <hooke/run.h>
+#include <hooke/run/timing.h>
+#include <hooke/figure.h>
+#include <hooke/result.h>
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/session/subject.h>
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -13,15 +21,30 @@ static const struct row format_rows[] = {
 };
 const struct catalog format_choice_catalog = CATALOG("format", format_rows);
 
-static const struct row charset_rows[] = {
-    [CHOOSE_AUTO] = {"auto", "", "braille where the terminal can show it", "", NULL},
-    [CHOOSE_ASCII] = {"ascii", "", "plain ASCII", "", NULL},
-    [CHOOSE_BLOCK] = {"block", "", "block characters", "", NULL},
-    [CHOOSE_BRAILLE] = {"braille", "", "braille dots, 2x4 a cell", "", NULL},
-    [CHOOSE_WORDS] = {"words", "", "sentences and tables in place of plots, to be read aloud", "",
-                      NULL},
+#define CHARSET_SYMBOLS
+#include "lists/charsets.def"
+#undef CHARSET_SYMBOLS
+#define ROW(name, brief)                                                                           \
+    {                                                                                              \
+        name, "", brief, "", NULL                                                                  \
+    }
+static const struct charset_choice charset_rows[] = {
+    {ROW("auto", "braille where the terminal can show it"), NULL},
+    {ROW("ascii", "plain ASCII"), &charset_ascii},
+    {ROW("block", "block characters"), &charset_block},
+    {ROW("braille", "braille dots, 2x4 a cell"), &charset_braille},
+#include "lists/charsets.def"
 };
+#undef ROW
 const struct catalog charset_choice_catalog = CATALOG("charset", charset_rows);
+
+const struct figure_words *charset_words(void)
+{
+    const struct figure_words *words = NULL;
+    for (size_t i = 0; i < COUNT_OF(charset_rows) && !words; i++)
+        words = charset_rows[i].charset ? charset_rows[i].charset->words : NULL;
+    return words;
+}
 
 static const struct row color_rows[] = {
     [COLOR_AUTO] = {"auto", "", "on terminals, unless NO_COLOR is set", "", NULL},
@@ -56,15 +79,6 @@ static const struct row turning_rows[] = {
     [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
 };
 const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
-
-static const struct row band_rows[] = {
-    [BAND_OFF] = {"off", "", "panes show runs alone", "", NULL},
-    [BAND_ON] =
-        {"on", "",
-         "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
-         NULL},
-};
-static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
 
 static const struct row pager_rows[] = {
     [PAGER_OFF] = {"off", "", "the terminal scrolls", "", NULL},
@@ -238,12 +252,51 @@ static void show_fps(const struct settings *settings, struct buffer *text)
         name, unit, brief, "", NULL                                                                \
     }
 
+#define MODULE_CATALOGS
+#include "lists/settings.def"
+#undef MODULE_CATALOGS
+
+/* Places of the settings of modules in struct settings. */
+enum {
+#define MODULE_SETTING(name, ...) MODULE_SETTING_##name,
+#include "lists/settings.def"
+#undef MODULE_SETTING
+    MODULE_SETTINGS
+};
+_Static_assert(MODULE_SETTINGS <= COUNT_OF(((struct settings *)0)->of_modules),
+               "of_modules holds the settings of all modules");
+
 static const struct setting settings_rows[] = {
-#define SETTING(type, field, ...) {.offset = FIELD(field), __VA_ARGS__},
-#define SETTING_PAIR(type, field, second, ...) {.offset = FIELDS(field, 2), __VA_ARGS__},
+#define SETTING(type, field, initial, ...) {.offset = FIELD(field), __VA_ARGS__},
+#define SETTING_PAIR(type, field, second, initial, ...) {.offset = FIELDS(field, 2), __VA_ARGS__},
 #include "session/settings.def"
+#define MODULE_SETTING(name, ...) {.offset = FIELD(of_modules[MODULE_SETTING_##name]), __VA_ARGS__},
+#include "lists/settings.def"
+#undef MODULE_SETTING
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
+
+const struct setting *setting_by_name(struct text name)
+{
+    return (const struct setting *)(const void *)catalog_find(&setting_catalog, name);
+}
+
+int setting_of_module(const struct settings *settings, const char *name)
+{
+    const struct setting *setting = setting_by_name(text_of(name));
+    assert(setting && setting->choices);
+    return *(const int *)(const void *)((const char *)settings + setting->offset);
+}
+
+const struct setting *setting_at(size_t i)
+{
+    return (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+}
+
+const struct setting *setting_from(const struct row *row)
+{
+    return (const struct setting *)(const void *)row;
+}
 
 bool setting_same(const struct setting *setting, const struct settings *a, const struct settings *b)
 {
@@ -267,13 +320,11 @@ void settings_display(struct settings *settings, const struct settings *from)
 
 void session_default_settings(struct settings *settings)
 {
-    *settings = (struct settings){.dt = 0.01,
-                                  .tol = LAB_TOL,
-                                  .duration = LAB_DURATION,
-                                  .record = {RECORD_AUTO, 1, 0},
-                                  .digits = 6,
-                                  .timing = TIMING_QUICK,
-                                  .fps = 10};
+    *settings = (struct settings){
+#define SETTING(type, field, initial, ...) .field = initial,
+#define SETTING_PAIR(type, field, second, initial, ...) .field = initial, .second = initial,
+#include "session/settings.def"
+    };
 }
 
 static bool *chosen_flag(const struct setting *setting, struct settings *settings)

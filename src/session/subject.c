@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a series is measured against, and what is left of it. */
 
+#include <hooke/run.h>
+#include <hooke/base/cancel.h>
 #include <hooke/session/subject.h>
 #include <math.h>
 #include <stdio.h>
@@ -73,5 +75,24 @@ bool session_add_measurement(struct session *session, const char *name, const ch
     char result[LIMIT_NAME + 1];
     snprintf(result, sizeof result, "measured_%s", name);
     session_set_result(session, result, value, unit);
+    return true;
+}
+
+bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
+                   struct arena *arena, struct series *series, struct error *error)
+{
+    const double *value = energy ? motion->energy : motion->v;
+    double *t = arena_array(arena, motion->n, sizeof *t),
+           *y = arena_array(arena, motion->n, sizeof *y);
+    size_t n = 0;
+    if (!t || !y)
+        return error_memory(error);
+    for (size_t i = 0; i < motion->n && !cancelled_at(motion->cancel, i); i++)
+        if (!isnan(value[i]) && motion->t[i] >= from && motion->t[i] <= to) {
+            t[n] = motion->t[i];
+            y[n++] = value[i];
+        }
+    *series =
+        (struct series){t, y, n, energy ? QUANTITY_ENERGY : motion->quantity, motion->cancel, 0};
     return true;
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What was typed and nothing uses any more: neither the set-up, a run, a result, nor what undo and
  * checkpoints go back to. */
+#include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/module.h>
 #include <hooke/scene/typed.h>
 
-static bool scene_uses(const struct scene *scene, const struct model *model)
+bool scene_uses(const struct scene *scene, const struct model *model)
 {
     return scene->model && (scene->model == model || scene->preset->model == model);
 }
@@ -28,13 +29,13 @@ static bool is_used(const struct session *session, const struct model *model,
                     const struct events *events)
 {
     bool used = setup_uses(&session->setup, model, events);
-    for (int i = 0; i < session->runs && !used; i++)
-        used = run_slot_uses(session->run[i], model, events);
+    for (int i = 0; i < session->runs.count && !used; i++)
+        used = run_slot_uses(session->runs.slot[i], model, events);
     /* the latest first: that is where most are found */
-    for (int i = session->undos + session->redos; i-- > 0 && !used;)
-        used = snapshot_uses(session->state[i], model, events);
-    for (int i = session->checkpoints; i-- > 0 && !used;)
-        used = snapshot_uses(session->checkpoint[i], model, events);
+    for (int i = session->undo.undos + session->undo.redos; i-- > 0 && !used;)
+        used = snapshot_uses(session->undo.state[i], model, events);
+    for (int i = session->undo.checkpoints; i-- > 0 && !used;)
+        used = snapshot_uses(session->undo.checkpoint[i], model, events);
     return used;
 }
 
@@ -46,12 +47,7 @@ static bool events_are_used(const struct session *session, const struct events *
 static bool model_is_used(const void *context, const struct model *model)
 {
     const struct session *session = context;
-    bool used = is_used(session, model, NULL) || scene_uses(&session->fit_scene, model) ||
-                scene_uses(&session->adopted.scene, model) ||
-                scene_uses(&session->band.of.scene, model) ||
-                (session->precision && scene_uses(&session->precision->scene, model));
-    for (int i = 0; i < REFERENCES && !used; i++)
-        used = scene_uses(&session->references.stored[i].scene, model);
+    bool used = is_used(session, model, NULL);
     for (int i = 0; i < session->parts->count && !used; i++) {
         const struct session_part *part = &session->parts->item[i];
         used = part->module->part_uses && part->module->part_uses(part->state, model);
@@ -61,6 +57,6 @@ static bool model_is_used(const void *context, const struct model *model)
 
 void session_sweep(struct session *session)
 {
-    typed_sweep(session->models, model_is_used, session);
+    typed_sweep(session->definitions.models, model_is_used, session);
     events_sweep(session, events_are_used);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files, -c texts and standard input, executed without a prompt. */
 #include "terminal/terminal.h"
+#include <hooke/base/cancel.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -12,7 +13,7 @@ static void refuse_input(struct session *session, int number, struct reply *repl
     struct error error;
     error_set(&error, ERROR_IO, "cannot read standard input: %s", strerror(number));
     reply_error(reply, &error, NULL, (struct text){NULL, 0});
-    session->status = ERROR_IO;
+    session->execution.status = ERROR_IO;
 }
 
 /* Standard input line by line, so that results of the first line are out before the second arrives.
@@ -57,37 +58,23 @@ static void run_input(struct session *session, struct reply *reply, struct strea
     buffer_free(&line);
 }
 
-static void run_text(struct session *session, const char *text, struct reply *reply)
-{
-    struct script script;
-    script_begin(&script, session, "-c", NULL);
-    struct text rest = text_of(text);
-    struct text line;
-    while (text_split(&rest, '\n', &line)) {
-        if (!script_feed(&script, session, line, reply)) {
-            break;
-        }
-    }
-    script_end(&script, session, reply);
-}
-
 void batch_run(struct session *session, const struct options *options, bool input,
                struct reply *reply, struct streams *streams)
 {
-    for (int i = 0; i < options->tasks && !session->quit; i++) {
+    for (int i = 0; i < options->tasks && !session->execution.quit; i++) {
         const struct task *task = &options->task[i];
         if (task->kind == TASK_COMMAND) {
-            run_text(session, task->text, reply);
+            lines_run(session, "-c", text_of(task->text), reply);
         } else if (strcmp(task->text, "-") == 0) {
             run_input(session, reply, streams);
         } else {
             script_file(session, task->text, NULL, reply);
         }
-        if (session->status != 0 && !session->keep_going) {
+        if (session->execution.status != 0 && !session->options.keep_going) {
             return;
         }
     }
-    if (input && !session->quit) {
+    if (input && !session->execution.quit) {
         run_input(session, reply, streams);
     }
 }

@@ -24,15 +24,6 @@ static struct {
     char stack[1 << 16];
 } rescue;
 
-void crash_modes(void)
-{
-    struct termios modes;
-    if (tcgetattr(STDIN_FILENO, &modes) == 0) {
-        rescue.modes = modes;
-        rescue.known = 1;
-    }
-}
-
 void crash_arm(struct text text)
 {
     rescue.armed = 0;
@@ -53,16 +44,6 @@ void crash_restore(void)
         (void)ignored;
         tcsetattr(STDIN_FILENO, TCSANOW, &rescue.modes);
     }
-}
-
-void crash_line(int fd, const struct termios *modes)
-{
-    rescue.has_line = 0;
-    if (!modes)
-        return;
-    rescue.line = fd;
-    rescue.line_modes = *modes;
-    rescue.has_line = 1;
 }
 
 void crash_end(void)
@@ -86,16 +67,32 @@ void crash_signal(int number)
     sigaction(number, &action, NULL);
 }
 
-void crash_install(void)
+void crash_stack(stack_t *before)
 {
-    /* The others end a program which does not expect them. */
+    const stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
+    sigaltstack(&stack, before); /* an endless recursion leaves no other */
+}
+
+/* Catches the signals that end the program, once there are modes to restore. Signals that are
+ * caught or ignored already stay so, but for those of a faulty program: a sanitizer catches these,
+ * and would not give the terminal back. */
+static void watch_signals(void)
+{
+    /* All other signals end a program that does not catch them. */
     static const int harmless[] = {SIGINT,  SIGHUP,  SIGTERM, SIGPIPE, SIGXFSZ, /* signals.c */
                                    SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
                                    SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
-    stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
-    sigaltstack(&stack, NULL); /* an endless recursion leaves no other */
+    static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+    static bool is_watching;
+    if (is_watching)
+        return;
+    is_watching = true;
+    crash_stack(NULL);
     for (int number = 1; number <= SIGRTMAX; number++) {
-        bool ends = true;
+        struct sigaction now;
+        bool ends = sigaction(number, NULL, &now) == 0 && now.sa_handler == SIG_DFL;
+        for (size_t i = 0; i < COUNT_OF(faults); i++)
+            ends |= number == faults[i];
         for (size_t i = 0; i < COUNT_OF(harmless); i++)
             ends &= number != harmless[i];
         if (ends)
@@ -103,8 +100,28 @@ void crash_install(void)
     }
 }
 
-/* ---- memory for readline: it calls these two and would end the program on its own
- * ------------------------- */
+void crash_modes(void)
+{
+    struct termios modes;
+    watch_signals();
+    if (tcgetattr(STDIN_FILENO, &modes) == 0) {
+        rescue.modes = modes;
+        rescue.known = 1;
+    }
+}
+
+void crash_line(int fd, const struct termios *modes)
+{
+    rescue.has_line = 0;
+    if (!modes)
+        return;
+    watch_signals();
+    rescue.line = fd;
+    rescue.line_modes = *modes;
+    rescue.has_line = 1;
+}
+
+/* ---- memory for readline: it calls these two and would end the program on its own ---- */
 
 void *xmalloc(size_t size);
 void *xrealloc(void *old, size_t size);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the output can show, and where the user's own files are. */
+#include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
 
 #include <errno.h>
@@ -11,14 +12,39 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Returns true if the user's choice of a locale, without its tables, says that text is UTF-8. */
+static bool environment_names_utf8(void)
+{
+    const char *wish = getenv("LC_ALL");
+    wish = wish && *wish ? wish : getenv("LC_CTYPE");
+    wish = wish && *wish ? wish : getenv("LANG");
+    return wish && (strstr(wish, "UTF-8") || strstr(wish, "utf8"));
+}
+
+void front_load_locale(void)
+{
+    if (!setlocale(LC_CTYPE, "") && environment_names_utf8())
+        setlocale(LC_CTYPE, "C.UTF-8");
+}
+
+/* Loads the locale only where its name does not say it, which is a tenth of a start. */
+static bool text_is_utf8(void)
+{
+    const bool is_loaded = strcmp(setlocale(LC_CTYPE, NULL), "C") != 0;
+    if (!is_loaded && environment_names_utf8())
+        return true;
+    if (!is_loaded)
+        front_load_locale();
+    return strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
+}
+
 void front_probe(struct front *front, const struct options *options, int fd)
 {
     const char *term = getenv("TERM");
     const char *no_color = getenv("NO_COLOR");
     bool terminal = isatty(fd);
     bool dumb = !term || strcmp(term, "dumb") == 0;
-    front->utf8 =
-        strcmp(nl_langinfo(CODESET), "UTF-8") == 0 && !(term && strcmp(term, "linux") == 0);
+    front->utf8 = text_is_utf8() && !(term && strcmp(term, "linux") == 0);
     front->color = terminal && !dumb && !(no_color && *no_color);
     struct winsize size;
     if (terminal && ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
@@ -112,17 +138,20 @@ void offer_next(struct front_program *program, int room)
     buffer_clear(offer);
     struct session *session = program->session;
     struct buffer *later = &program->later;
-    lesson_follow(session, program->reply);
-    if (session->quit || program->reply->quiet || session->setup.settings.format != FORMAT_TEXT) {
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->prompt.typed)
+            module_list[i]->prompt.typed(session, program->reply);
+    if (session->execution.quit || program->reply->quiet ||
+        session->setup.settings.format != FORMAT_TEXT) {
         return;
     }
-    if (later->len > 0) {
-        buffer_put(offer, buffer_text(later));
-    } else {
-        command_next(session, offer);
-    }
+    bool insists = false, is_found = later->len > 0;
+    buffer_put(offer, buffer_text(later));
+    for (size_t i = 0; module_list[i] && !is_found; i++)
+        is_found =
+            module_list[i]->prompt.next && module_list[i]->prompt.next(session, offer, &insists);
     buffer_clear(later);
-    if (!session->lesson && text_is(buffer_text(offer), buffer_view(&program->passed))) {
+    if (!insists && text_is(buffer_text(offer), buffer_view(&program->passed))) {
         buffer_clear(offer); /* it was shown, and something else was typed */
         return;
     }

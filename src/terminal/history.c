@@ -108,3 +108,13 @@ bool history_append(const char *line, struct error *error)
     free(path);
     return saved && locked;
 }
+
+void history_keep(const char *line, struct reply *reply)
+{
+    static bool warned;
+    struct error error;
+    if (history_append(line, &error) || warned)
+        return;
+    warned = true;
+    reply_warning(reply, "%s", error.text);
+}

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #define _GNU_SOURCE /* memmem */
 #include "terminal/panes.h"
+#include <hooke/base/cancel.h>
 
 #include <errno.h>
 #include <string.h>

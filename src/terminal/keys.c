@@ -2,6 +2,7 @@
 /* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can
  * bind them otherwise.
  */
+#include <hooke/base/number.h>
 #include <hooke/plot.h>
 #include "terminal/panes.h"
 
@@ -13,41 +14,47 @@
 
 #define CX "\030" /* C-x */
 
-/* Appends the command line; none: the key has done what it does by itself. count: the prefix
- * argument, 1 without one.
- */
-typedef void make(const struct session *session, int count, struct buffer *line);
+struct press {
+    const struct session *session;
+    int count; /* the prefix argument, 1 without one */
+    int arg;   /* of the row */
+};
 
-static void say_help(const struct session *session, int count, struct buffer *line)
+/* Appends a command line, or what follows the row's; none: the key has done what it does by itself.
+ */
+typedef void make(const struct press *press, struct buffer *line);
+
+static void say_help(const struct press *press, struct buffer *line)
 {
-    (void)session;
-    (void)count;
+    (void)press;
     help_line((struct text){rl_line_buffer, (size_t)rl_end}, (size_t)rl_point, line);
 }
 
-static void say_run(const struct session *session, int count, struct buffer *line)
+static void say_run(const struct press *press, struct buffer *line)
 {
-    (void)count;
-    const enum live_state state = session->live.state;
+    const enum live_state state = press->session->live.state;
     buffer_put(line, state == LIVE_RUNNING  ? TEXT("pause")
                      : state == LIVE_PAUSED ? TEXT("continue")
                                             : TEXT("run"));
 }
 
-static void say_step(const struct session *session, int count, struct buffer *line)
+static void say_step(const struct press *press, struct buffer *line)
 {
-    (void)session;
-    buffer_format(line, count < 0 ? "back %d" : "step %d", count < 0 ? -count : count);
+    buffer_format(line, press->count < 0 ? "back %d" : "step %d",
+                  press->count < 0 ? -press->count : press->count);
 }
 
-static void say_charset(const struct session *session, int count, struct buffer *line)
+static void say_charset(const struct press *press, struct buffer *line)
 {
-    (void)count;
-    static const char *const after[] = {[CHARSET_BRAILLE] = "block",
-                                        [CHARSET_BLOCK] = "ascii",
-                                        [CHARSET_ASCII] = "braille",
-                                        [CHARSET_WORDS] = "auto"};
-    buffer_format(line, "set charset %s", after[session_charset(session)]);
+    const struct charset *charset = session_charset(press->session);
+    const char *next = "braille";
+    if (charset->words)
+        next = "auto";
+    else if (charset == &charset_braille)
+        next = "block";
+    else if (charset == &charset_block)
+        next = "ascii";
+    buffer_format(line, "set charset %s", next);
 }
 
 static double column_time(const struct session *session)
@@ -55,82 +62,41 @@ static double column_time(const struct session *session)
     return screen_column_time(session, session->front.width, session->front.height);
 }
 
-/* A quarter of what a wide plot shows. */
-static void pan(const struct session *session, double columns, struct buffer *line)
+/* A quarter of what a wide plot shows, in that direction. */
+static void say_pan(const struct press *press, struct buffer *line)
 {
-    const double time = columns * column_time(session);
+    const double time =
+        press->arg * press->count * press->session->front.width / 8.0 * column_time(press->session);
     if (time != 0) {
         buffer_put(line, TEXT("pan "));
         buffer_short(line, time, 6);
     }
 }
 
-static void say_later(const struct session *session, int count, struct buffer *line)
-{
-    pan(session, count * session->front.width / 8.0, line);
-}
-
-static void say_earlier(const struct session *session, int count, struct buffer *line)
-{
-    pan(session, -count * session->front.width / 8.0, line);
-}
-
 /* Beyond the oldest line, where `scroll` may have gone, nothing moves: a page counts from that line
  * on. */
-static void page(const struct session *session, int pages, struct buffer *line)
+static void say_page(const struct press *press, struct buffer *line)
 {
+    const struct session *session = press->session;
     const int width = session->front.width, height = session->front.height,
               scroll = session->view.scroll;
     const int rows = screen_log_rows(session, width, height),
               max = screen_log_max(session, width, height);
-    const int from = scroll < max ? scroll : max, to = from + pages * (rows > 1 ? rows - 1 : 1);
+    const int from = scroll < max ? scroll : max,
+              to = from + press->arg * press->count * (rows > 1 ? rows - 1 : 1);
     buffer_format(line, "scroll %d", (to < max ? to : max) - scroll);
 }
 
-static void say_page_up(const struct session *session, int count, struct buffer *line)
-{
-    page(session, count, line);
-}
-
-static void say_page_down(const struct session *session, int count, struct buffer *line)
-{
-    page(session, -count, line);
-}
-
 /* The pane alone; once more: all of them. */
-static void fill(const struct session *session, enum plot_kind pane, struct buffer *line)
+static void say_pane(const struct press *press, struct buffer *line)
 {
-    const bool full = session->view.full && view_focus(&session->view) == pane;
-    buffer_format(line, "focus %s %s", catalog_row(&plot_catalog, (size_t)pane)->name,
+    const bool full =
+        press->session->view.full && (int)view_focus(&press->session->view) == press->arg;
+    buffer_format(line, "focus %s %s", catalog_row(&plot_catalog, (size_t)press->arg)->name,
                   full ? "shared" : "full");
 }
 
-static void say_first(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    fill(session, PLOT_POSITION, line);
-}
-
-static void say_second(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    fill(session, PLOT_PHASE, line);
-}
-
-static void say_third(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    fill(session, PLOT_VELOCITY, line);
-}
-
-static void say_fourth(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    fill(session, PLOT_ENERGY, line);
-}
-
-/* ---- on the plot
- * ------------------------------------------------------------------------------------------ */
+/* ---- on the plot ---- */
 
 /* Behind `cursor left` and the like: so many columns, or rows, of what is shown there. */
 static void add_step(double step, struct buffer *line)
@@ -141,38 +107,27 @@ static void add_step(double step, struct buffer *line)
     }
 }
 
-static void add_columns(const struct session *session, int count, struct buffer *line)
+static void add_columns(const struct press *press, struct buffer *line)
 {
-    add_step(count * column_time(session), line);
+    add_step(press->count * column_time(press->session), line);
 }
 
-static void add_cells(const struct session *session, int count, int axis, struct buffer *line)
+static void add_cells(const struct press *press, struct buffer *line)
 {
+    const struct session *session = press->session;
     double cell[2];
     if (screen_plane_cell(session, session->front.width, session->front.height, cell))
-        add_step(count * cell[axis], line);
+        add_step(press->count * cell[press->arg], line);
 }
 
-static void add_across(const struct session *session, int count, struct buffer *line)
+static void say_start(const struct press *press, struct buffer *line)
 {
-    add_cells(session, count, 0, line);
+    cursor_plane_start(press->session, line);
 }
 
-static void add_up(const struct session *session, int count, struct buffer *line)
+static void say_snap(const struct press *press, struct buffer *line)
 {
-    add_cells(session, count, 1, line);
-}
-
-static void say_start(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    cursor_plane_start(session, line);
-}
-
-static void say_snap(const struct session *session, int count, struct buffer *line)
-{
-    (void)count;
-    const size_t next = ((size_t)session->view.cursors.snap + 1) % snap_catalog.count;
+    const size_t next = ((size_t)press->session->view.cursors.snap + 1) % snap_catalog.count;
     buffer_format(line, "cursor snap %s", catalog_row(&snap_catalog, next)->name);
 }
 
@@ -183,22 +138,6 @@ static void type(const char *text)
     rl_insert_text(text);
 }
 
-static void type_time(const struct session *session, int count, struct buffer *line)
-{
-    (void)session;
-    (void)count;
-    (void)line;
-    type("cursor go ");
-}
-
-static void type_export(const struct session *session, int count, struct buffer *line)
-{
-    (void)session;
-    (void)count;
-    (void)line;
-    type("export measurements.csv measurements");
-}
-
 /* What was typed goes into a line of its own, and the panes come back. */
 static void leave_reading(const char *text, struct buffer *line)
 {
@@ -206,40 +145,22 @@ static void leave_reading(const char *text, struct buffer *line)
     buffer_put(line, TEXT("scroll close"));
 }
 
-static void type_command(const struct session *session, int count, struct buffer *line)
-{
-    (void)session;
-    (void)count;
-    (void)line;
-    type("");
-}
-
 /* ---- reading ---- */
 
-static void type_find(const struct session *session, int count, struct buffer *line)
-{
-    (void)session;
-    (void)count;
-    (void)line;
-    type(READING_FIND);
-}
-
 /* Where nothing was looked for it is the beginning of a command. */
-static void say_next(const struct session *session, int count, struct buffer *line)
+static void say_next(const struct press *press, struct buffer *line)
 {
-    (void)count;
-    if (*session->view.wanted)
+    if (*press->session->view.wanted)
         buffer_put(line, TEXT("scroll next"));
     else
         leave_reading("n", line);
 }
 
 /* Where the page has none it is the beginning of a command. */
-static void say_recipe(const struct session *session, int count, struct buffer *line)
+static void say_recipe(const struct press *press, struct buffer *line)
 {
-    (void)count;
-    if (session->view.recipe)
-        buffer_format(line, "recipe %s", session->view.recipe);
+    if (press->session->view.recipe)
+        buffer_format(line, "recipe %s", press->session->view.recipe);
     else
         leave_reading("!", line);
 }
@@ -247,103 +168,106 @@ static void say_recipe(const struct session *session, int count, struct buffer *
 #define NEXT_ROW "scroll -1"
 
 /* At the end, where the offer stands, it is taken. */
-static void say_enter(const struct session *session, int count, struct buffer *line)
+static void say_enter(const struct press *press, struct buffer *line)
 {
-    (void)count;
-    if (session->view.scroll > 0 || panes_active->program->offer.len == 0) {
+    struct front_program *program = panes_active->program;
+    if (press->session->view.scroll > 0 || program->offer.len == 0) {
         buffer_put(line, TEXT(NEXT_ROW));
         return;
     }
-    buffer_put(line, buffer_text(&panes_active->program->offer));
-    buffer_clear(&panes_active->program->offer);
-    buffer_clear(&panes_active->program->passed);
+    buffer_put(line, buffer_text(&program->offer));
+    buffer_clear(&program->offer);
+    buffer_clear(&program->passed);
 }
 
-/* ---- the table
- * -------------------------------------------------------------------------------------------- */
+/* ---- the table ---- */
+
+/* What a key does: a command that is the same for the session (SAYS) or looks at the screen only,
+ * which is neither shown in the log nor remembered (LOOKS); or the beginning of a line (TYPES). */
+enum key_kind { SAYS, LOOKS, TYPES };
 
 static const struct key {
     const char *keys[4];    /* what the terminal sends */
     const char *capability; /* or what terminfo says; NULL: nothing more */
-    const char *command;    /* NULL: made by `make` */
-    make *make;             /* NULL: nothing follows */
-    bool silent;            /* looks at the screen only: neither shown in the log nor remembered */
+    enum key_kind kind;
+    const char *text; /* NULL: made by `make` */
+    make *make;       /* NULL: nothing follows */
+    int arg;
 } keys[] = {
-    {{CX "h"}, "kf1", NULL, say_help, false},
-    {{CX "r"}, "kf5", NULL, say_run, false},
-    {{CX "l"}, "kf6", "layout next", NULL, false},
-    {{CX "c"}, "kf7", "cursor", NULL, false},
-    {{CX "s"}, "kf8", NULL, say_step, false},
-    {{CX "1"}, NULL, NULL, say_first, false},
-    {{CX "2"}, NULL, NULL, say_second, false},
-    {{CX "3"}, NULL, NULL, say_third, false},
-    {{CX "4"}, NULL, NULL, say_fourth, false},
-    {{"\033[5~"}, "kpp", NULL, say_page_up, true},
-    {{"\033[6~"}, "knp", NULL, say_page_down, true},
-    {{CX "\033[H", CX "\033OH", CX "\033[1~"}, NULL, "scroll home", NULL, true},
-    {{CX "\033[F", CX "\033OF", CX "\033[4~"}, NULL, "scroll end", NULL, true},
-    {{CX "+"}, NULL, "zoom 2", NULL, false},
-    {{CX "-"}, NULL, "zoom 0.5", NULL, false},
-    {{CX ">"}, NULL, NULL, say_later, false},
-    {{CX "<"}, NULL, NULL, say_earlier, false},
-    {{CX "a"}, NULL, NULL, say_charset, false},
-    {{"\014"}, NULL, "redraw", NULL, true},
+    {{CX "h"}, "kf1", SAYS, NULL, say_help, 0},
+    {{CX "r"}, "kf5", SAYS, NULL, say_run, 0},
+    {{CX "l"}, "kf6", SAYS, "layout next", NULL, 0},
+    {{CX "c"}, "kf7", SAYS, "cursor", NULL, 0},
+    {{CX "s"}, "kf8", SAYS, NULL, say_step, 0},
+    {{CX "1"}, NULL, SAYS, NULL, say_pane, PLOT_POSITION},
+    {{CX "2"}, NULL, SAYS, NULL, say_pane, PLOT_PHASE},
+    {{CX "3"}, NULL, SAYS, NULL, say_pane, PLOT_VELOCITY},
+    {{CX "4"}, NULL, SAYS, NULL, say_pane, PLOT_ENERGY},
+    {{"\033[5~"}, "kpp", LOOKS, NULL, say_page, 1},
+    {{"\033[6~"}, "knp", LOOKS, NULL, say_page, -1},
+    {{CX "\033[H", CX "\033OH", CX "\033[1~"}, NULL, LOOKS, "scroll home", NULL, 0},
+    {{CX "\033[F", CX "\033OF", CX "\033[4~"}, NULL, LOOKS, "scroll end", NULL, 0},
+    {{CX "+"}, NULL, SAYS, "zoom 2", NULL, 0},
+    {{CX "-"}, NULL, SAYS, "zoom 0.5", NULL, 0},
+    {{CX ">"}, NULL, SAYS, NULL, say_pan, 1},
+    {{CX "<"}, NULL, SAYS, NULL, say_pan, -1},
+    {{CX "a"}, NULL, SAYS, NULL, say_charset, 0},
+    {{"\014"}, NULL, LOOKS, "redraw", NULL, 0},
 };
 
 static const struct key cursor_keys[] = {
-    {{"\033[D", "\033OD", "<"}, "kcub1", "cursor left", add_columns, true},
-    {{"\033[C", "\033OC", ">"}, "kcuf1", "cursor right", add_columns, true},
-    {{","}, NULL, "cursor left", NULL, true},
-    {{"."}, NULL, "cursor right", NULL, true},
-    {{"\033[A", "\033OA", "\033[B", "\033OB"}, NULL, "cursor series", NULL, true},
-    {{"n"}, NULL, "cursor next", NULL, true},
-    {{"N"}, NULL, "cursor previous", NULL, true},
-    {{"+"}, NULL, "cursor more", NULL, true},
-    {{"-"}, NULL, "cursor less", NULL, true},
-    {{"\t"}, NULL, "cursor other", NULL, true},
-    {{"s"}, NULL, NULL, say_snap, true},
-    {{"l"}, NULL, "cursor lock", NULL, true},
-    {{"z"}, NULL, "zoom 2", NULL, true},
-    {{"Z"}, NULL, "zoom 0.5", NULL, true},
-    {{"g"}, NULL, NULL, type_time, true},
-    {{"e"}, NULL, NULL, type_export, true},
-    {{":"}, NULL, NULL, type_command, true},
-    {{"?"}, NULL, "help cursor", NULL, false},
-    {{"\r", "\n"}, NULL, "cursor keep", NULL, false},
-    {{"q", "\004"}, NULL, "cursor off", NULL, false},
+    {{"\033[D", "\033OD", "<"}, "kcub1", LOOKS, "cursor left", add_columns, 0},
+    {{"\033[C", "\033OC", ">"}, "kcuf1", LOOKS, "cursor right", add_columns, 0},
+    {{","}, NULL, LOOKS, "cursor left", NULL, 0},
+    {{"."}, NULL, LOOKS, "cursor right", NULL, 0},
+    {{"\033[A", "\033OA", "\033[B", "\033OB"}, NULL, LOOKS, "cursor series", NULL, 0},
+    {{"n"}, NULL, LOOKS, "cursor next", NULL, 0},
+    {{"N"}, NULL, LOOKS, "cursor previous", NULL, 0},
+    {{"+"}, NULL, LOOKS, "cursor more", NULL, 0},
+    {{"-"}, NULL, LOOKS, "cursor less", NULL, 0},
+    {{"\t"}, NULL, LOOKS, "cursor other", NULL, 0},
+    {{"s"}, NULL, LOOKS, NULL, say_snap, 0},
+    {{"l"}, NULL, LOOKS, "cursor lock", NULL, 0},
+    {{"z"}, NULL, LOOKS, "zoom 2", NULL, 0},
+    {{"Z"}, NULL, LOOKS, "zoom 0.5", NULL, 0},
+    {{"g"}, NULL, TYPES, "cursor go ", NULL, 0},
+    {{"e"}, NULL, TYPES, "export measurements.csv measurements", NULL, 0},
+    {{":"}, NULL, TYPES, "", NULL, 0},
+    {{"?"}, NULL, SAYS, "help cursor", NULL, 0},
+    {{"\r", "\n"}, NULL, SAYS, "cursor keep", NULL, 0},
+    {{"q", "\004"}, NULL, SAYS, "cursor off", NULL, 0},
 };
 
 /* The same while a point stands on the portrait. */
 static const struct key point_keys[] = {
-    {{"\033[D", "\033OD", "<"}, "kcub1", "cursor left", add_across, true},
-    {{"\033[C", "\033OC", ">"}, "kcuf1", "cursor right", add_across, true},
-    {{"\033[A", "\033OA"}, "kcuu1", "cursor up", add_up, true},
-    {{"\033[B", "\033OB"}, "kcud1", "cursor down", add_up, true},
-    {{"n"}, NULL, "cursor next", NULL, true},
-    {{"N"}, NULL, "cursor previous", NULL, true},
-    {{"x"}, NULL, "start clear", NULL, false},
-    {{":"}, NULL, NULL, type_command, true},
-    {{"?"}, NULL, "help cursor", NULL, false},
-    {{"\r", "\n"}, NULL, NULL, say_start, false},
-    {{"q", "\004"}, NULL, "cursor off", NULL, false},
+    {{"\033[D", "\033OD", "<"}, "kcub1", LOOKS, "cursor left", add_cells, 0},
+    {{"\033[C", "\033OC", ">"}, "kcuf1", LOOKS, "cursor right", add_cells, 0},
+    {{"\033[A", "\033OA"}, "kcuu1", LOOKS, "cursor up", add_cells, 1},
+    {{"\033[B", "\033OB"}, "kcud1", LOOKS, "cursor down", add_cells, 1},
+    {{"n"}, NULL, LOOKS, "cursor next", NULL, 0},
+    {{"N"}, NULL, LOOKS, "cursor previous", NULL, 0},
+    {{"x"}, NULL, SAYS, "start clear", NULL, 0},
+    {{":"}, NULL, TYPES, "", NULL, 0},
+    {{"?"}, NULL, SAYS, "help cursor", NULL, 0},
+    {{"\r", "\n"}, NULL, SAYS, NULL, say_start, 0},
+    {{"q", "\004"}, NULL, SAYS, "cursor off", NULL, 0},
 };
 
 /* On the log while it has the whole screen; any other key begins a command. */
 static const struct key reading_keys[] = {
-    {{" "}, NULL, NULL, say_page_down, true},
-    {{"\033[A", "\033OA"}, "kcuu1", "scroll 1", NULL, true},
-    {{"\033[B", "\033OB"}, "kcud1", NEXT_ROW, NULL, true},
-    {{"\r", "\n"}, NULL, NULL, say_enter, true},
-    {{"\033[H", "\033OH", "\033[1~"}, "khome", "scroll home", NULL, true},
-    {{"\033[F", "\033OF", "\033[4~"}, "kend", "scroll end", NULL, true},
-    {{"/"}, NULL, NULL, type_find, true},
-    {{"n"}, NULL, NULL, say_next, true},
-    {{"!"}, NULL, NULL, say_recipe, true},
-    {{"q", "\004", "\007"}, NULL, "scroll close", NULL, true},
+    {{" "}, NULL, LOOKS, NULL, say_page, -1},
+    {{"\033[A", "\033OA"}, "kcuu1", LOOKS, "scroll 1", NULL, 0},
+    {{"\033[B", "\033OB"}, "kcud1", LOOKS, NEXT_ROW, NULL, 0},
+    {{"\r", "\n"}, NULL, LOOKS, NULL, say_enter, 0},
+    {{"\033[H", "\033OH", "\033[1~"}, "khome", LOOKS, "scroll home", NULL, 0},
+    {{"\033[F", "\033OF", "\033[4~"}, "kend", LOOKS, "scroll end", NULL, 0},
+    {{"/"}, NULL, TYPES, READING_FIND, NULL, 0},
+    {{"n"}, NULL, LOOKS, NULL, say_next, 0},
+    {{"!"}, NULL, LOOKS, NULL, say_recipe, 0},
+    {{"q", "\004", "\007"}, NULL, LOOKS, "scroll close", NULL, 0},
 };
 
-/* ---- from a key to its row: readline only says what was typed
- * --------------------------------------------- */
+/* ---- from a key to its row: readline only says what was typed ---- */
 
 static Keymap on_plot; /* while the cursors have the keys */
 static Keymap on_text; /* while the log has the whole screen */
@@ -422,23 +346,26 @@ static int on_key(int count, int last)
     if (!key) {
         return rl_ding();
     }
-    buffer_put(&line, key->command ? text_of(key->command) : TEXT(""));
+    if (key->kind == TYPES) {
+        type(key->text);
+        return 0;
+    }
+    buffer_put(&line, text_of(key->text));
     if (key->make) {
-        key->make(panes_active->program->session, count, &line);
+        key->make(&(struct press){panes_active->program->session, count, key->arg}, &line);
     }
     if (line.len > 0) {
         /* what is offered on the page, against what looks at it */
         const bool entered =
             on_cursors && keys_on_text() && !text_starts(buffer_text(&line), TEXT("scroll "));
-        struct error ignored;
         if (entered) {
-            history_append(buffer_view(&line), &ignored);
+            history_keep(buffer_view(&line), panes_active->program->reply);
             using_history(); /* the line being edited is behind it now */
         }
         panes_enqueue(panes_active, buffer_text(&line),
-                      entered       ? LINE_TYPED
-                      : key->silent ? LINE_SILENT
-                                    : LINE_KEY);
+                      entered              ? LINE_TYPED
+                      : key->kind == LOOKS ? LINE_SILENT
+                                           : LINE_KEY);
     }
     buffer_free(&line);
     return 0;

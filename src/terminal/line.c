@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <wchar.h>
 
 #include <readline/history.h>
 #include <readline/readline.h>
@@ -204,6 +205,121 @@ static char **complete(const char *word, int begin, int end)
     return finish(&all);
 }
 
+/* ---- where readline 7 to 8.3 crashes or hangs ---- */
+
+/*
+ * The functions that are weak stand before those of readline and have them do the rest: where
+ * readline is linked as an archive its own are taken, faults and all.
+ */
+__attribute__((weak)) int rl_newline(int count, int key);
+__attribute__((weak)) int rl_insert_text(const char *text);
+
+#define NARROWEST 12                    /* a prompt and some of a line */
+#define COUNT_MOST 100                  /* of a key that is repeated, before its last digit */
+#define REPEATED_MOST ((size_t)1 << 14) /* [byte] of a line, by such keys */
+
+/* A cut that is put often is cut and put again: after three times its length is no int any more. No
+ * line that is longer would be taken; and where a count makes it, it is no longer than searches for
+ * a character, whose time grows with the square of the length, are done with at once. */
+int rl_insert_text(const char *text)
+{
+    static int (*own)(const char *);
+    if (!own)
+        line_find_own(&own, "rl_insert_text");
+    const size_t most = rl_numeric_arg > 1 ? REPEATED_MOST : LIMIT_LINE;
+    if (text && strlen(text) + (size_t)rl_end > most) {
+        rl_ding();
+        return 0;
+    }
+    return own ? own(text) : 0;
+}
+
+/* A line that was left and come back to would be undone by a list of which parts are freed. It need
+ * not be: the history keeps it as it is. */
+int rl_newline(int count, int key)
+{
+    static int (*own)(int, int);
+    if (!own)
+        line_find_own(&own, "rl_newline");
+    line_drop_undo();
+    return own ? own(count, key) : 0;
+}
+
+void line_mend(void)
+{
+    const int end = (int)strlen(rl_line_buffer);
+    /* Readline shows a count with each of its digits. vi's put, and what it repeats, are done as
+     * often as is typed: a line of 1e6 times another took minutes. A count that overflows is the
+     * least int, with which delete and rubout call each other for ever. */
+    if (rl_numeric_arg > COUNT_MOST)
+        rl_numeric_arg = COUNT_MOST;
+    if (rl_numeric_arg < -COUNT_MOST)
+        rl_numeric_arg = -COUNT_MOST;
+    if (end == rl_end)
+        return;
+    rl_end = end;
+    rl_point = rl_point < end ? rl_point : end;
+    line_drop_undo();
+}
+
+/* Where lines cannot be broken (TERM=dumb, a height of 1) readline divides by a third of the
+ * width. */
+void line_redisplay(void)
+{
+    int rows, columns;
+    line_mend();
+    rl_get_screen_size(&rows, &columns);
+    if (columns < NARROWEST)
+        rl_set_screen_size(rows, NARROWEST);
+    rl_redisplay();
+}
+
+/* Returns true if the line has characters without a width, marks that combine or bytes that are no
+ * text. */
+static bool has_marks(void)
+{
+    wchar_t c;
+    for (int i = 0, used; i < rl_end; i += used) {
+        used = mbtowc(&c, rl_line_buffer + i, (size_t)(rl_end - i));
+        if (used < 1 || wcwidth(c) < 1)
+            return true;
+    }
+    return false;
+}
+
+#define TO_WORD_ENDS "wWeE=*\\"
+
+/* Keys of vi's command mode that go to the end of a word, where what follows the last character is
+ * the last one that has a width: it may stand before the present one, and then they never end. */
+static int go_to_word_end(int count, int key)
+{
+    if (has_marks())
+        return strchr("wWeE", key) ? rl_forward_word(count, key) : rl_ding();
+    return key == 'w' || key == 'W'   ? rl_vi_next_word(count, key)
+           : key == 'e' || key == 'E' ? rl_vi_end_word(count, key)
+                                      : rl_vi_complete(count, key);
+}
+
+void line_drop(void)
+{
+    line_drop_undo();
+    rl_free_line_state();
+    rl_replace_line("", 0);
+    rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
+}
+
+void line_leave(void)
+{
+    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG)) {
+        rl_restore_prompt();
+    }
+    const unsigned long inside = RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG |
+                                 RL_STATE_MULTIKEY | RL_STATE_VIMOTION | RL_STATE_CHARSEARCH |
+                                 RL_STATE_METANEXT | RL_STATE_MOREINPUT | RL_STATE_COMPLETING;
+    rl_readline_state &= ~inside;
+    rl_abort(1, 0);
+}
+
 void line_begin(struct session *session)
 {
     completing = session;
@@ -225,7 +341,10 @@ void line_begin(struct session *session)
     rl_variable_bind("output-meta", "on");
     rl_variable_bind("convert-meta", "off");
     rl_variable_bind("enable-bracketed-paste", "on");
+    for (const char *key = TO_WORD_ENDS; *key; key++)
+        rl_bind_key_in_map(*key, go_to_word_end, vi_movement_keymap);
     keys_bind();
+    rl_redisplay_function = line_redisplay;
     rl_read_init_file(NULL);
     rl_set_keymap_from_edit_mode();
     history_load();
@@ -247,7 +366,6 @@ struct pointers {
 static struct pointers parts, freed;
 
 void xfree(void *memory); /* as xmalloc() in crash.c, in readline's place */
-extern HIST_ENTRY *_rl_saved_line_for_history __attribute__((weak));
 
 /* Without memory it is lost. */
 static void put_pointer(struct pointers *all, void *pointer)
@@ -269,7 +387,6 @@ void xfree(void *memory)
         put_pointer(&freed, memory);
 }
 
-/* Weak as those of edit.c are. */
 __attribute__((weak)) void rl_add_undo(enum undo_code what, int start, int end, char *text)
 {
     static void (*own)(enum undo_code, int, int, char *);
@@ -288,16 +405,6 @@ void line_drop_undo(void)
         entry->data = NULL;
 }
 
-void line_mend(void)
-{
-    const int end = (int)strlen(rl_line_buffer);
-    if (end == rl_end)
-        return;
-    rl_end = end;
-    rl_point = rl_point < end ? rl_point : end;
-    line_drop_undo();
-}
-
 static int by_address(const void *a, const void *b)
 {
     const uintptr_t one = (uintptr_t) * (void *const *)a, two = (uintptr_t) * (void *const *)b;
@@ -308,10 +415,11 @@ void line_over(void)
 {
     HIST_ENTRY **entry = history_list();
     rl_undo_list = NULL;
+    rl_maybe_save_line(); /* without a line that was left for the history readline rings a bell */
+    rl_maybe_unsave_line();
+    rl_undo_list = NULL;
     for (size_t i = 0; entry && entry[i]; i++)
         entry[i]->data = NULL;
-    if (&_rl_saved_line_for_history && _rl_saved_line_for_history)
-        _rl_saved_line_for_history->data = NULL;
     for (size_t i = 0; i < parts.count; i++) {
         const UNDO_LIST *part = parts.at[i];
         xfree(part && part->what == UNDO_DELETE ? part->text : NULL);

@@ -1,12 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The options of the program: one table for reading and for --help. */
-#include "terminal/terminal.h"
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "terminal/parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum value { VALUE_NONE, VALUE_FILE, VALUE_TEXT, VALUE_SIZE, VALUE_WORD, VALUE_RESUME };
+enum value {
+    VALUE_NONE,
+    VALUE_FILE,
+    VALUE_TEXT,
+    VALUE_SIZE,
+    VALUE_WORD,
+    VALUE_RESUME,
+    VALUE_MODULE
+};
 
 static const struct option_row {
     char letter; /* 0: none */
@@ -15,38 +25,35 @@ static const struct option_row {
     const char *shown; /* how --help names the value */
     size_t offset;     /* of a bool (VALUE_NONE) or a string (VALUE_WORD) in struct options */
     const char *brief;
+    const struct module_option *module; /* VALUE_MODULE */
 } rows[] = {
 #define FLAG(letter, name, field, brief)                                                           \
     {                                                                                              \
-        letter, name, VALUE_NONE, "", offsetof(struct options, field), brief                       \
+        letter, name, VALUE_NONE, "", offsetof(struct options, field), brief, NULL                 \
     }
     {'f', "file", VALUE_FILE, " FILE", 0,
-     "run a command file (\"-\" = standard input); repeatable, in order with -c"},
-    {'c', "command", VALUE_TEXT, " TEXT", 0, "run commands (\";\" separates); repeatable"},
+     "run a command file (\"-\" = standard input); repeatable, in order with -c", NULL},
+    {'c', "command", VALUE_TEXT, " TEXT", 0, "run commands (\";\" separates); repeatable", NULL},
     FLAG('i', "interactive", interactive, "go to the prompt after -f, -c, FILE"),
     FLAG('b', "batch", batch, "never a prompt (default when stdin or stdout is not a terminal)"),
     FLAG(0, "plain", plain, "prompt with readline, no panes"),
     {0, "resume", VALUE_RESUME, " [NAME]", 0,
-     "continue the last autosaved session, or session-NAME"},
+     "continue the last autosaved session, or session-NAME", NULL},
     FLAG('k', "keep-going", keep_going,
          "do not stop a script at the first error (exit status still 1)"),
     FLAG('n', "norc", norc, "do not read the rc file"),
     FLAG(0, "rc", rc, "read the rc file in batch, too"),
     FLAG(0, "safe", safe, "refuse to write outside the current directory"),
-    {0, "size", VALUE_SIZE, " WxH", 0, "size of plots when there is no terminal (default 80x24)"},
+    {0, "size", VALUE_SIZE, " WxH", 0, "size of plots when there is no terminal (default 80x24)",
+     NULL},
     {0, "charset", VALUE_WORD, " NAME", offsetof(struct options, charset),
-     "auto, braille, block, ascii or words"},
-    {0, "color", VALUE_WORD, " WHEN", offsetof(struct options, color), "auto, always or never"},
+     "auto, braille, block, ascii, ...: 'help charset' has all", NULL},
+    {0, "color", VALUE_WORD, " WHEN", offsetof(struct options, color), "auto, always or never",
+     NULL},
     {0, "format", VALUE_WORD, " FORM", offsetof(struct options, format),
-     "text, csv or json: form of results"},
-    {0, "check", VALUE_WORD, " DIR ...", offsetof(struct options, check),
-     "run session.hk of each hand-in again: which values and figures agree"},
-    {0, "simulate-sensor", VALUE_WORD, " SCENE ", offsetof(struct options, sensor),
-     "a sensor on standard output: [rate=100] [noise=0.03cm] [seed=1] [for=10s] [NAME=VALUE]"},
-    {0, "check-sweep", VALUE_NONE, " FILES", offsetof(struct options, check_sweep),
-     "whether they, shards of a sweep or a whole one, have each point once, unchanged"},
+     "text, csv or json: form of results", NULL},
     {0, "split", VALUE_WORD, " DIR", offsetof(struct options, split),
-     "with --format csv: each table as a file in a new folder"},
+     "with --format csv: each table as a file in a new folder", NULL},
     FLAG('q', "quiet", quiet,
          "only records, warnings and errors; a run's own error is not estimated (help run)"),
     FLAG('v', "verbose", verbose, "show each line on standard error before it is executed"),
@@ -55,21 +62,41 @@ static const struct option_row {
 #undef FLAG
 };
 
+static bool is_in(const struct option_row *row)
+{
+    return row->value != VALUE_RESUME || session_keeper();
+}
+
+static void put_option(char letter, const char *name, const char *shown, const char *brief,
+                       struct buffer *text)
+{
+    char left[40];
+    snprintf(left, sizeof left, "--%s%s", name, shown);
+    if (letter)
+        buffer_format(text, "  -%c, %-20s %s\n", letter, left, brief);
+    else
+        buffer_format(text, "      %-20s %s\n", left, brief);
+}
+
+static void put_module_option(const struct module_option *option, struct buffer *text)
+{
+    if (option->word)
+        put_option(0, option->word, option->shown, option->brief, text);
+}
+
 void options_help(struct buffer *text)
 {
     buffer_format(text,
                   "usage: hooke [options] [FILE.hk ...]\n\n"
                   "A laboratory for oscillators and the methods that integrate them.\n"
                   "Without files and commands: a prompt, or commands from standard input.\n\n");
-    for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        char name[40];
-        snprintf(name, sizeof name, "--%s%s", rows[i].name, rows[i].shown);
-        if (rows[i].letter) {
-            buffer_format(text, "  -%c, %-20s %s\n", rows[i].letter, name, rows[i].brief);
-        } else {
-            buffer_format(text, "      %-20s %s\n", name, rows[i].brief);
-        }
-    }
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        if (is_in(&rows[i]))
+            put_option(rows[i].letter, rows[i].name, rows[i].shown, rows[i].brief, text);
+    for (size_t i = 0; module_list[i]; i++)
+        put_module_option(&module_list[i]->option, text);
+    for (size_t i = 0; terminal_parts[i]; i++)
+        put_module_option(&terminal_parts[i]->option, text);
     buffer_format(text, "\nexit status: 0 done, 1 a command failed, 2 bad option or script not "
                         "readable, 3 numerical failure,\n"
                         "4 input or output failed, 129 130 143 ended by a signal\n");
@@ -104,14 +131,12 @@ static bool take_size(struct options *options, const char *value)
                     value);
 }
 
-/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from
- * files by their beginning. */
-static bool wants_next(const struct option_row *row, const char *next)
+/* Does a value follow? That of --resume may be left out. */
+static bool wants_value(const struct option_row *row, const char *next)
 {
-    if (row->value == VALUE_RESUME) {
-        return next && strncmp(next, AUTOSAVE_PREFIX, strlen(AUTOSAVE_PREFIX)) == 0;
-    }
-    return row->value != VALUE_NONE;
+    return row->value == VALUE_RESUME   ? next && session_keeper()->is_name(next)
+           : row->value == VALUE_MODULE ? row->module->takes_first
+                                        : row->value != VALUE_NONE;
 }
 
 /* value NULL: none was given. */
@@ -126,10 +151,14 @@ static bool take(struct options *options, const struct option_row *row, const ch
         *(const char **)(void *)field = value;
         return true;
     case VALUE_SIZE:
-        return take_size(options, value);
+        return value && take_size(options, value);
     case VALUE_RESUME:
         options->resume = true;
         options->resume_name = value;
+        return true;
+    case VALUE_MODULE:
+        options->only = row->module;
+        options->first = value;
         return true;
     case VALUE_FILE:
     case VALUE_TEXT:
@@ -140,24 +169,84 @@ static bool take(struct options *options, const struct option_row *row, const ch
     return false;
 }
 
-static const struct option_row *find_long(struct text name)
+static bool find_module_option(const struct module_option *option, struct text name,
+                               struct option_row *row)
 {
-    for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        if (text_is(name, rows[i].name)) {
-            return &rows[i];
-        }
-    }
-    return NULL;
+    if (!option->word || !text_is(name, option->word))
+        return false;
+    *row = (struct option_row){.name = option->word, .value = VALUE_MODULE, .module = option};
+    return true;
 }
 
-static const struct option_row *find_letter(char letter)
+static bool find_long(struct text name, struct option_row *row)
 {
-    for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        if (rows[i].letter == letter) {
-            return &rows[i];
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        if (text_is(name, rows[i].name) && is_in(&rows[i])) {
+            *row = rows[i];
+            return true;
         }
+    for (size_t i = 0; module_list[i]; i++)
+        if (find_module_option(&module_list[i]->option, name, row))
+            return true;
+    for (size_t i = 0; terminal_parts[i]; i++)
+        if (find_module_option(&terminal_parts[i]->option, name, row))
+            return true;
+    return false;
+}
+
+/* Writes a message about an unknown long option, or about the module that it belongs to. Returns
+ * false. */
+static bool refuse_unknown(struct text name, const char *word)
+{
+    char what[40];
+    struct error error = {0};
+    snprintf(what, sizeof what, "--%.*s", (int)name.len, name.at);
+    if (module_is_in(what, name, &error))
+        return complain("unknown option", word);
+    fprintf(stderr, "hooke: error: %s; %s\n", error.text, error.hint);
+    return false;
+}
+
+/* given: the value in the word itself, or NULL; *next becomes NULL if the next word is the value.
+ */
+static bool read_option(struct options *options, const struct option_row *row, const char *word,
+                        const char *given, const char **next)
+{
+    const bool wants = wants_value(row, *next);
+    if (given && !wants && row->value != VALUE_RESUME)
+        return complain("no value goes with option", word);
+    if (given || !wants)
+        return take(options, row, given);
+    const char *value = *next;
+    *next = NULL;
+    return value ? take(options, row, value) : complain("a value is missing after option", word);
+}
+
+static bool read_long(struct options *options, const char *word, const char **next)
+{
+    const char *equals = strchr(word, '=');
+    const struct text name = {word + 2, equals ? (size_t)(equals - word - 2) : strlen(word + 2)};
+    struct option_row row;
+    return find_long(name, &row)
+               ? read_option(options, &row, word, equals ? equals + 1 : NULL, next)
+               : refuse_unknown(name, word);
+}
+
+/* Letters; behind one that wants a value is its value. */
+static bool read_letters(struct options *options, const char *word, const char **next)
+{
+    bool ok = true;
+    for (const char *letter = word + 1; *letter && ok; letter++) {
+        size_t i = 0;
+        while (i < COUNT_OF(rows) && rows[i].letter != *letter)
+            i++;
+        if (i == COUNT_OF(rows))
+            return complain("unknown option", word);
+        if (rows[i].value != VALUE_NONE)
+            return read_option(options, &rows[i], word, letter[1] ? letter + 1 : NULL, next);
+        ok = take(options, &rows[i], NULL);
     }
-    return NULL;
+    return ok;
 }
 
 bool options_read(struct options *options, int argc, char **argv)
@@ -168,48 +257,15 @@ bool options_read(struct options *options, int argc, char **argv)
         return false;
     }
     bool only_files = false;
-    for (int i = 1; i < argc; i++) {
-        char *word = argv[i];
-        if (only_files || word[0] != '-' || word[1] == 0) {
+    for (int i = 1; i < argc && argv[i]; i++) {
+        const char *word = argv[i], *next = argv[i + 1];
+        if (only_files || word[0] != '-' || word[1] == 0)
             options->task[options->tasks++] = (struct task){TASK_FILE, word};
-        } else if (strcmp(word, "--") == 0) {
+        else if (strcmp(word, "--") == 0)
             only_files = true;
-        } else if (word[1] == '-') {
-            const char *equals = strchr(word, '=');
-            struct text name = {word + 2, equals ? (size_t)(equals - word - 2) : strlen(word + 2)};
-            const struct option_row *row = find_long(name);
-            if (!row) {
-                return complain("unknown option", word);
-            }
-            if (row->value == VALUE_NONE && equals) {
-                return complain("no value goes with option", word);
-            }
-            const bool next = !equals && wants_next(row, argv[i + 1]);
-            if (next && i + 1 >= argc) {
-                return complain("a value is missing after option", word);
-            }
-            if (!take(options, row, equals ? equals + 1 : next ? argv[++i] : NULL)) {
-                return false;
-            }
-        } else {
-            for (const char *letter = word + 1; *letter;) {
-                const struct option_row *row = find_letter(*letter++);
-                if (!row) {
-                    return complain("unknown option", word);
-                }
-                if (row->value == VALUE_NONE) {
-                    take(options, row, NULL);
-                    continue;
-                }
-                if (!*letter && i + 1 >= argc) {
-                    return complain("a value is missing after option", word);
-                }
-                if (!take(options, row, *letter ? letter : argv[++i])) {
-                    return false;
-                }
-                break;
-            }
-        }
+        else if (!(word[1] == '-' ? read_long : read_letters)(options, word, &next))
+            return false;
+        i += argv[i + 1] && !next;
     }
     return true;
 }

@@ -5,7 +5,10 @@
  * ncurses draws; neither reads or writes the terminal on its own.
  */
 #define _GNU_SOURCE /* fopencookie */
+#include <hooke/base/cancel.h>
+#include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
+#include "terminal/parts.h"
 
 #include <langinfo.h>
 #include <limits.h>
@@ -25,12 +28,11 @@
 /* The person, the system or the terminal wants an end. */
 bool panes_over(const struct panes *panes)
 {
-    return panes_session(panes)->quit || panes->program->next != FRONT_END || signals_ending() ||
-           panes->input.closed;
+    return panes_session(panes)->execution.quit || panes->program->next != FRONT_END ||
+           signals_ending() || panes->input.closed;
 }
 
-/* ---- what is said
- * ----------------------------------------------------------------------------------------- */
+/* ---- what is said ---- */
 
 static bool say(void *context, struct text text)
 {
@@ -102,8 +104,7 @@ static void execute_silently(struct panes *panes, struct text line)
     reply_free(&reply);
 }
 
-/* ---- drawing
- * ---------------------------------------------------------------------------------------------- */
+/* ---- drawing ---- */
 
 void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch)
 {
@@ -134,7 +135,10 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
     const int choice = panes_session(panes)->setup.settings.color;
     screen_color(&panes->screen, choice == COLOR_ALWAYS || (choice == COLOR_AUTO && panes->color));
     enum shown shown = SHOWN_NOTHING;
-    if (!canvas->cell || screen_draw(panes_session(panes), &prompt, canvas, &x, &y)) {
+    if (canvas->cell && only_prompt)
+        screen_draw_prompt(panes_session(panes), &prompt, canvas, &x, &y);
+    if (!canvas->cell || only_prompt ||
+        screen_draw(panes_session(panes), &prompt, canvas, &x, &y)) {
         shown =
             screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, bytes, x, y);
     }
@@ -144,8 +148,7 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
     return shown;
 }
 
-/* Draws what has to be seen now. Of a run the frames come when it is their time; what was typed is
- * shown at once. */
+/* Draws what has to be seen now. Of a run the frames come when it is their time. */
 static void draw_due(struct panes *panes, int64_t now)
 {
     struct session *session = panes_session(panes);
@@ -182,8 +185,7 @@ static void take_size(struct panes *panes)
     panes->screen_stale = true;
 }
 
-/* ---- signals
- * ---------------------------------------------------------------------------------------------- */
+/* ---- signals ---- */
 
 /* An answer that comes after we have left would appear at the shell's prompt. */
 static void await_answer(struct panes *panes)
@@ -247,30 +249,26 @@ static void heed_signals(struct panes *panes, bool forget)
     }
 }
 
-/* ---- waiting
- * ---------------------------------------------------------------------------------------------- */
+/* ---- waiting ---- */
 
 static int64_t earliest(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-/* Where that is due; line: one was executed. */
 void panes_save(struct panes *panes, bool line)
 {
     struct error error;
-    if (!autosave_keep(panes->program->autosave, line, &error)) {
+    if (!keeper_keep(line, &error)) {
         panes_warn(panes, &error);
     }
 }
 
-/* Draws, waits for something to happen, at most until then, and reads what there is. */
-void panes_wait(struct panes *panes, int64_t until)
+bool panes_read(struct panes *panes, int64_t until)
 {
     struct session *session = panes_session(panes);
-    draw_due(panes, clock_ns());
     until = earliest(until, input_due(&panes->input));
-    until = earliest(until, autosave_due(panes->program->autosave));
+    until = earliest(until, keeper_due());
     if (panes->running) {
         until = earliest(until, pacing_due(&panes->pacing, session));
     }
@@ -283,16 +281,24 @@ void panes_wait(struct panes *panes, int64_t until)
                               {.fd = signals_pipe(), .events = POLLIN}};
     const bool any = poll(ready, 2, timeout) > 0;
     heed_signals(panes, true);
-    if (any && ready[0].revents) {
+    const bool typed = any && ready[0].revents;
+    if (typed) {
         input_read(&panes->input, (ready[0].revents & GONE) != 0);
         /* what a Ctrl-C in between has left for us to read was typed after it */
         heed_signals(panes, false);
     }
-    panes_save(panes, false);
+    return typed;
 }
 
-/* ---- executing
- * -------------------------------------------------------------------------------------------- */
+/* The session is saved when nobody types: a key is seen first. */
+void panes_wait(struct panes *panes, int64_t until)
+{
+    draw_due(panes, clock_ns());
+    if (!panes_read(panes, until))
+        panes_save(panes, false);
+}
+
+/* ---- executing ---- */
 
 /* [cell] of the log; lines are broken at words, which leaves up to a quarter of a row empty. */
 static int room_for_offer(const struct session *session)
@@ -374,8 +380,6 @@ static void execute_line(struct panes *panes)
     buffer_free(&line);
 }
 
-/* Everything that has been typed: keys to readline, complete lines to the session, one after the
- * other. */
 void panes_process(struct panes *panes)
 {
     if (!panes->running) {
@@ -384,6 +388,9 @@ void panes_process(struct panes *panes)
     while (!panes_over(panes) && !panes->interrupted) {
         if (panes->line_waits) {
             execute_line(panes);
+            continue;
+        }
+        if (edit_take_line(panes)) {
             continue;
         }
         unsigned char byte;
@@ -402,8 +409,7 @@ void panes_process(struct panes *panes)
     }
 }
 
-/* ---- beginning and end
- * ------------------------------------------------------------------------------------ */
+/* ---- beginning and end ---- */
 
 /* What was typed ahead of `plain` is for the prompt. */
 static void hand_over(struct panes *panes)
@@ -431,8 +437,7 @@ static ssize_t drop(void *nowhere, const char *bytes, size_t count)
 void panes_run(struct front_program *program)
 {
     struct session *session = program->session;
-    struct panes panes = {
-        .program = program, .next_byte = -1, .screen_stale = true, .pacing = PACING_BEGIN};
+    struct panes panes = {.program = program, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front before = session->front;
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = drop});
     program->next = FRONT_END;
@@ -442,7 +447,13 @@ void panes_run(struct front_program *program)
     /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it
      * while it draws. */
     signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
-    if (!nowhere || signals_pipe() < 0 || !screen_begin(&panes.screen)) {
+    panes_active = &panes;
+    const bool edits = nowhere && signals_pipe() >= 0 && edit_begin(nowhere);
+    if (!edits || !screen_begin(&panes.screen)) {
+        if (edits) {
+            edit_end();
+        }
+        panes_active = NULL;
         signals_watch(0);
         if (nowhere) {
             fclose(nowhere);
@@ -455,13 +466,9 @@ void panes_run(struct front_program *program)
     watch_offer(&panes, &session->front);
     program->reply->sink = sink_of(&panes);
     take_size(&panes);
-    panes_active = &panes;
-    edit_begin(nowhere);
     keys_choose(session);
-    if (!program->reply->quiet && session->log.count == 0) {
-        reply_line(program->reply,
-                   "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
-                   HOOKE_VERSION);
+    if (session->log.count == 0) {
+        front_greet(program->reply);
     }
     while (!panes_over(&panes)) {
         panes_process(&panes);

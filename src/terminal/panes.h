@@ -70,8 +70,7 @@ void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t 
                   enum shown shown);
 void pacing_replied(struct pacing *pacing, int64_t now);
 
-/* ---- the terminal under ncurses (screen.c)
- * ---------------------------------------------------------------- */
+/* ---- the terminal under ncurses (screen.c) ---- */
 
 struct terminal_screen {
     void *handle; /* SCREEN of ncurses, NULL: not shown */
@@ -105,8 +104,7 @@ void screen_resize(struct terminal_screen *screen);
 enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x,
                        int cursor_y);
 
-/* ---- the front end
- * ---------------------------------------------------------------------------------------- */
+/* ---- the front end ---- */
 
 enum line_from {
     LINE_TYPED,
@@ -117,7 +115,6 @@ enum line_from {
 struct panes {
     struct front_program *program;
     struct input input;
-    int next_byte; /* taken from the input for readline, -1: none */
     struct pacing pacing;
     struct terminal_screen screen;
     bool color;         /* the terminal shows colours, and NO_COLOR is not set */
@@ -128,12 +125,10 @@ struct panes {
     int aside_point;     /* [byte] of the cursor in it */
     /* what a key could not do: shown instead of the numbers until the next line */
     struct buffer notice;
-    bool line_ended;     /* since the last key */
-    bool echo_stale;     /* the prompt has changed */
-    bool screen_stale;   /* more than that has */
-    bool interrupted;    /* Ctrl-C while a run goes on */
-    bool running;        /* inside front.slice: a run goes on */
-    bool history_warned; /* that it cannot be kept: said once */
+    bool echo_stale;   /* the prompt has changed */
+    bool screen_stale; /* more than that has */
+    bool interrupted;  /* Ctrl-C while a run goes on */
+    bool running;      /* inside front.slice: a run goes on */
 };
 
 #define PANES_PROMPT "hooke> "
@@ -144,8 +139,11 @@ static inline struct session *panes_session(const struct panes *panes)
 }
 
 bool panes_over(const struct panes *panes);
-/* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is. */
+/* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is or
+ * saves. */
 void panes_wait(struct panes *panes, int64_t until);
+/* The same without drawing or saving. Returns true if something was typed. */
+bool panes_read(struct panes *panes, int64_t until);
 void panes_save(struct panes *panes, bool line);
 /* Everything that has been typed: keys to readline, complete lines to the session, one after the
  * other. */
@@ -161,15 +159,18 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);
 void panes_repaint(struct panes *panes);
 void panes_warn(struct panes *panes, const struct error *error);
 
-/* ---- readline (edit.c)
- * ------------------------------------------------------------------------------------ */
+/* ---- readline (edit.c) ---- */
 
 /* The one that is running; readline's callbacks have no context. NULL: none. */
 extern struct panes *panes_active;
 
-void edit_begin(FILE *nowhere); /* what readline wants to write goes nowhere */
+/* What readline wants to write goes nowhere. False: there is no thread for it. */
+bool edit_begin(FILE *nowhere);
 void edit_end(void);
 void edit_key(struct panes *panes, unsigned char byte); /* typed: to readline */
+/* Enqueues the lines that a key has ended, while none waits to be executed; keys are taken only
+ * where there are no more. Returns true if there was one. */
+bool edit_take_line(struct panes *panes);
 /* Whatever is being edited: gone, with every state readline may be in. */
 void edit_clear(struct panes *panes);
 /* What is half typed is put aside while a page is read, and comes back with the panes. */
@@ -178,8 +179,7 @@ void edit_put_aside(struct panes *panes);
  * nothing. */
 void edit_paste(struct panes *panes, struct text paste);
 
-/* ---- what is longer than the log (reading.c)
- * ------------------------------------------------------------------ */
+/* ---- what is longer than the log (reading.c) ---- */
 
 /* Where the page is, or the notice, and what the keys do. */
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text);
@@ -189,13 +189,11 @@ void reading_command(const struct panes *panes, uint64_t said_before, struct buf
 /* The line at the top of the page, counted from the newest: what a new size is to begin with. */
 int reading_line(const struct session *session);
 
-/* ---- what the session asks for (watch.c)
- * ------------------------------------------------------------------ */
+/* ---- what the session asks for (watch.c) ---- */
 
 void watch_offer(struct panes *panes, struct front *front);
 
-/* ---- keys (keys.c)
- * ---------------------------------------------------------------------------------------- */
+/* ---- keys (keys.c) ---- */
 
 /* Binds them in every keymap of readline; the inputrc, read afterwards, may bind them differently.
  */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a long run or study shows while it goes on: how far it is and the time left. */
 #include "terminal/terminal.h"
+#include <hooke/run.h>
+#include <hooke/base/cancel.h>
 
 #include <stdio.h>
 
@@ -43,8 +45,8 @@ void progress_text(const struct session *session, const struct run *run, double 
     } else if (!run) {
         buffer_format(text, "%.0f s", spent);
     }
-    if (fraction > 0 && !run && session && session->study_points > 0 && spent > 0)
-        buffer_format(text, ", %.3g points/s", fraction * session->study_points / spent);
+    if (fraction > 0 && !run && session && session->studies.points > 0 && spent > 0)
+        buffer_format(text, ", %.3g points/s", fraction * session->studies.points / spent);
     buffer_put(text, TEXT(" (Ctrl-C stops)"));
 }
 

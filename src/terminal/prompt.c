@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plain prompt: readline for editing, history and completion; everything typed goes to
  * command_exec(). */
-#include "terminal/terminal.h"
+#include "terminal/parts.h"
+#include <hooke/base/cancel.h>
 
 #include <limits.h>
 #include <poll.h>
@@ -12,23 +13,22 @@
 
 #include <readline/readline.h>
 
-/* ---- signals while editing
- * -------------------------------------------------------------------------------- */
+/* ---- signals while editing ---- */
 
 static struct front_program *at_prompt; /* readline asks without a context */
 
 static void save_when_due(bool line)
 {
     struct error error;
-    if (!autosave_keep(at_prompt->autosave, line, &error)) {
+    if (!keeper_keep(line, &error)) {
         reply_warning(at_prompt->reply, "%s", error.text);
     }
 }
 
-/* Whatever came before: the next alarm rings when the autosave is due. */
-static void set_alarm(struct autosave *autosave)
+/* Whatever came before: the next alarm rings when the session is to be kept. */
+static void set_alarm(void)
 {
-    const int64_t due = autosave_due(autosave), now = clock_ns();
+    const int64_t due = keeper_due(), now = clock_ns();
     signals_alarm(due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000);
 }
 
@@ -38,36 +38,14 @@ static void executed(void *context)
     save_when_due(true);
 }
 
-/* Out of a search, of a sequence, or of a paste whose end a Ctrl-C has made the terminal forget:
- * readline jumps to where it reads a new key. */
-static void leave_inside(void)
-{
-    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG)) {
-        rl_restore_prompt();
-    }
-    const unsigned long inside = RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG |
-                                 RL_STATE_MULTIKEY | RL_STATE_VIMOTION | RL_STATE_CHARSEARCH |
-                                 RL_STATE_METANEXT | RL_STATE_MOREINPUT | RL_STATE_COMPLETING;
-    rl_readline_state &= ~inside;
-    rl_abort(1, 0);
-}
-
-static void drop_line(void)
-{
-    line_drop_undo();
-    rl_free_line_state();
-    rl_replace_line("", 0);
-    rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
-}
-
 /* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for
- * the autosave. */
+ * what keeps the session. */
 static void heed_signals(void)
 {
     signals_drain();
     if (signals_happened(HAPPENED_ALARM)) {
         save_when_due(false);
-        set_alarm(at_prompt->autosave);
+        set_alarm();
     }
     if (signals_happened(HAPPENED_SUSPEND)) {
         rl_deprep_terminal();
@@ -78,12 +56,12 @@ static void heed_signals(void)
     if (cancelled(&interrupt) && !signals_ending()) {
         const bool inside = RL_ISSTATE(RL_STATE_MOREINPUT);
         atomic_store(&interrupt.requested, 0);
-        drop_line();
+        line_drop();
         fputs("^C", rl_outstream);
         rl_crlf();
         rl_on_new_line();
         if (inside) {
-            leave_inside();
+            line_leave();
         }
         rl_redisplay();
     }
@@ -101,8 +79,8 @@ static int wait_for_key(FILE *stream)
         if (count < 0 || ready[1].revents) {
             heed_signals();
         } else {
-            const int key = pixels_skip_answer(rl_getc(stream));
-            if (key != PIXELS_NO_KEY) {
+            const int key = terminal_key(rl_getc(stream));
+            if (key != NO_KEY) {
                 return key;
             }
         }
@@ -116,8 +94,8 @@ static int get_key(FILE *stream)
 {
     const int key = wait_for_key(stream);
     if (key == EOF && RL_ISSTATE(RL_STATE_MOREINPUT)) {
-        drop_line();
-        leave_inside();
+        line_drop();
+        line_leave();
     }
     return key;
 }
@@ -165,30 +143,42 @@ static void progress(void *context, const struct run *run, double fraction)
         save_when_due(false);
 }
 
-/* ---- the loop
- * --------------------------------------------------------------------------------------------- */
+/* ---- the loop ---- */
 
-bool typed_run(struct session *session, struct text typed, struct reply *reply)
+bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply)
 {
-    const bool pasted = typed.len > 0 && memchr(typed.at, '\n', typed.len) != NULL;
     struct script script;
     struct text line;
-    script_begin(&script, session, pasted ? "paste" : NULL, NULL);
-    while (typed.len > 0 && text_split(&typed, '\n', &line) &&
+    script_begin(&script, session, name, NULL);
+    while (lines.len > 0 && text_split(&lines, '\n', &line) &&
            script_feed(&script, session, line, reply)) {
     }
     return script_end(&script, session, reply);
 }
 
+bool typed_run(struct session *session, struct text typed, struct reply *reply)
+{
+    const bool pasted = typed.len > 0 && memchr(typed.at, '\n', typed.len) != NULL;
+    return lines_run(session, pasted ? "paste" : NULL, typed, reply);
+}
+
+void front_greet(struct reply *reply)
+{
+    if (!reply->quiet)
+        reply_line(reply,
+                   "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
+                   HOOKE_VERSION);
+}
+
 static char *read_line(struct front_program *program)
 {
     signals_watch(1u << HAPPENED_SUSPEND | 1u << HAPPENED_ALARM);
-    set_alarm(program->autosave);
-    const struct lesson *lesson = program->session->lesson;
-    char prompt[40] = "hooke> ";
-    if (lesson && lesson->step < lesson->steps) {
-        snprintf(prompt, sizeof prompt, "lab %d/%d> ", lesson->step + 1, lesson->steps);
-    }
+    set_alarm();
+    struct buffer label = {0};
+    char prompt[40];
+    modules_label(program->session, &label);
+    snprintf(prompt, sizeof prompt, "%.36s> ", label.len ? buffer_view(&label) : "hooke");
+    buffer_free(&label);
     char *typed = readline(prompt);
     line_over();
     signals_alarm(0);
@@ -198,15 +188,10 @@ static char *read_line(struct front_program *program)
 
 static void execute(struct front_program *program, const char *typed)
 {
-    struct error error;
-    static bool warned;
     if (text_trim(text_of(typed)).len == 0) {
         return;
     }
-    if (!history_append(typed, &error) && !warned) {
-        warned = true;
-        reply_warning(program->reply, "%s", error.text);
-    }
+    history_keep(typed, program->reply);
     save_when_due(false); /* what a Ctrl-C has put off: the line may last */
     struct session *session = program->session;
     program->streams->holding = session->setup.settings.pager == PAGER_ON;
@@ -246,7 +231,7 @@ static void set_front(struct front_program *program)
     front->clear = clear_screen;
     front->change = change;
     screenshot_offer(front);
-    pixels_offer(front, program->streams);
+    terminal_offer(front, program->streams);
     front->context = program;
 }
 
@@ -264,12 +249,8 @@ void prompt_run(struct front_program *program)
     rl_getc_function = get_key;
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
-    if (!program->reply->quiet) {
-        reply_line(program->reply,
-                   "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
-                   HOOKE_VERSION);
-    }
-    while (!session->quit && !signals_ending() && program->next == FRONT_END &&
+    front_greet(program->reply);
+    while (!session->execution.quit && !signals_ending() && program->next == FRONT_END &&
            streams_flush(program->streams)) {
         front_probe(&session->front, program->options, STDOUT_FILENO);
         char *typed = read_line(program);

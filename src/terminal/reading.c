@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is longer than the log, read on the whole screen. */
+#include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
 #include <string.h>

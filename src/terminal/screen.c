@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never
  * reads and catches no signal. */
+#include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
 #include <stdlib.h>
@@ -14,8 +15,7 @@
 #include <curses.h>
 #include <term.h>
 
-/* ---- the terminal's own sequences
- * ------------------------------------------------------------------------- */
+/* ---- the terminal's own sequences ---- */
 
 const char *screen_capability(const char *name)
 {
@@ -54,9 +54,7 @@ static void arm_crash(void)
     buffer_free(&gathered);
 }
 
-/* ---- modes
- * ------------------------------------------------------------------------------------------------
- */
+/* ---- modes ---- */
 
 /* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a
  * read never blocks, whatever poll() said before. */
@@ -211,9 +209,7 @@ void screen_resize(struct terminal_screen *screen)
     clearok(stdscr, TRUE);
 }
 
-/* ---- cells
- * ------------------------------------------------------------------------------------------------
- */
+/* ---- cells ---- */
 
 /* The terminal's own palette, the same as that of printed figures; backgrounds are never painted.
  */

@@ -2,6 +2,7 @@
 /* Signals only set flags and wake the loop through a pipe; the loops look at them. */
 #define _GNU_SOURCE /* pipe2 */
 #include "terminal/terminal.h"
+#include <hooke/base/cancel.h>
 
 #include <errno.h>
 #include <fcntl.h>

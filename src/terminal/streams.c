@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Standard output and standard error as the two ends of a sink; no failed write is forgotten. */
 #define _GNU_SOURCE /* O_PATH, pipe2 */
+#include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
 
 #include <errno.h>

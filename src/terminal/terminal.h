@@ -4,13 +4,14 @@
 #ifndef HOOKE_TERMINAL_TERMINAL_H
 #define HOOKE_TERMINAL_TERMINAL_H
 
-#include <hooke/session/store.h>
+#include <hooke/base/file.h>
+#include <hooke/module.h>
 #include <hooke/view.h>
 
 #include <pthread.h>
+#include <signal.h>
 
-/* ---- what the command line of the program asks for
- * -------------------------------------------------------- */
+/* ---- what the command line of the program asks for ---- */
 
 enum task_kind { TASK_FILE, TASK_COMMAND };
 
@@ -23,10 +24,13 @@ struct options {
     struct task *task;
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
-    bool resume, check_sweep;
-    int width, height;                                             /* 0: not given */
-    const char *charset, *color, *format, *split, *check, *sensor; /* NULL: not given */
-    const char *resume_name;                                       /* NULL: the newest */
+    bool resume;
+    int width, height;                            /* 0: not given */
+    const char *charset, *color, *format, *split; /* NULL: not given */
+    const char *resume_name;                      /* NULL: the newest */
+    /* option of a module that is all the program does, or NULL */
+    const struct module_option *only;
+    const char *first; /* first word of that option, or NULL if all of its words are tasks */
 };
 
 /* False: a message has been written to standard error; exit status 2. */
@@ -34,8 +38,7 @@ bool options_read(struct options *options, int argc, char **argv);
 void options_free(struct options *options);
 void options_help(struct buffer *text);
 
-/* ---- standard streams
- * ------------------------------------------------------------------------------------- */
+/* ---- standard streams ---- */
 
 struct streams {
     struct buffer out;
@@ -83,8 +86,7 @@ int confine_version(void); /* of Landlock; 0: this kernel has none */
 bool confine_writing(const char *const *folder, int folders, struct error *error);
 void confine_say(struct buffer *text); /* a line for --version */
 
-/* ---- signals
- * ---------------------------------------------------------------------------------------------- */
+/* ---- signals ---- */
 
 extern struct cancel interrupt; /* set by Ctrl-C */
 
@@ -118,32 +120,31 @@ void signals_drain(void);
 /* Stops the program the way the terminal's own Ctrl-Z does; returns when it is continued. */
 void signals_stop(void);
 
-/* ---- giving the terminal back, whatever happens (crash.c)
- * ------------------------------------------------- */
+/* ---- giving the terminal back, whatever happens (crash.c) ---- */
 
 /* Notes the modes that the terminal has now, to be restored. */
 void crash_modes(void);
 /* From now on an abnormal end writes `text` (escape sequences) and restores those modes. */
 void crash_arm(struct text text);
 void crash_disarm(void);
+/* Gives a thread the stack on which its fatal signals are handled, in place of *before, which is to
+ * be given back at its end. */
+void crash_stack(stack_t *before);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
 /* A serial line that an abnormal end gives back its modes, too; NULL: none any more. */
 struct termios;
 void crash_line(int fd, const struct termios *modes);
 void crash_end(void); /* crash_restore() and the line: nothing goes on after it */
-/* Signals that end the program: restore, then end as they would have. One of them; all. */
+/* Catches a signal that ends the program, so that it restores the modes first. crash_modes() and
+ * crash_line() do so for all signals that are neither caught nor ignored. */
 void crash_signal(int number);
-void crash_install(void);
 /* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing.
  */
 void crash_last_act(void (*act)(void));
 
-/* ---- front ends
- * ------------------------------------------------------------------------------------------- */
+/* ---- front ends ---- */
 
 enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
-
-struct autosave;
 
 /* What all front ends of one program share. */
 struct front_program {
@@ -151,13 +152,15 @@ struct front_program {
     const struct options *options;
     struct streams *streams;
     struct reply *reply;
-    struct autosave *autosave;
     enum front_kind next; /* set by `plain` and `panes`: who takes over */
     struct buffer offer;  /* the line that an empty Enter takes: it is shown */
     struct buffer later;  /* what there was no room for, offered when that was taken */
     struct buffer passed; /* the last offer, as long as it is not taken: it is shown once */
 };
 
+/* Takes the locale of the environment: character widths come from it; numbers, messages and the
+ * order of names never do. For programs that talk: others need no tables. */
+void front_load_locale(void);
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
 void front_probe(struct front *front, const struct options *options, int fd);
 /* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped.
@@ -168,7 +171,7 @@ void batch_run(struct session *session, const struct options *options, bool inpu
  */
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
-/* After a typed line: says what command_next() says, which an empty Enter then takes; `room`: for
+/* After a typed line: says what a module has next, which an empty Enter then takes; `room`: for
  * so many cells of it, as all must be seen that is taken: where there is room for the first
  * statements only, those. 0 also where something was typed before it could be seen. Says nothing
  * where it would say the same as after the line before. */
@@ -190,14 +193,9 @@ void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
  * error. False: it did. */
 bool typed_run(struct session *session, struct text typed, struct reply *reply);
-
-/* ---- figures as pixels, in terminals that say that they show them (pixels.c)
- * ---------------------------------------------------- */
-
-void pixels_offer(struct front *front, struct streams *streams);
-/* An answer that came too late is still to come: what was typed is looked through for it. */
-int pixels_skip_answer(int key); /* PIXELS_NO_KEY: this was one */
-#define PIXELS_NO_KEY (-2)
+/* Runs lines as a script of that name, or typed ones where it is NULL. False: it failed. */
+bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply);
+void front_greet(struct reply *reply);
 
 /* ---- progress.c: of what takes long ---- */
 
@@ -207,8 +205,7 @@ void progress_text(const struct session *session, const struct run *run, double 
 /* front.progress, on standard error; context: the session */
 void progress_print(void *context, const struct run *run, double fraction);
 
-/* ---- readline, common to both prompts (line.c)
- * ------------------------------------------------------------ */
+/* ---- readline, common to both prompts (line.c) ---- */
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
@@ -217,13 +214,18 @@ void line_find_own(void *function, const char *name);
 /* What was edited cannot be undone any more. */
 void line_drop_undo(void);
 /* What readline takes for the line's end may lie behind it (in vi's command mode: a yank that is
- * repeated), where its searches never end. */
+ * repeated), where its searches never end; a count is kept small. */
 void line_mend(void);
+void line_redisplay(void); /* rl_redisplay_function where readline draws */
+/* Empties the line. */
+void line_drop(void);
+/* Out of a search, of a sequence, or of a paste whose end a Ctrl-C has made the terminal forget:
+ * readline jumps to where it reads a new key. Called where it asks for one; does not return. */
+void line_leave(void);
 /* Between two lines: what readline has freed since the last one is free now, and lists of undo. */
 void line_over(void);
 
-/* ---- files of the user
- * ------------------------------------------------------------------------------------ */
+/* ---- files of the user ---- */
 
 /* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL:
  * no place. Caller frees. */
@@ -235,75 +237,6 @@ char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.
 void history_load(void); /* readline's history from the file, the last HISTORY_LINES lines */
 /* To readline and, under a lock, to the file. False: it cannot be kept there. */
 bool history_append(const char *line, struct error *error);
-
-/* ---- autosave: session-DATE-TIME-PID.hks, a file of hooke/session/store.h ---- */
-
-#define AUTOSAVE_PREFIX "session-"
-#define AUTOSAVE_ENDING ".hks"
-#define AUTOSAVE_SECONDS 0.5 /* unless HOOKE_AUTOSAVE says otherwise */
-#define AUTOSAVE_KEPT 5
-
-struct autosaved {
-    char name[64];
-    time_t time;
-    bool old;    /* of a version that saved commands */
-    bool living; /* the session is still there */
-    bool empty;  /* it was killed before it had written anything */
-};
-
-struct saved_list {
-    struct autosaved *item; /* the newest first */
-    int count;
-};
-
-/* Caller frees item. */
-struct saved_list saved_list(const char *folder);
-/* So that others see that this session lives; false: the file system cannot say so. */
-bool saved_lock(int fd);
-
-/* With what is still read of a session's file, to take its place once it is on the disk. */
-struct fresh_file {
-    char *path;
-    int fd;         /* -1: none */
-    int64_t from;   /* of the file, the first byte that it has not got */
-    uint64_t bytes; /* that it has */
-};
-
-struct autosave {
-    struct session *session;
-    char *path;           /* NULL: not yet */
-    int fd;               /* -1: not yet */
-    struct stored stored; /* what the file has */
-    struct fresh_file fresh;
-    uint64_t slack;   /* [byte] so many may be left over */
-    int64_t interval; /* [ns] */
-    bool wished;      /* that somebody asked for: lines wait for it, too */
-    int64_t written;  /* [clock_ns] the last time, and */
-    int64_t spent;    /* [ns] what it took */
-    uint64_t saved;   /* session->changes then */
-    bool warned;      /* that it cannot be written: said once */
-    bool unlocked, said_unlocked, said_unsynced; /* likewise what the file system cannot do */
-    pthread_t thread;                            /* where `syncing`: puts the file on the disk */
-    bool syncing, unsynced;                      /* unsynced: there is more to put there */
-    atomic_bool synced;
-    atomic_int sync_failure; /* errno */
-    int64_t sync_due;        /* [clock_ns] not before */
-};
-
-/* Clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
-void autosave_begin(struct autosave *autosave, struct session *session);
-void autosave_end(struct autosave *autosave);
-/* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
-int64_t autosave_due(const struct autosave *autosave);
-/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. A
- * Ctrl-C puts the rest off until it is called again. */
-bool autosave_keep(struct autosave *autosave, bool line, struct error *error);
-/* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
- * written at all is said once a session. */
-bool autosave_write(struct autosave *autosave, struct error *error);
-/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
- * newest. told: what was done. */
-bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
-                     struct error *error);
+void history_keep(const char *line, struct reply *reply); /* the same; a failure is said once */
 
 #endif

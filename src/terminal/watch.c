@@ -2,8 +2,16 @@
 /* What the session asks of the panes: to look after the terminal between two slices of a run, to
  * draw into a file. */
 #include "terminal/panes.h"
+#include <hooke/base/cancel.h>
 
 #include <limits.h>
+
+/* Shows what has been typed during a run, where the rest of the screen is still right. */
+static void echo_typed(struct panes *panes)
+{
+    if (panes->echo_stale && !panes->screen_stale)
+        panes_show(panes, true, INT_MAX);
+}
 
 static bool slice(void *context, struct session *session, int64_t until)
 {
@@ -11,9 +19,14 @@ static bool slice(void *context, struct session *session, int64_t until)
     (void)session;
     signals_busy(false);
     panes->running = true;
+    /* keys are heard and seen before a frame, which may take as long as a slice, and after it */
+    panes_read(panes, 0);
     do {
+        panes_process(panes);
+        echo_typed(panes);
         panes_wait(panes, until);
         panes_process(panes);
+        echo_typed(panes);
     } while (clock_ns() < until && !panes_over(panes) && !panes->interrupted);
     panes->running = false;
     signals_busy(true);
@@ -34,8 +47,10 @@ static bool shot_text(void *context, const struct session *session, struct buffe
     struct prompt_line prompt;
     struct buffer scratch = {0};
     panes_prompt(panes, &prompt, &scratch);
-    return screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text,
-                           error);
+    const bool ok =
+        screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text, error);
+    buffer_free(&scratch);
+    return ok;
 }
 
 static bool shot_file(void *context, const struct session *session, const char *path,
@@ -45,8 +60,10 @@ static bool shot_file(void *context, const struct session *session, const char *
     struct prompt_line prompt;
     struct buffer scratch = {0};
     panes_prompt(panes, &prompt, &scratch);
-    return screenshot_file(session, &prompt, panes->screen.width, panes->screen.height, path,
-                           policy, error);
+    const bool ok = screenshot_file(session, &prompt, panes->screen.width, panes->screen.height,
+                                    path, policy, error);
+    buffer_free(&scratch);
+    return ok;
 }
 
 static bool change(void *context, enum front_change change, struct error *error)

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The two cursors: lines on the time plots, and the table of what they measure in place of the log.
  */
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 #include "view/internal.h"
 
@@ -8,20 +11,19 @@
 
 #define TABLE_ROWS 6
 #define SIDE 54 /* [cell] from here on it stands what the cursors snap to, and are on */
-#define DECIMALS_MAX 6
 
 /* A piece of the frame without writing, where a letter can stand. */
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
 {
     return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint ==
-           (charset_is_plain(screen->charset) ? '-' : 0x2500);
+           (screen->charset->plain ? '-' : 0x2500);
 }
 
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
                   struct canvas *canvas, struct rectangle at, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
-    uint32_t line = charset_is_plain(screen->charset) ? ':' : 0x250A;
+    uint32_t line = screen->charset->plain ? ':' : 0x250A;
     int column, row;
 
     for (int i = 0; i < 2 && cursors->shown && !cursors->plane; i++) {
@@ -41,17 +43,6 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
     }
 }
 
-void parenthesis_put(struct buffer *out, double value, double uncertainty)
-{
-    int decimals = uncertainty > 0 && uncertainty < 9.5
-                       ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0)
-                       : DECIMALS_MAX + 1;
-    if (decimals > DECIMALS_MAX) /* 1.0526: 9.5 rounds to 10 */
-        buffer_format(out, "%.*f", DECIMALS_MAX, value);
-    else
-        buffer_format(out, "%.*f(%.0f)", decimals, value, uncertainty * pow(10, decimals));
-}
-
 static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
 {
     buffer_format(out, "%s%c  ", i == cursors->active ? ">" : " ", "AB"[i]);
@@ -62,7 +53,7 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
     const struct unit *unit =
         unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
     buffer_put(out, TEXT("t = "));
-    parenthesis_put(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
+    buffer_parenthesis(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
     /* never -0.00 */
     double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0;
     buffer_format(out, " s   y = %.2f %s", y,
@@ -82,9 +73,9 @@ static void put_interval(struct buffer *out, const struct cursor_reading *readin
         return;
     buffer_format(out, " / %.6g period%s   T = ", reading->periods,
                   reading->periods == 1 ? "" : "s");
-    parenthesis_put(out, reading->period.value, reading->period.uncertainty);
+    buffer_parenthesis(out, reading->period.value, reading->period.uncertainty);
     buffer_put(out, TEXT(" s   f = "));
-    parenthesis_put(out, reading->frequency.value, reading->frequency.uncertainty);
+    buffer_parenthesis(out, reading->frequency.value, reading->frequency.uncertainty);
     buffer_put(out, TEXT(" Hz"));
 }
 

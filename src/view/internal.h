@@ -10,7 +10,7 @@
 struct screen {
     const struct session *session;
     struct canvas *canvas;
-    enum charset charset;
+    const struct charset *charset;
     struct arena arena; /* of this frame */
 };
 
@@ -105,9 +105,5 @@ static inline int smaller(int a, int b)
 {
     return a < b ? a : b;
 }
-
-/* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is
- * shown. */
-void parenthesis_put(struct buffer *out, double value, double uncertainty);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Names in a legend: where the frame has no room for all of them the runs go by their numbers, as
  * in the list of runs, so that no mark stays unexplained. */
+#include <hooke/run.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/plot.h>
 #include "view/internal.h"
 
@@ -28,7 +30,7 @@ void labels_shorten(struct screen *screen, int width, int height,
         brief[i] = figure->curve[i];
         if (i < request->runs && brief[i].label) {
             snprintf(number, sizeof number, "%d",
-                     screen->session->run[request->run[i]]->run->number);
+                     screen->session->runs.slot[request->run[i]]->run->number);
             brief[i].label = arena_text(&screen->arena, text_of(number));
         }
     }

@@ -140,7 +140,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PLOT_POSITION;
-    if (session_charset(session) == CHARSET_WORDS) { /* read line by line: one at a time */
+    if (session_charset(session)->words) { /* read line by line: one at a time */
         const bool offered = plot_offered(session, view_focus(view));
         placed[0] = (struct placed_pane){.pane = offered ? view_focus(view)
                                                  : lefts ? left[0]

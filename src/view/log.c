@@ -2,6 +2,7 @@
 /* The log: the last lines that commands said, from the top as on paper; once the pane is full the
  * newest line is the lowest. What is longer than the pane is wide goes on in the next row. */
 #define _GNU_SOURCE /* memmem */
+#include <hooke/base/safe_text.h>
 #include "view/internal.h"
 
 #include <string.h>
@@ -16,8 +17,7 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
     const int end = canvas_text(screen->canvas, x, y, shown, style);
     const bool word = cut && shown.len < text.len && text.at[shown.len] == ' ';
     if (cut)
-        canvas_put(screen->canvas, end + word, y, charset_is_plain(screen->charset) ? '>' : 0x2026,
-                   STYLE_DIM);
+        canvas_put(screen->canvas, end + word, y, screen->charset->plain ? '>' : 0x2026, STYLE_DIM);
 }
 
 static enum style style_of(struct text line)

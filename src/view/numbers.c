@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new
  * number changes few cells. */
+#include <hooke/run.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
 #include "view/internal.h"
 
 #include <stdio.h>
@@ -11,7 +14,7 @@
 static double present(const struct run *run, const char *name)
 {
     const struct row *row = catalog_find(&observable_catalog, text_of(name));
-    return run_observable(run, (const struct observable *)(const void *)row);
+    return run_observable(run, observable_from(row));
 }
 
 /* "E=1.741 mJ": four digits, in the unit of the start as long as that is near. */
@@ -72,7 +75,7 @@ static int put_numbers(const struct screen *screen, int x, int y)
     if (next == x)
         next = put_field(screen, x, y, buffer_text(&brief), 0, STYLE_PLAIN);
     buffer_format(&runs, "run %d/%d", run->number,
-                  screen->session->run[screen->session->runs - 1]->run->number);
+                  screen->session->runs.slot[screen->session->runs.count - 1]->run->number);
     next = put_field(screen, next, y, buffer_text(&runs), 0, STYLE_PLAIN);
     buffer_free(&full);
     buffer_free(&brief);
@@ -85,9 +88,7 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",
                       keys[] = "F1 help  F5 run  F7 cursors";
     int width = screen->canvas->width;
-    const uint32_t across = screen->charset == CHARSET_WORDS    ? ' '
-                            : charset_is_plain(screen->charset) ? '-'
-                                                                : 0x2500;
+    const uint32_t across = screen->charset->words ? ' ' : screen->charset->plain ? '-' : 0x2500;
 
     for (int x = 0; x < width; x++)
         canvas_put(screen->canvas, x, y, across, STYLE_DIM);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they
  * are while a curve grows. */
+#include <hooke/run.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot.h>
 #include "view/internal.h"
 
@@ -26,10 +28,10 @@ static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLA
     int count = 0;
     if (!present || session_grows(session, session_recording(session)))
         return 0;
-    placed[count++] = session->current_run;
+    placed[count++] = session->runs.current;
     for (int i = 0; i < session->view.overlays; i++) {
-        for (int r = 0; r < session->runs; r++) {
-            const struct run *run = session->run[r]->run;
+        for (int r = 0; r < session->runs.count; r++) {
+            const struct run *run = session->runs.slot[r]->run;
             if (run->number == session->view.overlay[i] && run != present &&
                 run->system.model == present->system.model) /* another has other variables */
                 placed[count++] = r;
@@ -67,8 +69,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         .follow = true,
         .alone = alone,
         .running = session->live.state == LIVE_RUNNING,
-        .stored_band =
-            session->setup.settings.band == BAND_ON && session->live.state != LIVE_RUNNING,
+        .stored_band = session->live.state != LIVE_RUNNING,
         .span = view->window,
         .pages = !view->paging                                        ? larger(width, 1)
                  : session_grows(session, session_recording(session)) ? PAGES_COLLECTED
@@ -116,7 +117,7 @@ static const char *numbered_title(struct screen *screen, const struct placed_pan
 {
     char text[64];
     const char *own = plot_row(placed->pane)->title, *title = own ? own : "";
-    if (screen->charset == CHARSET_WORDS)
+    if (screen->charset->words)
         return plot_row(placed->pane)->row.name;
     if (!placed->number)
         return title;
@@ -143,7 +144,7 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
                                      int placed_count)
 {
     struct shared_time time = {.width = placed[0].at.width, .alone = placed_count == 1};
-    if (screen->charset == CHARSET_WORDS)
+    if (screen->charset->words)
         time.width = WORDS_COLUMNS;
     int runs[1 + LIMIT_OVERLAY], first = 0;
     while (first < placed_count - 1 && !plot_is_timed(placed[first].pane))
@@ -188,7 +189,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
-    if (screen->charset == CHARSET_WORDS)
+    if (screen->charset->words)
         return figure->title != NULL;
     if (plot_is_plane(placed->pane) || (placed->joined && !plot_row(placed[-1].pane)->residual)) {
         struct curve *plain =
@@ -210,7 +211,7 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
                        struct canvas *canvas, struct rectangle at)
 {
     const struct live *live = &screen->session->live;
-    uint32_t mark = charset_is_plain(screen->charset) ? '^' : 0x25B2;
+    uint32_t mark = screen->charset->plain ? '^' : 0x25B2;
     int column, row;
     for (int i = 0; i < live->mark_count && layout->x_labels; i++)
         if (figure_cell(layout, live->marks[i], layout->y.from, &column, &row))
@@ -221,7 +222,7 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
 /* Corners become branches where a pane continues the frame above. */
 static void draw_branches(const struct screen *screen, struct rectangle at)
 {
-    if (charset_is_plain(screen->charset))
+    if (screen->charset->plain)
         return;
     canvas_put(screen->canvas, at.x, at.y, 0x251C, STYLE_DIM);
     canvas_put(screen->canvas, at.x + at.width - 1, at.y, 0x2524, STYLE_DIM);
@@ -251,7 +252,7 @@ static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
                       const struct figure *figure)
 {
     struct rectangle at = {0, 0, placed->at.width, pane_drawn_height(placed)};
-    if (screen->charset == CHARSET_WORDS) {
+    if (screen->charset->words) {
         words_pane(screen, placed, figure);
         return true;
     }

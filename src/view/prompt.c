@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The line being edited. What is longer than the screen scrolls sideways, by half a screen at a
  * time. */
+#include <hooke/base/safe_text.h>
 #include "view/internal.h"
 
 #include <stdio.h>

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a
  * screen. */
+#include <hooke/run.h>
+#include <hooke/data.h>
 #include <hooke/base/numeric.h>
+#include <hooke/figure/layout.h>
 #include <hooke/plot.h>
 #include "view/internal.h"
 
@@ -23,11 +26,7 @@ bool view_has_time_range(const struct view *view)
     return is_range(view->x) && plot_is_timed(view_focus(view));
 }
 
-struct value_span {
-    double low, high; /* low > high: nothing */
-};
-
-static void extend(struct value_span *extent, double value)
+static void extend(struct extent *extent, double value)
 {
     if (isfinite(value)) {
         extent->low = fmin(extent->low, value);
@@ -35,26 +34,12 @@ static void extend(struct value_span *extent, double value)
     }
 }
 
-/* Of the curves of a panel. */
-static struct value_span extent_of(const struct figure *figure, int panel, bool vertical)
-{
-    struct value_span extent = {HUGE_VAL, -HUGE_VAL};
-    for (int c = 0; c < figure->curves; c++) {
-        const struct curve *curve = &figure->curve[c];
-        for (size_t i = 0; i < curve->n && curve->panel == panel; i++)
-            if (!vertical || !figure->x.fixed ||
-                (curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to))
-                extend(&extent, vertical ? curve->y[i] : curve->x[i]);
-    }
-    return extent;
-}
-
 /*
  * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About
  * zero an oscillation gets as much room below as above. What varies by rounding only is left as it
  * is.
  */
-static void settle(struct axis *axis, struct value_span extent, int rows)
+static void settle(struct axis *axis, struct extent extent, int rows)
 {
     if (extent.low < 0 && extent.high > 0 &&
         fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
@@ -88,9 +73,9 @@ void ranges_reach_label(struct axis *axis, int columns)
 
 /* So do those of what is being collected, where it is known by now. */
 static void extend_collected(const struct session *session, const struct figure *figure,
-                             enum plot_kind pane, bool vertical, struct value_span *extent)
+                             enum plot_kind pane, bool vertical, struct extent *extent)
 {
-    const struct collecting *now = session->collecting;
+    const struct growing *now = session->growing;
     const struct plot_row *row = plot_row(pane);
     if (row->energy || !plot_shows_state(pane) || !isfinite(now->swing))
         return;
@@ -106,7 +91,7 @@ static void extend_collected(const struct session *session, const struct figure 
 /* While a run goes on the range holds the amplitude the scene is expected to have, from the first
  * frame on. */
 static void extend_expected(const struct session *session, const struct figure *figure,
-                            enum plot_kind pane, bool vertical, struct value_span *extent)
+                            enum plot_kind pane, bool vertical, struct extent *extent)
 {
     const struct run *run = session_run(session);
     const struct plot_row *row = plot_row(pane);
@@ -133,7 +118,7 @@ static void extend_expected(const struct session *session, const struct figure *
 }
 
 /* To whole decades. */
-static void settle_decades(struct axis *axis, struct value_span extent)
+static void settle_decades(struct axis *axis, struct extent extent)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
     const double low = log10(fmax(extent.low, axis->min) / factor),
@@ -151,8 +136,12 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
 {
     const struct session *session = screen->session;
     const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
-    struct value_span extent = extent_of(figure, panel, true),
-                      across = extent_of(figure, panel, false);
+    const double window[2] = {figure->x.from, figure->x.to};
+    struct extent_window shown = {.panel = panel + 1};
+    struct extent across = curves_extent(figure->curve, figure->curves, &shown);
+    shown.vertical = true;
+    shown.across = figure->x.fixed ? window : NULL;
+    struct extent extent = curves_extent(figure->curve, figure->curves, &shown);
     if (y->log) {
         settle_decades(y, extent);
         return;

@@ -51,6 +51,19 @@ bool screen_draw(const struct session *session, const struct prompt_line *prompt
     return ok;
 }
 
+void screen_draw_prompt(const struct session *session, const struct prompt_line *prompt,
+                        struct canvas *canvas, int *cursor_x, int *cursor_y)
+{
+    struct screen screen = {
+        .session = session, .canvas = canvas, .charset = session_charset(session)};
+    const int y = canvas->height - 1;
+    for (int x = 0; x < canvas->width; x++)
+        canvas->cell[y * canvas->width + x] = (struct cell){' ', STYLE_PLAIN};
+    prompt_draw(&screen, prompt, y, cursor_x);
+    *cursor_y = y;
+    arena_reset(&screen.arena);
+}
+
 int screen_log_rows(const struct session *session, int width, int height)
 {
     (void)width;

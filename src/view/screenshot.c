@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The screen as text: the same cells that ncurses shows. */
+#include <hooke/base/file.h>
 #include <hooke/view.h>
 
 bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,

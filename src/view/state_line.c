@@ -3,6 +3,13 @@
 #define _GNU_SOURCE /* memmem */
 #include "view/internal.h"
 
+#include <hooke/method.h>
+#include <hooke/run.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/module.h>
+
 #include <string.h>
 
 /* What each form contains, from the longest to the shortest. */
@@ -72,55 +79,6 @@ static int time_decimals(double dt)
     return decimals;
 }
 
-/* "T=0.72553(4)s" */
-static void put_fitted(struct buffer *out, const char *name, struct measured value,
-                       const char *unit, bool blanks)
-{
-    if (!isfinite(value.value) || !(value.uncertainty > 0))
-        return;
-    buffer_format(out, " %s=", name);
-    parenthesis_put(out, value.value, value.uncertainty);
-    buffer_format(out, "%s%s", blanks && unit[0] ? " " : "", unit);
-}
-
-static void put_live_fit(struct buffer *out, const struct collecting *now, bool blanks)
-{
-    buffer_put(out, TEXT("  fit"));
-    if (!isfinite(now->fit.period.value))
-        buffer_put(out, TEXT(": not determined yet"));
-    put_fitted(out, "T", now->fit.period, "s", blanks);
-    put_fitted(out, "gamma", now->fit.gamma, "", blanks);
-    put_fitted(out, "k", now->fit.k, "N/m", blanks);
-}
-
-/* What is collected, instead of what is simulated. */
-static void put_collecting(struct buffer *out, const struct collecting *now,
-                           const struct line_form *form)
-{
-    static const char *const words[] = {[COLLECT_WAITING] = "WAITING",
-                                        [COLLECT_GOES_ON] = "COLLECTING",
-                                        [COLLECT_PAUSED] = "PAUSED"};
-    const bool fits = isfinite(now->fit.t);
-    buffer_format(out, "%s %.1f s", words[now->state], now->seconds);
-    if (form->steps)
-        buffer_format(out, "  %llu lines", (unsigned long long)now->lines);
-    if (now->period > 0 && !fits) {
-        buffer_put(out, TEXT("  T="));
-        put_quantity(out, now->period, QUANTITY_TIME, form->blanks);
-    }
-    if (now->amplitude > 0 && now->quantity != QUANTITY_OTHER) {
-        buffer_put(out, TEXT(" A="));
-        put_quantity(out, now->amplitude, now->quantity, form->blanks);
-    }
-    if (fits)
-        put_live_fit(out, now, form->blanks);
-    if (form->steps && now->late > 0) {
-        buffer_put(out, TEXT("  v "));
-        put_quantity(out, now->late, QUANTITY_TIME, form->blanks);
-        buffer_put(out, TEXT(" late"));
-    }
-}
-
 static void put_progress(struct buffer *out, const struct session *session,
                          const struct line_form *form)
 {
@@ -129,10 +87,10 @@ static void put_progress(struct buffer *out, const struct session *session,
     bool slow = live->achieved < 0.9 * live->speed && isfinite(live->speed);
     double speed = slow ? live->achieved : live->speed;
 
-    if (session->collecting) {
-        put_collecting(out, session->collecting, form);
-        return;
-    }
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->prompt.state &&
+            module_list[i]->prompt.state(session, form->steps, form->blanks, out))
+            return;
     if (form->state && live->state == LIVE_RUNNING) {
         buffer_put(out, TEXT("RUNNING "));
         if (isinf(speed))
@@ -234,12 +192,11 @@ static void tighten(struct buffer *text)
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};
-    const struct lesson *lesson = screen->session->lesson;
     int width = screen->canvas->width, parameters = PARAM_MAX;
     for (size_t i = 0; i < COUNT_OF(forms);) {
         buffer_clear(&text);
-        if (lesson && lesson->step < lesson->steps)
-            buffer_format(&text, "lab %d/%d waits | ", lesson->step + 1, lesson->steps);
+        modules_label(screen->session, &text);
+        buffer_put(&text, text.len ? TEXT(" waits | ") : TEXT(""));
         put_form(&text, screen->session, &forms[i], parameters);
         if (text_width(buffer_text(&text)) > width)
             tighten(&text);

@@ -5,12 +5,12 @@
  * asked for.
  */
 #include "bench/bench.h"
-#include <hooke/study/solve.h>
+#include "modules/solving/compute/solve.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define ERROR 1e-6
+#define SOLVED_ERROR 1e-6
 #define BATCH_NS 5e5
 #define TOLERANCES 60
 
@@ -142,22 +142,28 @@ static double achieved(struct entry *e, double tol)
 }
 
 /*
- * The tolerance below which there are as many larger errors as there are small ones above it: where
- * errors fall steadily, the one where they pass ERROR. False: there is none.
+ * Returns the tolerance below which there are as many larger errors as there are small ones above
+ * it, which is where errors that fall steadily pass `wanted`. NAN means that there is none.
  */
-static bool calibrate(struct entry *e)
+static double tolerance_of(struct entry *e, double wanted)
 {
     int large = 0, small = 0;
     for (int i = 0; i < TOLERANCES; i++) {
         const double error = achieved(e, scanned(i));
         if (small > 0 && isnan(error)) /* too fine for it */
             break;
-        large += !(error <= ERROR);
-        small += error <= ERROR;
+        large += !(error <= wanted);
+        small += error <= wanted;
     }
-    if (small == 0 || large == 0)
+    return small == 0 || large == 0 ? NAN : scanned(large - 0.5);
+}
+
+/* Makes it ready to be timed. Returns false if it does not reach the error. */
+static bool calibrate(struct entry *e)
+{
+    e->tol = tolerance_of(e, SOLVED_ERROR);
+    if (isnan(e->tol))
         return false;
-    e->tol = scanned(large - 0.5);
     e->error = achieved(e, e->tol);
     e->batch = 1;
     run_entry(e);
@@ -257,6 +263,47 @@ static void exact_end(struct problem *p, const struct scene *scene)
     memcpy(p->scale, system.scale, sizeof p->scale);
 }
 
+struct problem bench_oscillator(double span, struct scene *scene)
+{
+    struct problem problem = {.name = "Harmonic oscillator to t = 100",
+                              .n = 2,
+                              .span = span,
+                              .unit = {1, 1},
+                              .slope = oscillator};
+    *scene = bench_scene("duffing", "k3", 0); /* m = k = y0 = 1 */
+    exact_end(&problem, scene);
+    return problem;
+}
+
+struct problem bench_kepler(int orbits, struct scene *scene)
+{
+    struct problem problem = {.name = "Kepler, e = 0.5, 20 orbits",
+                              .n = 4,
+                              .span = orbits * 6.283185307179586477,
+                              .unit = {1, 1, 1, 1},
+                              .slope = kepler};
+    *scene = bench_scene("kepler", NULL, 0);
+    exact_end(&problem, scene);
+    return problem;
+}
+
+double bench_tolerance(const struct problem *problem, const struct scene *scene, const char *method,
+                       double tol, solve_function *other, double *error)
+{
+    struct system system;
+    struct error failure = {0};
+    struct entry own = {.problem = *problem}, rival = {.problem = *problem, .solve = other};
+    const struct run_settings settings = {.tol = tol};
+    if (!scene_bind(scene, &system, &failure) ||
+        !solver_init(&own.solver, &system, bench_method(method), &settings, problem->span))
+        bench_die(problem->name, "cannot be solved");
+    memcpy(own.start, system.start, sizeof own.start);
+    memcpy(rival.start, system.start, sizeof rival.start);
+    *error = achieved(&own, tol);
+    solver_free(&own.solver);
+    return tolerance_of(&rival, *error);
+}
+
 void bench_adaptive(void)
 {
     static const struct rival swings[] = {
@@ -281,22 +328,11 @@ void bench_adaptive(void)
         {"cvode-adams", NULL, 1, NULL, NULL},
         {NULL, NULL, 0, NULL, NULL},
     };
-    struct problem unit = {.name = "Harmonic oscillator to t = 100",
-                           .n = 2,
-                           .span = 100,
-                           .unit = {1, 1},
-                           .slope = oscillator};
-    struct problem orbit = {.name = "Kepler, e = 0.5, 20 orbits",
-                            .n = 4,
-                            .span = 20 * 6.283185307179586477,
-                            .unit = {1, 1, 1, 1},
-                            .slope = kepler};
-    struct scene scene = bench_scene("duffing", "k3", 0); /* m = k = y0 = 1 */
-    exact_end(&unit, &scene);
+    struct scene scene;
+    const struct problem unit = bench_oscillator(100, &scene);
     compete(&unit, &scene, swings);
     table_note("%s", note);
-    scene = bench_scene("kepler", NULL, 0);
-    exact_end(&orbit, &scene);
+    const struct problem orbit = bench_kepler(20, &scene);
     compete(&orbit, &scene, orbits);
     table_note("%s", note);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Contests, tables, the header and the choice of topics. Nothing here is a test. */
+#include <hooke/base/catalog.h>
 #include "bench/bench.h"
 
 #include <malloc.h>

@@ -4,6 +4,7 @@
 #ifndef BENCH_H
 #define BENCH_H
 
+#include <hooke/run.h>
 #include <hooke/hooke.h>
 
 #include "bench/problem.h"
@@ -70,6 +71,13 @@ hand_loop *hand_chain(int n); /* rk4 of 4, 8, 16 or 32 oscillators in a ring */
 solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol,
     hand_rodas5p_robertson;
 solve_function gsl_rk8pd, gsl_msbdf, gsl_bsimp;
+/* The problems that are solved at the same achieved error, and their scenes. */
+struct problem bench_oscillator(double span, struct scene *scene);
+struct problem bench_kepler(int orbits, struct scene *scene);
+/* Sets *error to that of hooke's method at tol, and returns the tolerance at which the other solver
+ * has it; NAN if it never has. */
+double bench_tolerance(const struct problem *problem, const struct scene *scene, const char *method,
+                       double tol, solve_function *other, double *error);
 /* its rk4, with the scene's terms only */
 hand_loop *gsl_loop(const char *method, const char *scene);
 

@@ -192,16 +192,16 @@ static void chains(void)
     }
 }
 
-/* So many lines of a script, each of so many steps. */
+/* Lines of a script, each of the same number of steps of h [s]. */
 static void line_row(const char *what, const char *line, int count, long steps, const char *scene,
-                     const char *method)
+                     const char *method, double h)
 {
     const struct hand_scene *scene_by_hand = hand_scene(scene);
     static const char name[] = FOLDER "lines.hk";
     FILE *file = fopen(name, "w");
     if (!file)
         bench_die(name, "cannot be written");
-    fprintf(file, "scene %s; method %s dt=1ms\nrun 1 ms\n", scene_by_hand->preset, method);
+    fprintf(file, "scene %s; method %s dt=%gs\nrun %g s\n", scene_by_hand->preset, method, h, h);
     for (int i = 0; i < count; i++)
         fprintf(file, "%s\n", line);
     if (fclose(file) != 0)
@@ -212,9 +212,64 @@ static void line_row(const char *what, const char *line, int count, long steps, 
     put(&hooke, "-f");
     put(&hooke, "%s", name);
     put(&hand, "%s", name);
-    put_run(&hand, scene_by_hand, method, steps, 1e-3);
+    put_run(&hand, scene_by_hand, method, steps, h);
     row(what, &hooke, &hand, NAN);
 }
+
+/* Four methods over 1e5 steps at 1 ms, or 2e4 at 10 ms, before Euler's leave the range of numbers.
+ */
+static void compare_row(const char *what, const char *line, const char *steps, const char *h)
+{
+    const char *const words[] = {
+        steps, h, "8.6602540378443873", "0.05", "euler", "symplectic-euler", "verlet", "rk4"};
+    struct command hooke = typed(line), hand = by_hand("compare");
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        put(&hand, "%s", words[i]);
+    row(what, &hooke, &hand, NAN);
+}
+
+static void export_row(const char *what, const char *line, double h)
+{
+    struct command hooke = typed(line), hand = by_hand("export");
+    put(&hand, "%s", FOLDER "hand.csv");
+    put_run(&hand, hand_scene("duffing"), "rk4", 200000, h);
+    row(what, &hooke, &hand, 1);
+}
+
+#ifdef HAVE_BOOST
+/* An adaptive run whose steps are all recorded, at 1e-9, against boost's where its error is the
+ * same. */
+static void adaptive_row(const char *what, const struct problem *problem, const struct scene *scene,
+                         const char *set)
+{
+    char line[256];
+    double error;
+    const double tol = bench_tolerance(problem, scene, "dopri5", 1e-9, boost_dopri5, &error);
+    snprintf(line, sizeof line, "%s; method dopri5 tol=1e-9; run %.17g s", set, problem->span);
+    struct command hooke = typed(line), boost = {.count = 0};
+    put(&hooke, "-q");
+    put(&boost, FOLDER "boost");
+    put(&boost, "%d", problem->n);
+    put(&boost, "%.17g", tol);
+    put(&boost, "%.17g", problem->span);
+    row_against(what, &hooke, "boost dopri5", &boost, 1.05);
+    table_note("%s: tol 1e-9, boost's %.1e, error %.1e", what, tol, error);
+}
+
+static void adaptive_rows(void)
+{
+    struct scene scene;
+    table_begin("Whole commands: adaptive runs, recorded", "ms of processor time");
+    const struct problem swing = bench_oscillator(1e4, &scene);
+    adaptive_row("run, dopri5, oscillator to t = 1e4", &swing, &scene, "scene duffing; k3 = 0");
+    const struct problem orbit = bench_kepler(500, &scene);
+    adaptive_row("run, dopri5, Kepler, 500 orbits", &orbit, &scene, "scene kepler");
+}
+#else
+static void adaptive_rows(void)
+{
+}
+#endif
 
 static void recording(const char *name, int count)
 {
@@ -233,17 +288,18 @@ static void others(void)
     table_begin("Whole commands", "ms of processor time");
     struct command hooke = typed("quit"), hand = by_hand("quit");
     row("quit: starting and ending", &hooke, &hand, 1.3);
-    line_row("1000 lines 'step', rk4, quadratic drag", "step", 1000, 1, "quadratic drag", "rk4");
-    line_row("100 lines 'continue 1 s', rk4, duffing", "continue 1 s", 100, 1000, "duffing", "rk4");
-
-    hooke = typed("duration = 100 s; timing off; compare euler symplectic-euler verlet rk4 dt=1ms");
-    hand = by_hand("compare");
-    const char *const words[] = {"100000", "0.001", "8.6602540378443873",
-                                 "0.05",   "euler", "symplectic-euler",
-                                 "verlet", "rk4"};
-    for (size_t i = 0; i < COUNT_OF(words); i++)
-        put(&hand, "%s", words[i]);
-    row("compare, four methods, 1e5 steps", &hooke, &hand, NAN);
+    line_row("1000 lines 'step', rk4, quadratic drag", "step", 1000, 1, "quadratic drag", "rk4",
+             1e-3);
+    line_row("the same at 10 ms", "step", 1000, 1, "quadratic drag", "rk4", 1e-2);
+    line_row("100 lines 'continue 1 s', rk4, duffing", "continue 1 s", 100, 1000, "duffing", "rk4",
+             1e-3);
+    line_row("'continue 10 s' at 10 ms", "continue 10 s", 100, 1000, "duffing", "rk4", 1e-2);
+    compare_row("compare, four methods, 1e5 steps",
+                "duration = 100 s; timing off; compare euler symplectic-euler verlet rk4 dt=1ms",
+                "100000", "0.001");
+    compare_row("the same, 2e4 steps at 10 ms",
+                "duration = 200 s; timing off; compare euler symplectic-euler verlet rk4 dt=10ms",
+                "20000", "0.01");
 
     hooke =
         typed("duration = 8 s; timing off; precision euler verlet rk4 dt=0.000244140625:0.0625");
@@ -273,12 +329,14 @@ static void others(void)
     put(&hand, "8.66");
     row("load and fit damped, 12000 rows", &hooke, &hand, NAN);
 
-    hooke = typed("scene duffing; method rk4 dt=1ms; run 200 s; export " FOLDER
-                  "rows.csv t,y,v --force");
-    hand = by_hand("export");
-    put(&hand, "%s", FOLDER "hand.csv");
-    put_run(&hand, hand_scene("duffing"), "rk4", 200000, 1e-3);
-    row("run and export, 2e5 rows", &hooke, &hand, 1);
+    export_row("run and export, 2e5 rows",
+               "scene duffing; method rk4 dt=1ms; run 200 s; export " FOLDER
+               "rows.csv t,y,v --force",
+               1e-3);
+    export_row("the same at 10 ms",
+               "scene duffing; method rk4 dt=10ms; run 2000 s; export " FOLDER
+               "rows.csv t,y,v --force",
+               1e-2);
 }
 
 /* What is swept and what is measured, against the quickest: 30 001 points of 1000 steps. */
@@ -359,6 +417,7 @@ void bench_commands(void)
 {
     runs();
     chains();
+    adaptive_rows();
     others();
     sweep_rows();
     diagram_rows();

@@ -2,7 +2,8 @@
 /* What is not asked for costs nothing; what recording, watching, decimating and compensated sums
  * cost. */
 #include "bench/bench.h"
-#include <hooke/study/solve.h>
+#include <hooke/base/catalog.h>
+#include "modules/solving/compute/solve.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Forces that were typed, as programs, in RK4 against the same loop with the force written in C. */
+#include "modules/lanes/lanes.h"
 #include <hooke/scene/formula.h>
 
 #include "bench/bench.h"

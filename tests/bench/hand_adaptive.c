@@ -11,11 +11,11 @@
 #define UNROLL _Pragma("GCC unroll 32")
 
 static const struct method explicit_rows[] = {
-#define RUNGE_KUTTA(...) {__VA_ARGS__},
+#define RUNGE_KUTTA(id, ...) {.row.name = #id, __VA_ARGS__},
 #include "method/rows/rk.def"
 };
 static const struct method rosenbrock_rows[] = {
-#define ROSENBROCK(...) {__VA_ARGS__},
+#define ROSENBROCK(id, ...) {.row.name = #id, __VA_ARGS__},
 #include "method/rows/rosenbrock.def"
 };
 /* Both are the last of their file; bench_adaptive() looks at the names. */

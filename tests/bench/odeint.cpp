@@ -6,6 +6,7 @@
 #include <boost/numeric/ublas/vector.hpp>
 #include <cmath>
 #include <string>
+#include <vector>
 
 extern "C" {
 #include "bench/problem.h"
@@ -91,6 +92,25 @@ static bool controlled(const problem *p, double tol, const double *start, double
     odeint::integrate_adaptive(odeint::make_controlled<stepper>(tol, tol), slope{}, y, 0.0, p->span, 0.01);
     std::copy(y.begin(), y.end(), end);
     return true;
+}
+
+template <class slope, std::size_t n> static bool recorded(const problem *p, double tol, const double *start, double *end)
+{
+    values<n> y;
+    std::vector<double> rows;
+    std::copy(start, start + n, y.begin());
+    odeint::integrate_adaptive(odeint::make_controlled<odeint::runge_kutta_dopri5<values<n>>>(tol, tol), slope{}, y, 0.0, p->span, 0.01,
+                               [&rows](const values<n> &state, double t) {
+                                   rows.push_back(t);
+                                   rows.insert(rows.end(), state.begin(), state.end());
+                               });
+    std::copy(y.begin(), y.end(), end);
+    return !rows.empty();
+}
+
+bool boost_recorded(const problem *p, double tol, const double *start, double *end)
+{
+    return p->n == 2 ? recorded<oscillator, 2>(p, tol, start, end) : recorded<kepler, 4>(p, tol, start, end);
 }
 
 bool boost_fehlberg78(const problem *p, double tol, const double *start, double *end)

@@ -45,6 +45,7 @@ typedef bool solve_function(const struct problem *problem, double tol, const dou
 
 #ifdef HAVE_BOOST /* odeint.cpp */
 solve_function boost_fehlberg78, boost_dopri5, boost_rosenbrock4;
+solve_function boost_recorded; /* dopri5, with the times and states of all steps in memory */
 hand_loop *boost_loop(const char *method, const char *scene); /* NULL: none */
 #endif
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps: many trajectories side by side, against loops over lanes by hand and against one
  * trajectory after another. */
+#include "modules/lanes/lanes.h"
 #include "bench/bench.h"
+#include "modules/sweep/compute/sweep.h"
 
 #include "unit/scene/typing.h"
 
@@ -50,11 +52,11 @@ static double in_lanes(void *self)
     struct lane_case *one = self;
     if (!lanes_begin(one->lanes, bench_method(one->method), one->drag, &one->system, H))
         bench_die("lanes", "out of memory");
-    for (int lane = 0; lane < LANES; lane++)
+    for (int lane = 0; lane < LANE_COUNT; lane++)
         lanes_set(one->lanes, lane, &one->system);
     const int64_t begin = clock_ns();
     lanes_march(one->lanes, STEPS, NULL);
-    return (double)(clock_ns() - begin) / STEPS / LANES;
+    return (double)(clock_ns() - begin) / STEPS / LANE_COUNT;
 }
 
 static double one_by_one(void *self)
@@ -83,7 +85,7 @@ static double one_by_one(void *self)
 CLONES static void hand_euler(double *restrict y, double *restrict v, const double *restrict k)
 {
     for (int i = 0; i < STEPS; i++)
-        for (int lane = 0; lane < LANES; lane++) {
+        for (int lane = 0; lane < LANE_COUNT; lane++) {
             y[lane] += H * v[lane];
             v[lane] += H * -(k[lane] * y[lane]);
         }
@@ -92,7 +94,7 @@ CLONES static void hand_euler(double *restrict y, double *restrict v, const doub
 CLONES static void hand_rk4(double *restrict y, double *restrict v, const double *restrict k)
 {
     for (int i = 0; i < STEPS; i++)
-        for (int lane = 0; lane < LANES; lane++) {
+        for (int lane = 0; lane < LANE_COUNT; lane++) {
             const double y1 = y[lane], v1 = v[lane], a1 = -(k[lane] * y1);
             const double v2 = v1 + H / 2 * a1, a2 = -(k[lane] * (y1 + H / 2 * v1));
             const double v3 = v1 + H / 2 * a2, a3 = -(k[lane] * (y1 + H / 2 * v2));
@@ -110,15 +112,15 @@ struct hand_case {
 
 static double by_hand(void *self)
 {
-    double y[LANES], v[LANES], k[LANES];
-    for (int lane = 0; lane < LANES; lane++) {
+    double y[LANE_COUNT], v[LANE_COUNT], k[LANE_COUNT];
+    for (int lane = 0; lane < LANE_COUNT; lane++) {
         y[lane] = 0.05;
         v[lane] = 0;
         k[lane] = 75;
     }
     const int64_t begin = clock_ns();
     ((const struct hand_case *)self)->loop(y, v, k);
-    const double ns = (double)(clock_ns() - begin) / STEPS / LANES;
+    const double ns = (double)(clock_ns() - begin) / STEPS / LANE_COUNT;
     sink = y[0];
     return ns;
 }

@@ -2,7 +2,10 @@
 /* Numbers in and out, tables in and out, against what the C library does. */
 #include "bench/bench.h"
 
+#include <hooke/base/number.h>
 #include <hooke/result.h>
+
+#include "modules/recording/table/load.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,7 +87,7 @@ static double csv_hooke(void *self)
     struct buffer *text = self;
     buffer_clear(text);
     const int64_t begin = clock_ns();
-    table_format(&table, TABLE_CSV, text);
+    table_put(&table, table_csv, text);
     return (double)(clock_ns() - begin) / LINES;
 }
 

@@ -2,7 +2,7 @@
 /* Scenes as typed, in runs: against loops in C, against the built-in scenes, and how soon they are
  * ready. */
 #include "bench/bench.h"
-#include <hooke/study/solve.h>
+#include "modules/solving/compute/solve.h"
 #include "unit/scene/typing.h"
 
 #include <stdio.h>

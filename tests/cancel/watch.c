@@ -7,6 +7,7 @@
 #undef _GNU_SOURCE
 #define _GNU_SOURCE /* gettid, SIGEV_THREAD_ID */
 #include "terminal/terminal.h"
+#include <hooke/base/cancel.h>
 
 #include <execinfo.h>
 #include <signal.h>

@@ -15,11 +15,11 @@ is() { # name got wanted
     echo "#   built again: $2; expected: $3"
 }
 
-mkdir -p "$work"/tree/src/{base,figure/surface,terminal,method/rows} "$work/bin"
+mkdir -p "$work"/tree/src/{base,modules/pictures/surface,terminal,method/rows} "$work/bin"
 mkdir "$work/tree/scripts"
 cp Makefile "$work/tree"
 cp scripts/modules "$work/tree/scripts"
-for file in src/main.c src/base/{arena,error}.c src/figure/surface/cairo_surface.c src/terminal/screen.c src/method/rows/catalog.c; do
+for file in src/main.c src/base/{arena,error}.c src/modules/pictures/surface/cairo_surface.c src/terminal/screen.c src/method/rows/catalog.c; do
     cp "$file" "$work/tree/$file"
 done
 cat >"$work/bin/pkg-config" <<'END'

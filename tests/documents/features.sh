@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Nothing that users and their scripts can name appears or disappears without a line in features.txt.
+# Nothing that users and their scripts can name appears or disappears without a line in features.txt, or in that of a module.
 set -u
-agreed=tests/data/features.txt
-now=$(mktemp) || exit 2
-trap 'rm -f "$now"' EXIT
+now=$(mktemp) && agreed=$(mktemp) || exit 2
+trap 'rm -f "$now" "$agreed"' EXIT
+cat tests/data/features.txt tests/modules/*/features.txt 2>/dev/null | LC_ALL=C sort -u >"$agreed"
 scripts/features >"$now" || { echo "not ok 1 - scripts/features"; exit 1; }
 n=0 bad=0
 check() { # title lines

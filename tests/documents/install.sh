@@ -96,7 +96,7 @@ for option in $(hooke --help | grep -oE -- '^ +-.*' | sed -E 's/  [a-z"].*//' |
 done
 [ -z "$missing" ] && [ "$(completed hooke - | wc -l)" -ge 25 ]
 ok "every option is completed" $? "missing: $missing"
-[ "$(completed hooke --charset b)" = $'braille\nblock' ] &&
+[ "$(completed hooke --charset b)" = $'block\nbraille' ] &&
     [ "$(completed hooke --format j)" = json ]
 ok "and what options take" $? "$(completed hooke --charset b)"
 said=$(cd "$work/elsewhere" && touch mine.hk && completed hooke m && completed hooke -f l)

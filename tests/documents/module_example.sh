@@ -9,8 +9,8 @@ ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo
 has() { grep -qF -- "$2" <<<"$said"; ok "$1" $? "$said"; } # name text
 
 for document in src/README.md src/modules/README.md; do
-    [ "$(wc -l <"$document")" -le 150 ] && ! LC_ALL=C.UTF-8 grep -qE '^.{101}' "$document"
-    ok "$document: at most 150 lines of 100 characters" $? "$(wc -l <"$document") lines"
+    [ "$(wc -l <"$document")" -le 260 ] && ! LC_ALL=C.UTF-8 grep -qE '^.{101}' "$document"
+    ok "$document: at most 260 lines of 100 characters" $? "$(wc -l <"$document") lines"
     # Paths; `NAME()` in `PATH`; and rows of questions, | … | `PATH`, `WORD` |.
     missing=$(grep -oE '`(src|include|tests|scripts)/[^` ]*`' "$document" | tr -d '`' | sort -u |
         while read -r path; do [ -e "$path" ] || [[ $path = *NAME* || $path = src/modules/example/* ]] || echo "$path"; done
@@ -48,14 +48,16 @@ mkdir -p "$folder/bin" "$tree/build/release" "$tree/$made"
 printf '#!/bin/sh\nexec %s "$@" -O0 -g0 -U_FORTIFY_SOURCE\n' "${CC:-gcc}" >"$folder/bin/cc"
 chmod +x "$folder/bin/cc"
 cp -a Makefile src include scripts tests examples "$tree"
-cp -a build/*.def build/terminals "$tree/build"
+cp -a build/*.def build/terminals build/texts "$tree/build"
 for part in build/release/* $([ "$optional" = yes ] || echo build/plain/*); do
     [ "${part##*/}" = tests ] || cp -a "$part" "$tree/$part"
 done
 
 example=$tree/src/modules/example/example.c
 mkdir -p "$(dirname "$example")" "$tree/tests/modules/example"
-sed -n '/^```c$/,/^```$/p' src/modules/README.md | sed '/^```/d' >"$example"
+for block in c:example.c text:help.txt; do
+    sed -n "/^\`\`\`${block%:*}\$/,/^\`\`\`\$/p" src/modules/README.md | sed '/^```/d' >"${example%/*}/${block#*:}"
+done
 cat >"$tree/tests/modules/example/example.c" <<'END'
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,7 +65,7 @@ cat >"$tree/tests/modules/example/example.c" <<'END'
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "unit/command/testing.h"
+#include "modules/resume/testing.h"
 
 static void its_count_comes_back(void **state)
 {
@@ -105,8 +107,21 @@ ok "it is refused without a run" $? "$said"
 said=$(run -c 'help ekin')
 has "help has its usage" "usage: ekin"
 has "and its line" "the kinetic energy of the current run"
+has "and its text" "At its present time."
 said=$(run --version)
 has "the program names the module" " example "
+cp -a "${example%/*}/help.txt" "$folder"
+for change in 's/command ekin/command other/' '$a# command other: none\n'; do
+    sed "$change" "$folder/help.txt" >"${example%/*}/help.txt"
+    said=$(build "$made/command/commands.o")
+    [ $? -ne 0 ] && grep -q 'IS_COMMAND_other' <<<"$said"
+    ok "a text without a command ends the build ($change)" $? "$said"
+done
+sed 's/command ekin/topic other/' "$folder/help.txt" >"${example%/*}/help.txt"
+said=$(build "$made/command/commands.o")
+[ $? -ne 0 ] && grep -q 'brief_ekin' <<<"$said"
+ok "so does a command without a text" $? "$said"
+cp "$folder/help.txt" "${example%/*}"
 said=$("$tree/$test" 2>&1)
 ok "its count is in the session's file" $? "$said"
 said=$(cd "$tree" && scripts/check-layers $top/libhooke.a)

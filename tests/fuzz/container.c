@@ -9,7 +9,7 @@
 #define FUZZ_SEEDS
 #include "fuzz/replay.h"
 #include "fuzz/loaded.h"
-#include "unit/data/archive_writers.h"
+#include "modules/recording/data/archive_writers.h"
 
 enum kind { ITSELF, GZIP, ZIP, ZIP_OF_GZIP, OPEN_DOCUMENT, SHEET, STRINGS, WORKBOOK, KINDS };
 

@@ -4,6 +4,7 @@
 #define CORPUS "kept"
 #define UNIT "command lines"
 #define FUZZ_SEEDS
+#include <hooke/base/safe_text.h>
 #include "fuzz/replay.h"
 #include "fuzz/scripted.h"
 #include "fuzz/stored.h"
@@ -40,7 +41,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     scripted_play(session, &reply, (struct text){(const char *)data, size}, choice >> 8);
     struct buffer one = {0}, two = {0}, notes = {0};
     stored_put(session, &one);
-    if (!stored_take(again, &reply_again, buffer_text(&one), &notes) || notes.len > 0) {
+    if (!stored_take(again, buffer_text(&one), &notes) || notes.len > 0) {
         fprintf(stderr, "it does not come back: %s\n", buffer_view(&notes));
         abort();
     }

@@ -5,6 +5,7 @@
  * more. What they draw goes nowhere.
  */
 #include "terminal/panes.h"
+#include "terminal/parts.h"
 
 #define CORPUS "keys"
 #define UNIT "keys"
@@ -50,7 +51,7 @@ int poll(struct pollfd *ready, nfds_t count, int timeout)
     scripted_time(KEYS_NS);
     if (keys.rest.len == 0) {
         if (++keys.idle > KEYS_IDLE)
-            keys.session->quit = true;
+            keys.session->execution.quit = true;
         return 0;
     }
     if (timeout == 0 && fuzz_random(&keys.random) % 2)
@@ -204,19 +205,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     clear_history();
     for (size_t i = 0; i < COUNT_OF(typed_before); i++)
         add_history(typed_before[i]);
-    struct autosave autosave;
-    autosave_begin(&autosave, session);
-    struct front_program program = {.session = session,
-                                    .options = &options,
-                                    .streams = &streams,
-                                    .reply = &reply,
-                                    .autosave = &autosave};
+    const struct session_keeper *keeper = session_keeper();
+    if (keeper)
+        keeper->begin(session);
+    struct front_program program = {
+        .session = session, .options = &options, .streams = &streams, .reply = &reply};
     panes_run(&program);
     scripted_time(0);
     atomic_store(&interrupt.requested, 0);
     while (read(keys.pipe[0], left, sizeof left) > 0) {
     }
-    autosave_end(&autosave);
+    if (keeper)
+        keeper->end();
     buffer_free(&program.offer);
     buffer_free(&program.later);
     streams_free(&streams);

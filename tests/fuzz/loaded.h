@@ -4,7 +4,8 @@
 #ifndef HOOKE_TESTS_FUZZ_LOADED_H
 #define HOOKE_TESTS_FUZZ_LOADED_H
 
-#include <hooke/analysis.h>
+#include "modules/recording/series/analysis.h"
+#include "modules/recording/table/load.h"
 
 #include <stdio.h>
 #include <sys/mman.h>

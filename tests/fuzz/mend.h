@@ -3,7 +3,7 @@
 #ifndef HOOKE_TESTS_FUZZ_MEND_H
 #define HOOKE_TESTS_FUZZ_MEND_H
 
-#include <hooke/session/stored.h>
+#include "modules/resume/store/reading.h"
 
 #include <stddef.h>
 #include <string.h>

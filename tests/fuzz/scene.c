@@ -199,8 +199,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     const unsigned long before = fuzz_units;
     scripted_play(session, &reply, buffer_text(&c.out), 1);
-    fuzz_units = before + (unsigned long)session->runs;
-    if (size > 0 && data[0] == '=' && session->runs == 0)
+    fuzz_units = before + (unsigned long)session->runs.count;
+    if (size > 0 && data[0] == '=' && session->runs.count == 0)
         abort(); /* a scene at the limits has to run */
     scripted_destroy(session, &reply);
     buffer_free(&c.out);

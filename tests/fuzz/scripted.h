@@ -7,6 +7,7 @@
 #define HOOKE_TESTS_FUZZ_SCRIPTED_H
 
 #include "fuzz/tokens.h"
+#include <hooke/base/cancel.h>
 #include "terminal/folder.h"
 
 #include <dirent.h>
@@ -129,7 +130,7 @@ static struct session *scripted_create(uint64_t choice, struct reply *reply)
                           .height = choice % 5 ? 0 : 6 + (int)(choice % 31)};
     struct session *session = session_create(&front);
     if (session) {
-        session->safe = session->keep_going = true;
+        session->options.safe = session->options.keep_going = true;
         reply_init(reply, (struct sink){scripted_swallow, scripted_swallow, NULL});
     }
     return session;
@@ -142,7 +143,7 @@ static inline void scripted_play(struct session *session, struct reply *reply, s
     struct script script;
     struct text line;
     script_begin(&script, session, "fuzz", NULL);
-    while (text_split(&rest, '\n', &line) && !session->quit) {
+    while (text_split(&rest, '\n', &line) && !session->execution.quit) {
         fuzz_units += text_trim(line).len > 0;
         scripted_time(choice % 64 ? SCRIPTED_NS : 10 * SCRIPTED_NS);
         if (!script_feed(&script, session, line, reply)) {

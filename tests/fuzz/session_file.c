@@ -217,7 +217,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size > sizeof STORE_HEADER && data[0] == MENDED)
         mend((uint8_t *)file.data, file.len);
     scripted_time(20 * SCRIPTED_NS);
-    if (stored_take(session, &reply, buffer_text(&file), &notes)) {
+    if (stored_take(session, buffer_text(&file), &notes)) {
         if (choice % 2 == 0)
             use(session, &reply);
         scripted_time(20 * SCRIPTED_NS);

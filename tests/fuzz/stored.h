@@ -4,7 +4,7 @@
 #define HOOKE_TESTS_FUZZ_STORED_H
 
 #include <hooke/report.h>
-#include <hooke/session/store.h>
+#include "modules/resume/store.h"
 
 static inline bool stored_add(void *context, struct text record, struct error *error)
 {
@@ -26,26 +26,11 @@ static inline void stored_put(struct session *session, struct buffer *file)
     stored_free(&stored);
 }
 
-static inline bool stored_execute(void *context, struct session *session, struct text commands,
-                                  struct error *error)
-{
-    struct text line;
-    while (text_split(&commands, '\n', &line))
-        if (!command_exec(session, line, NULL, context))
-            return error_set(error, ERROR_COMMAND, "%.*s", (int)line.len, line.at);
-    return true;
-}
-
 /* Into a new session, as --resume does it. */
-static inline bool stored_take(struct session *session, struct reply *reply, struct text file,
-                               struct buffer *notes)
+static inline bool stored_take(struct session *session, struct text file, struct buffer *notes)
 {
     struct error error = {0};
-    const struct restorer restorer = {reply, &plot_catalog, &result_catalog, stored_execute, NULL};
-    session->restoring = true;
-    const bool ok =
-        store_recognise(file) && session_restore(session, file, &restorer, notes, &error);
-    session->restoring = false;
+    const bool ok = session_restore(session, file, "kept", NULL, notes, &error);
     if (!ok)
         buffer_format(notes, "%s\n", error.text);
     return ok;

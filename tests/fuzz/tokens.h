@@ -7,6 +7,10 @@
 #ifndef HOOKE_TESTS_FUZZ_TOKENS_H
 #define HOOKE_TESTS_FUZZ_TOKENS_H
 
+#include <hooke/run.h>
+#include <hooke/method.h>
+#include <hooke/base/file.h>
+#include <hooke/base/unit.h>
 #include <hooke/command.h>
 #include <hooke/plot.h>
 #include <hooke/scene/formula.h>

@@ -6,6 +6,8 @@
 #ifndef HOOKE_TESTS_NUMERICS_REFERENCES_H
 #define HOOKE_TESTS_NUMERICS_REFERENCES_H
 
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
 #include "long_form.h"
 #include "unit/run/fixture.h"
 
@@ -246,8 +248,7 @@ static inline void add_proportions(struct proportions *p, const struct table_row
     struct error error;
     assert_true(method_catalog.count <= COUNT_OF(p->ratio) && scene_bind(scene, &system, &error));
     for (size_t m = 0; m < method_catalog.count; m++) {
-        const struct method *method =
-            (const struct method *)(const void *)catalog_row(&method_catalog, m);
+        const struct method *method = method_at(m);
         enum drag drag = DRAG_DEFAULT;
         if (!(method->flags & METHOD_ADAPTIVE) || !method_applies(method, &system, &drag, &error))
             continue;
@@ -288,8 +289,7 @@ static inline void assert_proportional(struct proportions *p)
     int wrong = 0, judged = 0;
     for (size_t m = 0; m < method_catalog.count; m++)
         for (int k = 0; k < TOLERANCES; k++) {
-            const struct method *method =
-                (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *method = method_at(m);
             double *ratio = p->ratio[m][k];
             const int n = p->count[m][k];
             if (n < 10 || 3 * n < 2 * p->tried[m][k])

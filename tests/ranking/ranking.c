@@ -3,7 +3,7 @@
  * Seven methods on six scenes, by hooke's kernels and by loops as one would write them: each in a
  * function of its own, so that ranking.sh can read off what it costs.
  */
-#include <hooke/study.h>
+#include "modules/solving/compute/solve.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -236,10 +236,8 @@ int main(void)
         struct scene scene;
         struct system system;
         struct error error = {0};
-        const struct method *method =
-            (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
-        scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                             text_of(scene_name)));
+        const struct method *method = method_by_name(text_of(name));
+        scene_init(&scene, preset_by_name(text_of(scene_name)));
         enum drag drag = DRAG_DEFAULT;
         if (!method || !scene_bind(&scene, &system, &error))
             fail(scene_name, name, "unknown");

@@ -22,7 +22,7 @@ for name in cvode sunlinsoldense sunnonlinsolfixedpoint sunmatrixdense nvecseria
     sundials="$sundials -l:libsundials_$name.a"
 done
 build() { # libraries…
-    $CC -std=c11 -O2 -D_GNU_SOURCE -Iinclude -ffp-contract=off -o "$folder/ranking" tests/ranking/ranking.c \
+    $CC -std=c11 -O2 -D_GNU_SOURCE -Iinclude -Isrc -ffp-contract=off -o "$folder/ranking" tests/ranking/ranking.c \
         "$library" "$@" -lm -ldl 2>"$folder/errors"
 }
 # shellcheck disable=SC2086

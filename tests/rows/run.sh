@@ -115,13 +115,13 @@ for file in "$here"/*.patch; do
     [[ " $kinds " == *" $(basename "$file" .patch) "* ]]
     ok "$(basename "$file") is known" $?
 done
-build "$program" "$programs/tests/unit/command/rows" "$programs/tests/faults/command/grown"
+build "$program" "$programs/tests/unit/command/rows" "$programs/tests/modules/resume/grown"
 ok "all rows are built together" $? "$(grep -E 'error|warning|\*\*\*' "$folder/log" || tail -5 "$folder/log")"
 if [ "$bad" -eq 0 ]; then
     for patch in $kinds; do asked "$patch"; done
     said=$(CMOCKA_MESSAGE_OUTPUT=TAP "$folder/tree/$programs/tests/unit/command/rows" 2>&1)
     ok "each name has one meaning, is explained and completed" $? "$said"
-    grown=$programs/tests/faults/command/grown
+    grown=$programs/tests/modules/resume/grown
     said=$(cd "$folder/work" && "$top/$grown" keep today.hks 2>&1 && "$folder/tree/$grown" read today.hks 2>&1)
     ok "a session of the program without the rows is read" $? "$said"
     for patch in ${LONG:+$kinds}; do

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 
 #define EMULATOR_PARAMETERS 8
 

@@ -4,6 +4,7 @@
 #ifndef TEST_PERSON_H
 #define TEST_PERSON_H
 
+#include <hooke/base/cancel.h>
 #include <time.h>
 #include <errno.h>
 #include <fcntl.h>

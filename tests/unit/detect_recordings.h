@@ -4,7 +4,7 @@
 #ifndef HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
 #define HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
 
-#include "unit/analysis/testing.h"
+#include "modules/recording/analysis/testing.h"
 
 #define PI 3.14159265358979323846
 

@@ -6,7 +6,7 @@
 #ifndef HOOKE_BASE_CHILD_H
 #define HOOKE_BASE_CHILD_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
 
 struct child {
     /* Appends to `out`, or fails with an error. What else it changes is lost. */

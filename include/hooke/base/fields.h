@@ -7,7 +7,10 @@
 #ifndef HOOKE_BASE_FIELDS_H
 #define HOOKE_BASE_FIELDS_H
 
-#include <hooke/base.h>
+#include <hooke/base/limit.h>
+#include <hooke/base/text.h>
+
+struct catalog;
 
 /*
  * A member of a struct that has no pointers in it. A file may hold any bytes: bools have to be 0 or
@@ -19,13 +22,13 @@ struct field {
     enum field_kind {
         FIELD_BYTES,
         FIELD_BOOLS,
-        FIELD_TEXT,
+        FIELD_TEXT, /* in files without the zeros at its end */
         FIELD_INTS,
         FIELD_UNSIGNED, /* enums, too */
         FIELD_INT64S,
         FIELD_UINT64S,
         FIELD_REALS,
-        FIELD_QUANTITY /* an enum quantity, by its place among the names that the file has */
+        FIELD_QUANTITY /* an enum quantity, in files by its name; one that is unknown is another */
     } kind;
     double least, most;
 };
@@ -44,13 +47,16 @@ struct field {
              : FIELD_REALS, double *                                                               \
              : FIELD_REALS, default                                                                \
              : FIELD_BYTES)
-/* The member, whose numbers are between these. */
-#define FIELD_IN(type, member, least, most)                                                        \
+/* The member, whose numbers are between these; `name`: what a file calls it. */
+#define FIELD_CALLED_AS(name, type, member, kind, least, most)                                     \
     {                                                                                              \
-#member, offsetof(type, member), sizeof(((type *)0)->member),                              \
-            FIELD_KIND(((type *)0)->member), least, most                                           \
+        name, offsetof(type, member), sizeof(((type *)0)->member), kind, least, most               \
     }
+#define FIELD_CALLED(name, type, member, least, most)                                              \
+    FIELD_CALLED_AS(name, type, member, FIELD_KIND(((type *)0)->member), least, most)
+#define FIELD_IN(type, member, least, most) FIELD_CALLED(#member, type, member, least, most)
 #define FIELD_OF(type, member) FIELD_IN(type, member, 0, 0)
+#define FIELD_OF_QUANTITY(type, member) FIELD_CALLED_AS(#member, type, member, FIELD_QUANTITY, 0, 0)
 
 void field_put(struct buffer *to, const char *name, const void *value, size_t bytes);
 void field_text(struct buffer *to, const char *name, struct text value);
@@ -88,8 +94,6 @@ void field_put_names(struct buffer *to, const char *name, const struct catalog *
 /* Finds the rows among names that end with a NUL each. Returns false if these are damaged. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places);
-/* Finds each row where it is. */
-void field_same_places(const struct catalog *catalog, struct field_places *places);
 /* Copies the items that the file has to the rows [rows], others keep their values. Returns false,
  * and copies nothing, if the array is missing or has another length. */
 bool field_get_placed(struct text in, const char *name, const struct field_places *places, void *to,

@@ -3,7 +3,10 @@
 #ifndef HOOKE_BASE_FOLDER_FILE_H
 #define HOOKE_BASE_FOLDER_FILE_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
+
+struct folder;
+struct writer;
 
 /* Opens a new file of a folder that is being filled; writer_commit() ends it. Returns false with an
  * error if it cannot be made. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* base: limits, in one table that the man page shows. Included by base.h. */
+/* base: limits, in one table that the man page shows. */
 #ifndef HOOKE_BASE_LIMIT_H
 #define HOOKE_BASE_LIMIT_H
 

@@ -3,7 +3,9 @@
 #ifndef HOOKE_BASE_NUMERIC_H
 #define HOOKE_BASE_NUMERIC_H
 
-#include <hooke/base.h>
+#include <hooke/base/text.h>
+
+struct cancel;
 
 #define PI 3.14159265358979323846
 #define TWO_PI 6.28318530717958647692
@@ -21,7 +23,7 @@
 
 /* The value [n] nearest to that share of the way through their order, of an even number the upper
  * median; reorders them. Without NAN; of none: NAN. */
-double quantile(double *values, size_t n, double share);
+double values_quantile(double *values, size_t n, double share);
 /* Ascending, no NAN; scratch [n]. False: cancelled, and the values are in any order. */
 bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel);
 
@@ -43,7 +45,7 @@ static inline double hermite(double theta, double h, double y0, double f0, doubl
  * long; l may be a. False: a column is independent of those before it by less than this part of its
  * square (rounding: 1e-14).
  */
-bool cholesky(int n, int width, const double *a, double independent, double *l);
+bool matrix_cholesky(int n, int width, const double *a, double independent, double *l);
 void cholesky_forward(int n, int width, const double *l, double *x);  /* x = L^-1 x */
 void cholesky_backward(int n, int width, const double *l, double *x); /* x = L^-T x */
 
@@ -59,5 +61,9 @@ double matrix_exponential(int n, double *a, double *work);
 struct eigenvalue {
     double re, im;
 };
+
+/* Appends "1.4530(4)": the uncertainty in units of the last digit. One of less than a millionth is
+ * left out, as that of a simulation. */
+void buffer_parenthesis(struct buffer *out, double value, double uncertainty);
 
 #endif

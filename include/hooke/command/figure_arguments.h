@@ -17,8 +17,8 @@ bool make_figure(struct session *session, const struct arguments *args,
                  struct figure_request *request, struct figure *figure, struct error *error);
 
 /* Where there is room for the legend that stands below a text figure: in the figure itself. */
-bool label_methods(const struct session *session, const struct figure_request *request,
-                   struct arena *arena, struct figure *figure, struct error *error);
+bool label_curves(const struct session *session, const struct figure_request *request,
+                  struct arena *arena, struct figure *figure, struct error *error);
 
 /* What both take; WHAT and what is special stand before and behind. */
 #define FIGURE_ARGUMENTS                                                                           \

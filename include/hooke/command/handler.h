@@ -3,10 +3,13 @@
 #ifndef HOOKE_COMMAND_HANDLER_H
 #define HOOKE_COMMAND_HANDLER_H
 
+#include <hooke/run.h>
 #include <hooke/command.h>
 #include <hooke/module.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
+
+struct row;
 
 /* ---- how a command is written ----
  *
@@ -63,18 +66,8 @@ struct parser value_parser(struct session *session, const struct arguments *args
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
-/* The next of NAME=… or --option, up to a blank with another behind it (study/sweep.c). */
-struct text next_key_argument(struct text *rest);
-/* FROM:TO[:STEP] of an axis that has a name and a quantity (study/sweep.c). */
-struct sweep_axis;
-bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct error *error);
-
 /* '-' is for data where no commands come from there. */
 bool check_input(const struct session *session, struct text where, struct error *error);
-
-/* Goes on with session->stopped, which is there (study/sweep.c). */
-bool sweep_continue(struct session *session, const struct arguments *args, struct reply *reply,
-                    struct error *error);
 
 /* ---- answers in one screen (short_form.c) ---- */
 
@@ -90,7 +83,7 @@ int text_rows(struct text text, int width);
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 
-/* ---- runs in text (run_text.c, subject.c) ---- */
+/* ---- runs in text (run_text.c, run_warnings.c, opinion_text.c) ---- */
 
 /* A prediction above a minute is refused, or asked about at the prompt, unless --force was given.
  */
@@ -98,17 +91,10 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
                 struct error *error);
 /* The line and the record of a run as it is now. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
-/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of
- * a double. */
-void reply_growth(struct run *run, struct reply *reply);
-/* Warns where fixed steps do not see how the force changes in time. */
-void reply_unresolved(const struct run *run, struct reply *reply);
+/* Warns of what is wrong with a run or its steps, of most things once a run. */
+void reply_run_warnings(struct run *run, struct reply *reply);
 /* Warns once if a step was nonsense. */
 void reply_unsound(struct run *run, struct reply *reply);
-/* along switches, or these pile up; once */
-void reply_sliding(struct run *run, struct reply *reply);
-/* every value is below the smallest number */
-void reply_vanished(const struct run *run, struct reply *reply);
 void reply_below_tolerance(const struct run *run, struct reply *reply);
 /* As `set opinion` says, and as far as the reply shows errors. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
@@ -117,9 +103,6 @@ void plan_opinion(const struct session *session, const struct system *system,
 /* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error);
-void reply_missed_burst(struct run *run, struct reply *reply); /* once */
-/* Of an exact solution so long that roundings of the parameters move its phase. */
-void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply);
 /* Says once which method a scene of the user's own gets where nobody has chosen one. */
@@ -150,5 +133,8 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
 /* Where the present scene is all typed: `scene` finds it by its name as it is now. */
 bool keep_own_scene(struct session *session, struct error *error);
 extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;
+
+/* A row as `list` shows it: a line, and a record of its catalog's kind. */
+void reply_listed(const struct catalog *catalog, const struct row *row, struct reply *reply);
 
 #endif

@@ -3,7 +3,9 @@
 #ifndef HOOKE_DATA_EVEN_TIMES_H
 #define HOOKE_DATA_EVEN_TIMES_H
 
-#include <hooke/base.h>
+#include <hooke/base/text.h>
+
+struct cancel;
 
 struct even_times {
     double first, step; /* [s] sample i was taken at first + i step */

@@ -6,6 +6,8 @@
 #include <hooke/language.h>
 #include <hooke/session/events.h>
 
+struct catalog;
+
 struct completion {
     struct session *session;
     struct text word; /* what stands before the cursor of the word */

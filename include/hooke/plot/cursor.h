@@ -5,10 +5,10 @@
 
 #include <hooke/plot.h>
 
-/* From an up-crossing of the equilibrium to the next down-crossing. */
-struct hill {
-    double from, uncertainty, to; /* [s] to NAN: it does not end */
-    int number;                   /* of the up-crossing, counted in periods from 1 for the first */
+/* A point that cursors snap to. */
+struct snap_point {
+    double t, uncertainty, y; /* [s] [s] SI */
+    int crossing;             /* counted in periods from 1 for the first up-crossing, 0: none */
 };
 
 /* What the cursors stand on; memory from the arena. */
@@ -17,8 +17,8 @@ struct ground {
     bool data; /* a recording */
     struct series series;
     struct overview overview;
-    struct hill *hill; /* [hills] */
-    size_t hills;
+    struct snap_point *crossing, *peak; /* upward, of the equilibrium; found if asked for */
+    size_t crossings, peaks;
     struct arena *arena;
 };
 
@@ -39,6 +39,8 @@ bool cursor_span(struct cursors *cursors, const struct ground *ground, double n,
                  struct error *error);
 /* The first and the last place to snap to, else both ends. */
 void cursor_spread(struct cursors *cursors, const struct ground *ground);
+/* Puts both where they are, on the ground that they stand on now. */
+void cursors_put_again(struct cursors *cursors, const struct ground *ground);
 /* What follows from the two places: periods, amplitudes. */
 void cursor_settle(struct cursors *cursors, const struct ground *ground);
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers behind the curves of a session's figures: rows of a run, values there, what is left
- * of a recording, spectra. */
+/* The numbers behind the curves of a session's figures: rows of a run, values there. */
 #ifndef HOOKE_PLOT_CURVES_H
 #define HOOKE_PLOT_CURVES_H
 
@@ -48,11 +47,4 @@ double run_position(const struct run *run, double t);
 /* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by
  * Hermite interpolation; NAN: outside of the run, or a scene of first order has none. */
 double run_motion(const struct run *run, double t, int derivative);
-/* The position between two times, evenly, no finer than a spectrum of a few harmonics needs: the
- * newest part where that is not all of it. */
-bool run_even_series(const struct run *run, double from, double to, double period,
-                     struct arena *arena, struct series *series, struct error *error);
-bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
-                   struct error *error);
-
 #endif

@@ -71,7 +71,6 @@ bool recording_shows(const struct recording *recording, const struct run *run, e
 void drawing_put_delay(const struct drawing *d, struct buffer *text);
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
 bool drawing_recording(struct drawing *d, const struct recording *recording);
-bool drawing_residual(struct drawing *d, const struct recording *recording);
 
 /* The unit in which numbers of this size are short; without one the axis is left as it is. */
 void axis_suit(struct axis *axis, enum quantity quantity, double size);
@@ -86,29 +85,8 @@ bool drawing_ranges(const struct drawing *d, struct figure *figure,
                     const enum quantity quantity[2]);
 /* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
-/* The spectrum of a series, or of the window of a run, and its lines (figure_spectrum.c). */
-bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
-bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
-struct axis spectrum_axis(const struct drawing *d);
-/* names the line; nothing: there is none */
-void spectrum_note(const struct drawing *d, struct buffer *text);
-
-/* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
- * that fit. */
-bool drawing_band(struct drawing *d);
-/* The same from what the session keeps; false: no memory. */
-bool drawing_stored_band(struct drawing *d);
-
 /* v against y: about the equilibrium, in the units of the phase plot. */
 bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve);
-/* Amplitudes of successive windows against their times. */
-bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve);
-bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve);
-bool drawing_precision(struct drawing *d, struct figure *figure);
-bool sweep_figure(struct drawing *d, struct figure *figure);
-bool sweep_known(const struct session *session);
-/* The period against the amplitude (figure_period.c). */
-bool period_figure(struct drawing *d, struct figure *figure);
 
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);

@@ -11,7 +11,7 @@ double run_opinion_error(const struct run *run);
 /* Share of the run's work that a brief opinion may take at first, or that many of the run's
  * evaluations where these are more. */
 #define OPINION_BRIEF_SHARE 0.23
-#define OPINION_BRIEF_MIN 400
+#define OPINION_BRIEF_MIN 300
 /* Error, in sizes of the variables, from which on no digit is certain. */
 #define OPINION_LOST 0.5
 

@@ -9,6 +9,8 @@
 
 #include <hooke/run.h>
 
+struct cancel;
+
 /* What a run of a scene by a method does, as counted or tried. */
 struct run_work {
     double steps;

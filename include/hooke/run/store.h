@@ -19,8 +19,6 @@ void run_store_rows(const struct run *run, size_t first, size_t count, struct bu
 /* Rows that have not changed since somebody said that so many are stored; 0 at first. */
 size_t run_rows_stored(const struct run *run);
 void run_set_stored(struct run *run, size_t rows);
-/* The settings among its fields; false: they are not there, or none that a run can have. */
-bool run_settings_take(struct text fields, struct run_settings *settings);
 /*
  * The run again, bit for bit, and it goes on as it would have (an external solver, which keeps what
  * it knows to itself, begins anew there); nothing of it is computed. scene: as it was at the start;

@@ -3,7 +3,10 @@
 #ifndef HOOKE_SCENE_DIMENSION_H
 #define HOOKE_SCENE_DIMENSION_H
 
-#include <hooke/base.h>
+#include <hooke/base/quantity.h>
+#include <hooke/base/text.h>
+
+struct unit;
 
 enum dimension_base {
     BASE_KILOGRAM,

@@ -3,7 +3,11 @@
 #ifndef HOOKE_SCENE_FORMULA_H
 #define HOOKE_SCENE_FORMULA_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
+#include <hooke/base/quantity.h>
+
+struct catalog;
+struct suggestion;
 
 /* ---- expressions ----
  *
@@ -143,8 +147,8 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
  * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1,
  * the slots of their scope) as a graph: what they share is computed once; derivatives are added to
  * it. A program is some of them with some names known and the rest as inputs; making it again for
- * other values takes microseconds. It has three forms that give the same bits: operations on the
- * doubles of a frame, on lanes of doubles, and, where the machine can, machine code.
+ * other values takes microseconds. It has two forms that give the same bits: operations on the
+ * doubles of a frame and, where the machine can, machine code.
  *
  * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose
  * coefficient is 0 is absent: where a factor is the number 0 once the known names are in (not a
@@ -154,7 +158,6 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
  */
 
 #define PROGRAM_SIZE (1 << 17) /* operations of equations with their derivatives */
-#define PROGRAM_LANES 64
 
 struct equations;
 struct program;
@@ -219,21 +222,6 @@ typedef struct leading program_function(const struct program *program, double x0
                                         double x2, const double *state, const double *steady,
                                         double *output, double *frame);
 program_function *program_code(const struct program *program);
-
-/*
- * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place
- * of input [names]. lanes [names]: what is known of the names; those that are fixed have their
- * values already. NULL: nothing. Best aligned to 64 bytes, all of them.
- */
-enum program_lanes {
-    LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
-    LANES_FIXED = 2, /* the same values from here on */
-};
-
-size_t program_frame_lanes(const struct program *program);
-void program_prepare_lanes(const struct program *program, const double *input,
-                           const unsigned char *lanes, double *frame);
-void program_eval_lanes(const struct program *program, double *output, double *frame);
 
 /* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y
  * < 1 cm. */

@@ -3,12 +3,17 @@
 #ifndef HOOKE_SCENE_MODEL_H
 #define HOOKE_SCENE_MODEL_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
+#include <hooke/base/limit.h>
+#include <hooke/base/quantity.h>
+#include <hooke/base/row.h>
+
+struct catalog;
 
 /* ---- parameters ----
  *
- * src/scene/terms.def lists each force term with its parameters; the table comes from there. A
- * parameter is known by its row; its place in the table indexes scene.value.
+ * src/scene/model/terms.def lists each force term with its parameters; the table comes from there.
+ * A parameter is known by its row; its place in the table indexes scene.value.
  */
 
 /* Of typed equations (scene/typed.h); and with that of dry friction. */
@@ -70,6 +75,9 @@ static inline double preset_tol(const struct preset *preset)
 }
 
 extern const struct catalog preset_catalog;
+const struct preset *preset_by_name(struct text name); /* by exact name or alias; NULL if none */
+const struct preset *preset_at(size_t i);
+const struct preset *preset_from(const struct row *row); /* of the catalog */
 
 /* The parameters and derived quantities of the scene's model; places in them index scene.value. */
 const struct catalog *scene_params(const struct scene *scene);
@@ -117,7 +125,7 @@ const char *reynolds_regime(double reynolds);
 
 /* ---- models: what moves, and by which laws ----
  *
- * A model is one file, src/scene/model_NAME.c, that ends in its struct model, and a line in
+ * A model is one file, src/scene/model/NAME.c, that ends in its struct model, and a line in
  * models.c: its variables, parameters and terms. The oscillator (the spring and all that can be
  * hung on it) is terms.def.
  */
@@ -154,8 +162,7 @@ extern const struct model *const scene_models[]; /* all of them, the oscillator 
 #define TERM_COEFFICIENTS 6
 #define TERM_VALUES 64 /* of a typed term: what it is, and up to 63 parameters that it reads */
 #define TERM_MAX 16
-#define LIMIT_MODEL_ROWS 3   /* accelerations or derivatives of a built-in model */
-#define LIMIT_MODEL_SLOPES 9 /* of these by each variable */
+#define LIMIT_MODEL_ROWS 3 /* accelerations or derivatives of a built-in model */
 
 enum term_flag {
     TERM_LINEAR = 1,       /* linear in the state, or independent of it */
@@ -195,9 +202,8 @@ struct term_row {
      * nothing */
     const char *equation[LIMIT_MODEL_ROWS];
     /* The same in the order of `add`, where a text in the order of `equation` would be rounded in
-     * another way; NULL: it is not. And, for rows of n, the derivatives by the state, where those
-     * of that text are not computed as `jacobian` does. */
-    const char *ordered[LIMIT_MODEL_ROWS], *slope[LIMIT_MODEL_SLOPES];
+     * another way, else NULL. */
+    const char *ordered[LIMIT_MODEL_ROWS];
     int force; /* enum force of src/scene/model/forces.h: its text is compiled again by kernels */
     /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
      * (its coefficient is zero). */
@@ -208,11 +214,20 @@ struct term_row {
      * state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
     double (*potential)(const double *c, const double *y); /* [J], NULL unless TERM_CONSERVATIVE */
-    /* [W], NULL if TERM_CONSERVATIVE or first order */
+    /* [W] of typed terms without a potential; NULL otherwise */
     double (*power)(const double *c, double t, const double *y);
+    /* What a term of one coordinate adds, as FORCE of src/scene/model/forces.h has it; NULL if only
+     * `add` knows. */
+    const char *text;
 };
 
 extern const struct catalog term_catalog; /* those of the oscillator */
+
+/* Returns true for a term of a scene of second order whose work counts: it has no potential. */
+static inline bool term_has_power(const struct term_row *row)
+{
+    return row->power || (row->bind && !(row->flags & TERM_CONSERVATIVE));
+}
 
 struct bound_term {
     const struct term_row *row;
@@ -262,6 +277,9 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
 /* For rates only: what is typed has sizes of 1 (others cost a trial run), and any start will do. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
+/* Copies what is set of a system: its terms leave most of its ten kilobytes unused. */
+void system_copy(struct system *to, const struct system *from);
+
 /* As if methods did not step across kinks. */
 void system_turn_at_kinks(struct system *system);
 
@@ -269,10 +287,6 @@ void system_turn_at_kinks(struct system *system);
 void system_acceleration(const struct system *system, double t, const double *y, double *a);
 /* [n] */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt);
-/* Gives a parameter a value without an uncertainty; one that has it already stays as it is. */
-void scene_take_value(struct scene *scene, int i, double value);
-/* Lets the scene start at that state [n]. False: it cannot, or the value is out of its range. */
-bool scene_start_at(struct scene *scene, const double *state, struct error *error);
 /* Whether everything repeats when this variable goes on by 2 pi, as far as some places tell. */
 bool variable_is_angle(const struct system *system, int variable);
 /* Only the terms that do not depend on velocity. */
@@ -320,6 +334,9 @@ int system_bursts(const struct system *system, const double t[2], const double *
 double system_kinetic(const struct system *system, const double *y);   /* [J] */
 double system_potential(const struct system *system, const double *y); /* [J] */
 bool system_has_potential(const struct system *system); /* all forces but drag have one */
+/* Returns the power of one term [W], 0 if it has a potential. */
+double term_power(const struct system *system, const struct bound_term *term, double t,
+                  const double *y);
 /* [W] of the non-conservative terms */
 double system_power(const struct system *system, double t, const double *y);
 /* [W] of the drag terms alone, <= 0 */

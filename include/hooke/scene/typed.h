@@ -6,6 +6,8 @@
 #include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
 
+struct cancel;
+
 /* ---- typed scenes ----
  *
  * A model made of lines that a user types:
@@ -98,13 +100,6 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error);
-/*
- * A built-in scene as one that is all typed, with the same state and values: of the texts in the
- * rows of its terms (those that are there), and what was typed on top of it. Natural sizes and
- * energies are those of typed scenes. False: error.
- */
-bool typed_written(struct typed_models *models, const struct scene *scene, struct scene *written,
-                   struct error *error);
 /* Without that line; a variable takes its equation and its initial velocity along. What is left may
  * be the built-in model itself. NULL: it is not there, or others use it. */
 const struct model *typed_remove(struct typed_models *models, const struct model *from,

@@ -3,7 +3,8 @@
 #ifndef HOOKE_SCENE_UNIT_WORD_H
 #define HOOKE_SCENE_UNIT_WORD_H
 
-#include <hooke/base.h>
+#include <hooke/base/error.h>
+#include <hooke/base/quantity.h>
 
 struct expr_scope;
 

@@ -5,6 +5,9 @@
 
 #include <hooke/session.h>
 
+struct event;
+struct expr_scope;
+
 enum event_action { EVENT_STOP, EVENT_RECORD, EVENT_COMMANDS };
 
 struct event_line {

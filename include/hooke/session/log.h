@@ -3,6 +3,7 @@
 #ifndef HOOKE_SESSION_LOG_H
 #define HOOKE_SESSION_LOG_H
 
+#include <hooke/base/fields.h>
 #include <hooke/session.h>
 
 /* ---- what was asked of a run (journal.c) ---- */
@@ -46,12 +47,6 @@ struct request {
     bool backs;            /* one of them is a REQUEST_BACK */
     struct request *before;
     const struct request *go; /* the latest REQUEST_GO before it */
-    struct {                  /* of each REQUEST_SET [1], of those not by events [0]: */
-        const struct request *before;
-        int count; /* up to this request */
-        struct scene
-            *scene; /* what they have made of the scene: at each so many of them, else NULL */
-    } set[2];
 };
 
 /* One more at the end of the run's list. */
@@ -159,8 +154,7 @@ void scene_kind_script(const struct scene *scene, struct buffer *text);
 
 #define RECORDING_FIELDS 5
 struct recording_field {
-    const char *name;
-    size_t offset, bytes; /* in struct recording */
+    struct field field; /* of struct recording */
     /* Its command, where there is something to say; NULL: it needs the other recordings. */
     void (*save)(const struct recording *recording, struct buffer *text);
 };
@@ -174,6 +168,5 @@ bool checkpoint_make(struct session *session, const char *name, struct error *er
 /* The latest one where name is empty. *label: its name, owned by the session. */
 bool checkpoint_restore(struct session *session, struct text name, const char **label,
                         struct error *error);
-const char *snapshot_label(const struct snapshot *snapshot);
 
 #endif

@@ -6,6 +6,8 @@
 
 #include <hooke/session.h>
 
+struct observable;
+
 /* ---- what a scene has, by name ---- */
 
 /* What was typed, a line each after `before`. */

@@ -3,9 +3,9 @@
 #ifndef HOOKE_SESSION_SCREEN_H
 #define HOOKE_SESSION_SCREEN_H
 
-#include <hooke/analysis/period.h>
-
-struct session;
+#include <hooke/base/catalog.h>
+#include <hooke/base/limit.h>
+#include <hooke/base/quantity.h>
 
 enum layout {
     LAYOUT_TRIO,

@@ -3,12 +3,23 @@
 #ifndef HOOKE_SESSION_SETTINGS_H
 #define HOOKE_SESSION_SETTINGS_H
 
-#include <hooke/run.h>
-#include <hooke/figure.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/quantity.h>
+#include <hooke/run/record.h>
+
+struct charset;
+struct figure_words;
+struct preset;
 
 /* ---- settings ---- */
 
-enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE, CHOOSE_WORDS };
+/* A choice of `set charset`; modules bring more in their charsets.def. */
+struct charset_choice {
+    struct row row;
+    const struct charset *charset; /* NULL for the one that suits the terminal */
+};
+/* Returns the functions that put figures into words, or NULL if no module of this build has any. */
+const struct figure_words *charset_words(void);
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
 enum sync_choice {
@@ -25,7 +36,6 @@ enum view_choice {
 
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 enum turning { TURNING_ON, TURNING_OFF };
-enum band { BAND_OFF, BAND_ON };
 enum pager { PAGER_OFF, PAGER_ON };
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
@@ -33,6 +43,7 @@ struct settings {
 #define SETTING(type, field, ...) type field;
 #define SETTING_PAIR(type, field, second, ...) type field, second;
 #include "session/settings.def"
+    int of_modules[8]; /* choices of settings of modules, in the order of their list */
     /* by the user: else tol and duration are those of the scene */
     bool dt_chosen, tol_chosen, duration_chosen;
 };
@@ -60,11 +71,11 @@ struct setting {
 };
 
 extern const struct catalog setting_catalog;
-
-static inline const struct setting *setting_at(size_t i)
-{
-    return (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
-}
+const struct setting *setting_by_name(struct text name); /* by exact name or alias; NULL if none */
+const struct setting *setting_at(size_t i);
+/* Returns the choice of a setting of a module, which has to be in this build. */
+int setting_of_module(const struct settings *settings, const char *name);
+const struct setting *setting_from(const struct row *row); /* of the catalog */
 
 bool setting_same(const struct setting *setting, const struct settings *a,
                   const struct settings *b);

@@ -1,12 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What writing and reading of session files share: the tables of what they keep. */
+/* What a session file keeps of the parts of modules. */
 #ifndef HOOKE_SESSION_STORED_H
 #define HOOKE_SESSION_STORED_H
 
 #include <hooke/base/fields.h>
-#include <hooke/session/store.h>
+#include <hooke/session.h>
 
-#define RECORD_MAGIC "\xF0HR\n"
+/* lists of equilibria, orbits and branches together */
+#define STORE_FOUND (1 + LIMIT_ORBITS + LIMIT_BRANCHES)
+
+/* What a file has of a session. All zeros: nothing yet. */
+struct stored {
+    struct stored_run *run;
+    int runs, run_capacity;
+    uint64_t recording[LIMIT_RECORDINGS]; /* sums */
+    int recordings;
+    uint64_t found_id[STORE_FOUND]; /* of B */
+    int found;
+    uint64_t content;     /* its sum; 0: none */
+    size_t entries, text; /* of session->history */
+    uint64_t said;        /* of session->log */
+    uint64_t state;       /* sum of the last S */
+    uint64_t bytes;       /* written */
+    int left_out;         /* runs whose rows found no room */
+    struct buffer record; /* the last one, of which `sent` bytes are written */
+    size_t sent;
+    bool unfinished; /* stopped: the next time goes on where this one ended */
+};
 
 enum record_kind {
     RECORD_BYTES = 'D',
@@ -18,50 +38,44 @@ enum record_kind {
     RECORD_STATE = 'S',
 };
 
-struct record_head {
-    char magic[4];
-    uint32_t kind;
-    uint64_t bytes, sum, own; /* own: of the three before it */
-};
-
-struct rows_head {
-    uint64_t id, first, count, row_bytes;
-};
-
-/* A request of a run's journal, without its condition. */
-struct asked {
-    int32_t kind, param, by_event, conditioned;
-    int64_t from, end, met, rows;
-    double from_t, t;
-    struct measured value;
-};
-
-extern const struct field store_session[], store_view[], store_lesson[];
-extern const size_t store_session_count, store_view_count, store_lesson_count;
-
-/* Arrays of the session that have no pointers in them: a field each, and its count. */
+/* An array of a session, or of a module's part of one: a field for each element. */
 struct store_array {
     const char *name;
     size_t offset, item;        /* of the array, bytes of an element */
     size_t count;               /* offset of the int */
     int max;                    /* 0: the array is allocated */
-    const struct field *member; /* [members] of an element, all of them */
+    const struct field *member; /* [members] of an element that are kept; others are 0 */
     size_t members;
+    /* Whether what was read can stand in a session, where the fields do not say it; or NULL. */
+    bool (*sound)(const void *item);
 };
+#define STORE_ARRAY(name, owner, array, counted, limit, members, sound)                            \
+    {                                                                                              \
+        name, offsetof(owner, array), sizeof *((owner *)0)->array, offsetof(owner, counted),       \
+            limit, members, COUNT_OF(members), sound                                               \
+    }
 
-extern const struct field store_entry[]; /* of struct entry */
-extern const size_t store_entry_count;
-
-/* Writes which bytes of an element each member has, and the names of quantities in their order. */
-void store_put_members(const struct field *member, size_t count, struct buffer *to);
-
-enum { STORE_LETS, STORE_RESULTS, STORE_MEASUREMENTS, STORE_FITS };
-extern const struct store_array store_arrays[];
-extern const size_t store_array_count;
-
-/* state.c: fields of a record. */
-void store_put_scene(const struct scene *scene, const char *name, struct buffer *to);
-void store_put_events(const struct events *events, struct buffer *to);
-void store_put_state(const struct session *session, struct buffer *to);
+/* What the module that keeps sessions does for the parts of others. */
+struct reader; /* hooke/session/read.h */
+struct store_tools {
+    /* Append fields to a record. `owner` is what the array's offsets count from. */
+    void (*put_array)(const struct store_array *array, const void *owner, struct buffer *to);
+    void (*put_scene)(const struct scene *scene, const char *name, struct buffer *to);
+    /* Adds a line to what is told of the reading. */
+    void (*note)(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
+    /* Reads an array into `owner`, which stays unchanged if one of its elements cannot be read. */
+    void (*array)(struct reader *reader, const struct store_array *array, void *owner);
+    /* Reads a scene and where the file has its parameters; places may be NULL. */
+    bool (*scene)(struct reader *reader, struct text in, const char *name, struct scene *scene,
+                  struct field_places *places, struct error *error);
+    /* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has
+     * them. */
+    void (*move)(const struct field_places *places, void *array, size_t item);
+    /* Finds the bytes that the file has under that sum. */
+    bool (*bytes)(const struct reader *reader, uint64_t sum, struct text *content);
+};
+/* Returns the tools; only for functions of struct module_store, which the module that has them
+ * calls. */
+const struct store_tools *store_tools(void);
 
 #endif

@@ -3,7 +3,10 @@
 #ifndef HOOKE_SESSION_SUBJECT_H
 #define HOOKE_SESSION_SUBJECT_H
 
+#include <hooke/data/series.h>
 #include <hooke/session/names.h>
+
+struct cancel;
 
 /* ---- what measure, fit, export and plot act on (source of a series) ---- */
 
@@ -42,12 +45,6 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
 /* As of its position over all recorded rows, found the cheapest way that is sound for it; false: it
  * has none. */
 bool run_period(const struct run *run, struct arena *arena, struct measured *period);
-
-/* As series_period(), of the first variable of a run over some of its rows; where that finds no
- * period, an uncertain one or few waves, from returns of the whole state (closed_period.c). The run
- * is NULL where the series is of something else. */
-bool run_series_period(const struct run *run, const struct series *series, struct arena *arena,
-                       struct period *period, struct error *error);
 
 /* ---- what a run has to show over its rows (columns.c) ---- */
 
@@ -89,73 +86,8 @@ struct data_motion {
     char how_v[160], how_k[160]; /* where they come from, in words */
 };
 
-/* series: of the recording; NULL: its window. */
-bool data_motion(const struct session *session, const struct recording *recording,
-                 const struct series *series, bool energy, struct arena *arena,
-                 struct data_motion *motion, struct error *error);
-/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum; NAN: it has
- * none. */
-double motion_frequency(const struct session *session, const struct recording *recording,
-                        const struct series *series, struct arena *arena);
 /* The rows where v (energy: the energy) is known, as a series; from, to [s]. */
 bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
                    struct arena *arena, struct series *series, struct error *error);
-
-/* ---- what a derived number was computed with (inputs.c) ----
- *
- * What a derived number was computed with: which of these values were stated without an
- * uncertainty and count as exact, and how uncertain the others make it. */
-
-#define INPUTS_MAX 16
-
-struct inputs {
-    const char *exact[INPUTS_MAX]; /* names, each once */
-    int exacts;
-    double relative; /* uncertainty of a product or quotient of all of them (GUM 5.1.6) */
-};
-
-/* The name has to last as long as the inputs. Zero enters nothing. */
-void inputs_use(struct inputs *inputs, const char *name, struct measured value);
-/* Parameters of the scene; names: "m rho area", those that it has. */
-void inputs_use_params(struct inputs *inputs, const struct scene *scene, const char *names);
-/* Every parameter but those that are free that the motion depends on. */
-void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free);
-/* The value, more uncertain by all of the inputs. */
-struct measured inputs_widen(const struct inputs *inputs, struct measured value);
-
-/* A line that begins with a newline and says which are exact; nothing where none is. */
-void inputs_put(const struct inputs *inputs, struct buffer *text);
-/* The array `exact` of the open record. */
-void inputs_reply(const struct inputs *inputs, struct reply *reply);
-/* For the report: the names, and back again (the text has to last). */
-void inputs_keep(const struct inputs *inputs, struct exact_names *names);
-void inputs_recall(struct inputs *inputs, const struct exact_names *names);
-
-/* ---- what is wrong with a recording (findings.c) ---- */
-
-/* Looks at the recording if nobody has yet. */
-bool find_faults(struct recording *recording, struct arena *arena, struct error *error);
-/*
- * Which part of a subject is the free oscillation: the one judgement of it, that of 'data clean',
- * in words for every command that works on a window. Nothing where the whole of it is.
- */
-enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* it knows what rests */ };
-
-struct window_advice {
-    char text[200]; /* "": none */
-};
-
-void advise_window(const struct subject *subject, enum window_law law, struct arena *arena,
-                   struct window_advice *advice);
-/* as a warning */
-void reply_advice(const struct subject *subject, struct arena *arena, struct reply *reply);
-
-/* The table, then what was done or would be done. */
-void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);
-
-/* Where in the space of states equilibria are looked for, [n]: what the current run of the scene
- * has shown and its natural sizes about 0, widened; of an angle one turn. */
-bool session_box(const struct session *session, const struct system *system, struct arena *arena,
-                 double box[][2], struct error *error);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Angles of points, lengths and cube roots. */
+#include <hooke/base/text.h>
 #include <stdbool.h>
 
 #include "base/elementary/wide.h"

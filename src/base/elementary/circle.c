@@ -139,7 +139,7 @@ INLINE double tangent_rows(uint64_t odd, double r, double low)
     const double t = arc + arc * s *
                                ((0x1.5555555555951p-2 + s * 0x1.111110dfe8db2p-3) +
                                 s * s * 0x1.ba31059ee0839p-5);
-    const struct wide row = tangents[odd][(int)j];
+    const struct wide row = elementary_tangents[odd][(int)j];
     const double along = odd ? -t : t,
                  value = row.high +
                          (row.low + (along + row.high * row.high * along) / (1 - row.high * along));

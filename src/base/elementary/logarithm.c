@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* log and pow, with products rounded once where the machine can. */
+#include <hooke/base/text.h>
 #include "base/elementary/logarithm.h"
 
 /* Of what has no finite logarithm. */

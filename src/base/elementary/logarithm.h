@@ -24,7 +24,7 @@ INLINE struct log_parts parts_of(double x, bool fused)
     const uint64_t bits = to_bits(tiny ? x * 0x1p54 : x), from = bits - FIRST_M;
     const int64_t power = (int64_t)from >> EXPONENT_SHIFT;
     const uint64_t m = bits - ((uint64_t)power << EXPONENT_SHIFT);
-    const struct reciprocal *row = &reciprocals[from >> ROW_SHIFT & (TABLE_ROWS - 1)];
+    const struct reciprocal *row = &elementary_reciprocals[from >> ROW_SHIFT & (TABLE_ROWS - 1)];
     const double k = (double)(tiny ? power - 54 : power), value = from_bits(m),
                  upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
     return (struct log_parts){k * LN_2_HIGH + row->high,

@@ -37,7 +37,7 @@ const uint64_t powers_of_two[TABLE_ROWS] = {
     0xb4ca2f89a491bac0, 0x43902402526341ec, 0x978a183e7e616f28, 0x84c20c3dd4708e0f,
 };
 
-const struct reciprocal reciprocals[TABLE_ROWS] = {
+const struct reciprocal elementary_reciprocals[TABLE_ROWS] = {
     {0x1.6e00000000000p+0, -0x1.6e08eaa2ba000p-2, -0x1.e38c139318d71p-46},
     {0x1.6c00000000000p+0, -0x1.686c81e9b1000p-2, -0x1.2bb110af84054p-44},
     {0x1.6a00000000000p+0, -0x1.62c82f2b9c000p-2, -0x1.e54bdbd7c8a98p-44},
@@ -168,7 +168,7 @@ const struct reciprocal reciprocals[TABLE_ROWS] = {
     {0x1.7000000000000p-1, 0x1.522ae0738a000p-2, 0x1.ebe708164c759p-45},
 };
 
-const struct wide tangents[2][TANGENT_ROWS] = {
+const struct wide elementary_tangents[2][TANGENT_ROWS] = {
     {
         {0, 0},
         {0, 0},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is known beforehand: powers of two, reciprocals of few bits with their logarithms, tangents.
+/* What is known beforehand: powers of two, elementary_reciprocals of few bits with their
+ * logarithms, elementary_tangents.
  */
 #ifndef HOOKE_BASE_ELEMENTARY_TABLES_H
 #define HOOKE_BASE_ELEMENTARY_TABLES_H
@@ -27,10 +28,10 @@ extern const uint64_t powers_of_two[TABLE_ROWS];
 struct reciprocal {
     double c, high, low;
 };
-extern const struct reciprocal reciprocals[TABLE_ROWS];
+extern const struct reciprocal elementary_reciprocals[TABLE_ROWS];
 
 /* tan j/32 and cot j/32, 4 <= j */
 #define TANGENT_ROWS 26
-extern const struct wide tangents[2][TANGENT_ROWS];
+extern const struct wide elementary_tangents[2][TANGENT_ROWS];
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: what can stand at the cursor, by the description of the arguments. Nothing is
  * executed and no expression is evaluated. */
-#include "command/complete/complete.h"
+#include <hooke/base/statement.h>
+#include <hooke/command/complete.h>
 #include <hooke/command/handler.h>
 #include "command/session/list_methods.h"
 
@@ -102,8 +103,11 @@ static void complete_arguments(struct completion *c, const struct command *comma
         c->file = "";
         return;
     }
-    if (command->completes == COMPLETES_SWEEP) {
-        complete_sweep(c, command, before);
+    for (size_t i = 0; module_list[i]; i++)
+        if (module_list[i]->complete && module_list[i]->complete(c, command, before))
+            return;
+    if (command->completes == COMPLETES_GRID) {
+        complete_grid(c, command, before);
         return;
     }
     /* NAME=item, also after commas: the word being completed begins behind the last = or comma. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion inside of expressions, and of the lines that define scenes and events. */
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/scene/typed.h>
-#include "command/complete/complete.h"
+#include <hooke/command/complete.h>
 #include <hooke/command/handler.h>
 
 #include <string.h>

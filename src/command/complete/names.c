@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: names that commands of their own take. */
-#include "command/complete/complete.h"
+#include <hooke/base/statement.h>
+#include <hooke/command/complete.h>
 #include "command/session/topics.h"
 
 void complete_atol(struct completion *c, bool named)
@@ -21,7 +22,7 @@ void complete_set(struct completion *c, struct text name, struct text before)
     else if ((row = catalog_find(scene_derived(scene), name)))
         quantity = ((const struct derived_row *)(const void *)row)->quantity;
     else if ((row = catalog_find(&setting_catalog, name))) {
-        const struct setting *setting = (const struct setting *)(const void *)row;
+        const struct setting *setting = setting_from(row);
         if (setting->choices) {
             complete_catalog(c, setting->choices);
             return;

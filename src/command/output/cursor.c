@@ -41,14 +41,18 @@ static const struct row actions[] = {
 };
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
-/* The active cursor by so much, and the other with it where they are locked. It snaps where it
- * comes near. */
-static void move_by(struct cursors *c, const struct ground *ground, double by)
+/* Moves the other cursor as far as the active one, where they are locked. */
+static void follow(struct cursors *c, const struct ground *ground, double by, double reach)
 {
-    const double reach = 0.5 * fabs(by);
-    cursor_put(c, ground, c->active, c->at[c->active].t + by, reach);
     if (c->locked)
         cursor_put(c, ground, !c->active, c->at[!c->active].t + by, reach);
+}
+
+/* Moves the active cursor, which snaps where it comes near. */
+static void move_by(struct cursors *c, const struct ground *ground, double by)
+{
+    cursor_put(c, ground, c->active, c->at[c->active].t + by, 0.5 * fabs(by));
+    follow(c, ground, by, 0.5 * fabs(by));
 }
 
 static bool jump(struct cursors *c, const struct ground *ground, bool forward, struct error *error)
@@ -56,9 +60,8 @@ static bool jump(struct cursors *c, const struct ground *ground, bool forward, s
     const double before = c->at[c->active].t;
     if (!cursor_jump(c, ground, forward, error))
         return false;
-    if (c->locked)
-        cursor_put(c, ground, !c->active, c->at[!c->active].t + c->at[c->active].t - before,
-                   0.25 * fabs(c->at[c->active].t - before));
+    const double by = c->at[c->active].t - before;
+    follow(c, ground, by, 0.25 * fabs(by));
     return true;
 }
 
@@ -87,15 +90,15 @@ static bool act(struct session *session, const struct arguments *args, struct gr
     const struct argument_value *by = argument_value(args, "TIME");
     const double time = by->count ? by->item->value.value : ground_spacing(ground);
     const double n = isfinite(c->periods) ? c->periods : 0;
-    switch ((enum cursor_action)argument_value(args, "WHAT")->item->index) {
+    const enum cursor_action what = (enum cursor_action)argument_value(args, "WHAT")->item->index;
+    switch (what) {
     case GO_LEFT:
     case GO_RIGHT:
-        move_by(c, ground, argument_value(args, "WHAT")->item->index == GO_LEFT ? -time : time);
+        move_by(c, ground, what == GO_LEFT ? -time : time);
         return true;
     case GO_NEXT:
-        return jump(c, ground, true, error);
     case GO_PREVIOUS:
-        return jump(c, ground, false, error);
+        return jump(c, ground, what == GO_NEXT, error);
     case GO_MORE:
         return cursor_span(c, ground, n + 1, error);
     case GO_LESS:
@@ -114,13 +117,11 @@ static bool act(struct session *session, const struct arguments *args, struct gr
         c->on_data = !c->on_data;
         if (!ground_open(session, args->arena, ground, error))
             return false;
-        for (int i = 0; i < 2; i++)
-            cursor_put(c, ground, i, c->at[i].t, c->at[i].crossing > 0 ? HUGE_VAL : 0);
+        cursors_put_again(c, ground);
         return true;
     case GO_KEEP:
         return keep(session, reply, error);
-    case GO_OFF:
-        c->shown = false;
+    case GO_OFF: /* which the handler does */
         return true;
     case GO_UP:
     case GO_DOWN:
@@ -132,29 +133,21 @@ static bool act(struct session *session, const struct arguments *args, struct gr
 
 /* ---- the point on a portrait ---- */
 
-/* Along an axis by so much, or by a hundredth of it; not out of the box. */
-static void move_point(struct cursors *c, const struct plot_plane *plane, int axis, double by)
-{
-    const double *box = plane->box[axis];
-    c->point[axis] = fmin(fmax(c->point[axis] + by, box[0]), box[1]);
-}
-
 static bool act_on_plane(const struct session *session, const struct arguments *args,
                          struct cursors *c, const struct plot_plane *plane, struct error *error)
 {
     const struct argument_value *by = argument_value(args, "TIME");
-    const int what = argument_value(args, "WHAT")->item->index;
+    const enum cursor_action what = (enum cursor_action)argument_value(args, "WHAT")->item->index;
     const int axis = what == GO_UP || what == GO_DOWN;
-    const double step =
-        by->count ? by->item->value.value : (plane->box[axis][1] - plane->box[axis][0]) / 100;
-    switch ((enum cursor_action)what) {
+    const double *box = plane->box[axis];
+    const double step = by->count ? by->item->value.value : (box[1] - box[0]) / 100;
+    switch (what) {
     case GO_LEFT:
     case GO_DOWN:
-        move_point(c, plane, axis, -step);
-        return true;
     case GO_RIGHT:
     case GO_UP:
-        move_point(c, plane, axis, step);
+        c->point[axis] += what == GO_LEFT || what == GO_DOWN ? -step : step;
+        c->point[axis] = fmin(fmax(c->point[axis], box[0]), box[1]);
         return true;
     case GO_NEXT:
     case GO_PREVIOUS:
@@ -219,35 +212,30 @@ static bool point(struct session *session, const struct arguments *args, bool an
     return true;
 }
 
-static bool put_arguments(struct cursors *c, const struct ground *ground, int which,
-                          const struct argument_value *at, struct error *error)
+/* Puts a cursor to the time that an argument gives, if it does. */
+static bool put_argument(struct cursors *c, const struct ground *ground, int which,
+                         const struct argument_value *at, struct error *error)
 {
     const struct series *s = &ground->series;
-    const double t = at->item->value.value;
-    if (t < s->t[0] || t > s->t[s->n - 1])
+    const double t = at->count ? at->item->value.value : 0;
+    if (at->count && (t < s->t[0] || t > s->t[s->n - 1]))
         return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t,
                         ground->name, s->t[0], s->t[s->n - 1]);
-    cursor_put(c, ground, which, t, HUGE_VAL);
+    if (at->count)
+        cursor_put(c, ground, which, t, HUGE_VAL);
     return true;
 }
 
-/* One change of the cursors; what fails leaves them as they were. */
 static bool apply(struct session *session, const struct arguments *args, struct ground *ground,
                   struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct argument_value *a = argument_value(args, "A"), *b = argument_value(args, "B"),
-                                *go = argument_value(args, "go"),
-                                *snap = argument_value(args, "snap"),
-                                *periods = argument_value(args, "periods");
-    if (snap->count) {
-        c->snap = (enum snap)snap->item->index;
-        for (int i = 0; i < 2; i++)
-            cursor_put(c, ground, i, c->at[i].t, HUGE_VAL);
-    }
-    if ((a->count && !put_arguments(c, ground, 0, a, error)) ||
-        (b->count && !put_arguments(c, ground, 1, b, error)) ||
-        (go->count && !put_arguments(c, ground, c->active, go, error)))
+    const struct argument_value *periods = argument_value(args, "periods");
+    for (int i = 0; i < 2 && has_argument(args, "snap"); i++)
+        cursor_put(c, ground, i, c->at[i].t, HUGE_VAL);
+    if (!put_argument(c, ground, 0, argument_value(args, "A"), error) ||
+        !put_argument(c, ground, 1, argument_value(args, "B"), error) ||
+        !put_argument(c, ground, c->active, argument_value(args, "go"), error))
         return false;
     if (periods->count && !cursor_span(c, ground, periods->item->value.value, error)) {
         error->where = periods->item->text;
@@ -304,23 +292,21 @@ HANDLER(cursor)
     if (!timed && plot_row(view_focus(&session->view))->plane && (c->plane || !c->shown))
         return draw_plane(session, args->arena, error) && point(session, args, any, reply, error);
     c->plane = false;
-    const bool hide =
-        any ? has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF
-            : c->shown;
-    if (hide || (!any && c->shown)) {
+    const bool off =
+        has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF;
+    if (any ? off : c->shown) {
         c->shown = false;
         reply_line(reply, "cursors off");
         return true;
     }
     const struct cursors before = *c;
-    if (!ground_open(session, args->arena, &ground, error)) {
-        *c = before;
-        return false;
-    }
-    c->shown = true;
-    if (!c->at[0].set || !c->at[1].set)
+    if (has_argument(args, "snap"))
+        c->snap = (enum snap)argument_value(args, "snap")->item->index;
+    const bool opened = ground_open(session, args->arena, &ground, error);
+    c->shown = opened;
+    if (opened && (!c->at[0].set || !c->at[1].set))
         cursor_spread(c, &ground);
-    if (!apply(session, args, &ground, reply, error)) {
+    if (!opened || !apply(session, args, &ground, reply, error)) {
         *c = before;
         return false;
     }
@@ -331,25 +317,7 @@ HANDLER(cursor)
 }
 #endif
 
-COMMAND(cursor,
-        .row = {"cursor", "", "two cursors on the plot: times, periods, decrement", "", NULL},
-        .group = "MEASURE",
-        .text = "Without anything it shows or hides them. A, B and go put them to a time; they "
-                "snap to the nearest "
-                "up-crossing of the\n"
-                "equilibrium, placed by the line fit that measures periods, or as 'cursor snap' "
-                "says. periods: B = A + N "
-                "periods. Also:\n"
-                "left, right [TIME], next, previous (crossing), more, less (periods), other (A or "
-                "B moves), series (run or "
-                "recording), lock,\n"
-                "keep (as a measurement), off. They stand on the current run unless told; a run "
-                "that goes on is paused.\n"
-                "While the pane portrait has the focus it is a point on its plane: left, right, "
-                "up, down, next and\n"
-                "previous (equilibrium); Enter, or 'start cursor', begins a trajectory there.",
-        .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep",
-        .see = "measure list start", .flags = COMMAND_ANYTIME,
+COMMAND(cursor, .group = "MEASURE", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
                   WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
                   WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which figure is meant: the arguments that plot and describe share. */
+#include <hooke/base/unit.h>
 #include <hooke/command/figure_arguments.h>
 
 #include <hooke/report.h>
@@ -19,7 +20,7 @@ static bool choose_runs(struct session *session, const struct arguments *args,
     request->run = index;
     for (int i = 0; i < runs->count; i++) {
         const bool all = runs->item[i].index < 0;
-        for (int r = 0; r < session->runs; r++) {
+        for (int r = 0; r < session->runs.count; r++) {
             bool listed = false;
             for (int j = 0; j < request->runs; j++)
                 listed |= index[j] == r;
@@ -27,8 +28,8 @@ static bool choose_runs(struct session *session, const struct arguments *args,
                 index[request->runs++] = r;
         }
     }
-    if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
-        index[request->runs++] = session->current_run;
+    if (runs->count == 0 && data->count == 0 && session->runs.current >= 0)
+        index[request->runs++] = session->runs.current;
     request->recording = data->count ? data->item->index
                          : (runs->count && !plot_row(request->kind)->residual) || request->columns
                              ? -1
@@ -59,7 +60,7 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         error_at(error, of->where, "of a table one column is drawn against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
-    /* of branches a variable may follow, of a sweep a column */
+    /* a variable or a column of what is drawn may follow its name */
     const bool branches = what->count == 2 && what->item->index >= 0 &&
                           plot_row((enum plot_kind)what->item->index)->takes_column;
     if ((what->count == 1 || branches) && what->item->index >= 0 && !against->count && !at->count) {
@@ -103,9 +104,9 @@ static bool choose_ranges(const struct arguments *args, struct figure_request *r
     for (int i = 0; i < 2; i++) {
         if (axis[i]->count == 0)
             continue;
-        if (plot_row(request->kind)->study)
-            return error_at(error, axis[i]->where,
-                            "the axes of 'precision' hold all of its points");
+        if (plot_row(request->kind)->whole)
+            return error_at(error, axis[i]->where, "the axes of '%s' hold all of its points",
+                            plot_row(request->kind)->row.name);
         const struct item *item = axis[i]->item;
         range[i] = (struct figure_range){{item->range[0], item->range[1]},
                                          item->unit ? item->unit->quantity : QUANTITY_OTHER,
@@ -155,11 +156,11 @@ static bool choose_sides(const struct session *session, const struct arguments *
         request->side[0] = request->side[1];
         request->side[1] = first;
     }
-    if (session->current_run >= 0) {
+    if (session->runs.current >= 0) {
         int *index = arena_array(args->arena, 1, sizeof *index);
         if (!index)
             return error_memory(error);
-        *index = session->current_run;
+        *index = session->runs.current;
         request->run = index;
         request->runs = 1;
     }
@@ -176,14 +177,6 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
     error_at(error, named->where, "%s has no argument '%.*s'", plot_row(request->kind)->row.name,
              (int)named->item->text.len, named->item->text.at);
     return error_hint(error, "axes are x=FROM:TO and y=FROM:TO");
-}
-
-static bool has_study(const struct session *session, struct error *error)
-{
-    if (session->precision)
-        return true;
-    error_set(error, ERROR_COMMAND, "there is no precision study to plot");
-    return error_hint(error, "type: precision");
 }
 
 bool make_figure(struct session *session, const struct arguments *args,
@@ -204,8 +197,7 @@ bool make_figure(struct session *session, const struct arguments *args,
         (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
     if (of->count                           ? !export_result(session, of->item->row, &export, error)
-        : request->kind == PLOT_SWEEP       ? false
-        : plot_row(request->kind)->study    ? !has_study(session, error)
+        : plot_row(request->kind)->of_study ? false
         : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
                                             : !choose_runs(session, args, request, error))
         return false;
@@ -224,20 +216,9 @@ bool make_figure(struct session *session, const struct arguments *args,
     return false;
 }
 
-bool label_methods(const struct session *session, const struct figure_request *request,
-                   struct arena *arena, struct figure *figure, struct error *error)
+bool label_curves(const struct session *session, const struct figure_request *request,
+                  struct arena *arena, struct figure *figure, struct error *error)
 {
-    const struct precision *precision = session->precision;
-    if (!plot_row(request->kind)->study)
-        return true;
-    struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
-    if (!curve)
-        return error_memory(error);
-    memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
-    for (int i = 0; i < precision->curves; i++)
-        for (int c = 0; c < figure->curves; c++)
-            if (curve[c].points && curve[c].mark == precision_letter(i))
-                curve[c].label = precision->curve[i].by.method->row.name;
-    figure->curve = curve;
-    return true;
+    const struct plot_row *row = plot_row(request->kind);
+    return !row->name_curves || row->name_curves(session, arena, figure, error);
 }

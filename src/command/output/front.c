@@ -34,14 +34,8 @@ HANDLER(redraw)
 }
 #endif
 
-COMMAND(panes, .row = {"panes", "", "show the panes", "", NULL}, .group = "SESSION",
-        .text = "Where the terminal can.", .examples = "panes\nplain; panes", .see = "plain layout",
-        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+COMMAND(panes, .group = "SESSION", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
 
-COMMAND(plain, .row = {"plain", "", "a prompt without panes", "", NULL}, .group = "SESSION",
-        .text = "Results as text; plots are drawn as figures.",
-        .examples = "plain\nplain; plot position", .see = "panes", .flags = COMMAND_UNRECORDED)
+COMMAND(plain, .group = "SESSION", .flags = COMMAND_UNRECORDED)
 
-COMMAND(redraw, .row = {"redraw", "", "paint the screen again", "", NULL}, .group = "SESSION",
-        .text = "After another program wrote over it.", .examples = "redraw\nclear; redraw",
-        .see = "clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+COMMAND(redraw, .group = "SESSION", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* export, print, echo */
 #ifndef COMMAND_ROWS
+#include <hooke/base/cancel.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
+#include <hooke/session/series_tools.h>
 #include <hooke/report.h>
 #include <hooke/scene/dimension.h>
 #include <hooke/scene/formula.h>
@@ -11,20 +16,18 @@
 #include <stdio.h>
 #include <string.h>
 
-#define ROWS 4096    /* shown between two looks */
 #define PIECE 65536u /* [byte] of what is shown, at least, between two looks */
 
 /* Without an ending: CSV. */
-static bool choose_format(const struct arguments *args, struct text path, enum table_format *format,
+static bool choose_format(const struct arguments *args, struct text path, table_format **format,
                           struct error *error)
 {
     const struct argument_value *chosen = argument_value(args, "format");
     const struct text end = text_ending(path);
     const struct row *row = catalog_find(&table_format_catalog, end);
-    *format = chosen->count ? (enum table_format)chosen->item->index
-              : row         ? (enum table_format)catalog_index(&table_format_catalog, row)
-                            : TABLE_CSV;
-    return chosen->count || row || end.len == 0 || refuse_ending(path, error);
+    row = chosen->count ? chosen->item->row : row;
+    *format = row ? format_of_kind(row) : table_csv;
+    return row || end.len == 0 || refuse_ending(path, error);
 }
 
 static bool fill_table(struct session *session, const struct arguments *args, struct export *export,
@@ -34,6 +37,7 @@ static bool fill_table(struct session *session, const struct arguments *args, st
                                 *band = argument_value(args, "band"),
                                 *of = argument_value(args, "of");
     static const char *const others[] = {"measurements", "events", "table", "data"};
+    const struct series_tools *tools;
     for (size_t i = 0; i < COUNT_OF(others) && has_argument(args, "band"); i++)
         if (has_argument(args, others[i]))
             return error_at(error, band->where, "--band is for the columns of a run");
@@ -49,22 +53,24 @@ static bool fill_table(struct session *session, const struct arguments *args, st
         return of->count ? export_result(session, of->item->row, export, error)
                          : export_latest(session, export, error);
     if (has_argument(args, "data"))
-        return export_recorded(session, argument_value(args, "COLUMN"),
-                               argument_value(args, "every"), export, error);
+        return (tools = series_tools_for("data", argument_value(args, "data")->where, error)) &&
+               tools->table(session, argument_value(args, "COLUMN"), argument_value(args, "every"),
+                            export, error);
     return export_runs(session, runs, argument_value(args, "COLUMN"), argument_value(args, "every"),
                        export, error) &&
-           (!has_argument(args, "band") || export_band(session, runs, band->where, export, error));
+           (!has_argument(args, "band") ||
+            ((tools = series_tools_for("--band", band->where, error)) &&
+             tools->export_band(session, runs, band->where, export, error)));
 }
 
 void reply_exported(struct reply *reply, struct text file, const struct table *table)
 {
-    struct buffer names = {0}, shown = {0}, path = {0};
-    buffer_put(&path, file);
+    struct buffer path = {0}, *text = reply_buffer(reply);
+    safe_text(text, file, false);
+    buffer_format(text, ": %zu row%s of ", table->rows, plural_s((int64_t)table->rows));
     for (int i = 0; i < table->columns; i++)
-        buffer_format(&names, "%s%s", i ? "," : "", table->column[i].name);
-    safe_text(&shown, file, false);
-    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), table->rows,
-               table->rows == 1 ? "" : "s", buffer_view(&names));
+        buffer_format(text, "%s%s", i ? "," : "", table->column[i].name);
+    buffer_put(&path, file);
     reply_begin(reply, "export");
     reply_string(reply, "file", buffer_view(&path));
     reply_int(reply, "rows", (int64_t)table->rows);
@@ -72,33 +78,17 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
     for (int i = 0; i < table->columns; i++)
         reply_string(reply, NULL, table->column[i].name);
     reply_end(reply);
-    buffer_free(&names);
-    buffer_free(&shown);
     buffer_free(&path);
 }
 
 /* Each row as an object. */
-static bool reply_rows(struct reply *reply, const char *kind, const struct table *table,
-                       struct error *error)
+static bool reply_rows(struct reply *reply, const struct table *table, struct error *error)
 {
     struct table_store *const store = reply->store;
     reply->store = NULL; /* it is in the session already */
-    size_t row = 0;
-    for (; row < table->rows && !reply->failed; row++) {
-        if (row % ROWS == ROWS - 1 && cancelled(table->cancel))
-            break;
-        reply_begin(reply, kind);
-        for (const struct table_column *c = table->column; c < table->column + table->columns; c++)
-            if (c->value)
-                reply_real(reply, c->name, c->value[row]);
-            else
-                reply_string(reply, c->name, c->text[row]);
-        reply_end(reply);
-    }
+    const bool ok = reply_table_rows(reply, "row", table, 0, table->rows, true);
     reply->store = store;
-    return row == table->rows || reply->failed ||
-           error_set(error, ERROR_CANCELLED, "stopped: %zu of %zu rows were left out",
-                     table->rows - row, table->rows);
+    return ok || error_set(error, ERROR_CANCELLED, "stopped: not all rows were written");
 }
 
 /* A slow terminal takes long: what was not yet shown can be left out. */
@@ -133,7 +123,7 @@ static bool export_scene(struct session *session, const struct arguments *args, 
                  writer->endings);
     }
     const char *path = arena_text(args->arena, file);
-    struct buffer text = {0}, shown = {0};
+    struct buffer text = {0};
     if (!kind) {
         char what[32];
         snprintf(what, sizeof what, "export .%.*s", (int)text_ending(file).len,
@@ -143,23 +133,23 @@ static bool export_scene(struct session *session, const struct arguments *args, 
         error_at(error, file, "a scene is not written as '%s'", what + strlen("export "));
         return error_hint(error, "what it can be: %s.hk by 'save'", endings);
     }
-    bool fine = (path || error_memory(error)) &&
-                writer->write(session, (size_t)catalog_index(writer->kinds, kind), args->arena,
-                              &text, error) &&
-                file_write(path, buffer_text(&text),
-                           session_policy(session, has_argument(args, "force")), error);
-    safe_text(&shown, file, false);
-    if (fine) {
-        reply_line(reply, "%s: %s, %s by %s", buffer_view(&shown), kind->brief,
-                   session->setup.scene.preset->row.name, session->setup.method->row.name);
-        reply_begin(reply, "export");
-        reply_string(reply, "file", path);
-        reply_string(reply, "program", kind->name);
-        reply_end(reply);
-    }
+    const bool ok = (path || error_memory(error)) &&
+                    writer->write(session, (size_t)catalog_index(writer->kinds, kind), args->arena,
+                                  &text, error) &&
+                    file_write(path, buffer_text(&text),
+                               session_policy(session, has_argument(args, "force")), error);
     buffer_free(&text);
-    buffer_free(&shown);
-    return fine;
+    if (!ok)
+        return false;
+    struct buffer *out = reply_buffer(reply);
+    safe_text(out, file, false);
+    buffer_format(out, ": %s, %s by %s", kind->brief, session->setup.scene.preset->row.name,
+                  session->setup.method->row.name);
+    reply_begin(reply, "export");
+    reply_string(reply, "file", path);
+    reply_string(reply, "program", kind->name);
+    reply_end(reply);
+    return true;
 }
 
 HANDLER(export)
@@ -167,7 +157,7 @@ HANDLER(export)
     const struct item *file = argument_value(args, "FILE")->item;
     char *path = arena_text(args->arena, file->text);
     struct export export = {.arena = args->arena};
-    enum table_format format;
+    table_format *format;
     if (!path)
         return error_memory(error);
     if (has_argument(args, "scene"))
@@ -180,10 +170,10 @@ HANDLER(export)
     if (text_is(file->text, "-") && session->front.table)
         return session->front.table(session->front.context, &export.table) || error_memory(error);
     if (text_is(file->text, "-") && reply->format == FORMAT_JSON)
-        return reply_rows(reply, "row", &export.table, error);
+        return reply_rows(reply, &export.table, error);
     if (text_is(file->text, "-")) {
         struct buffer text = {0};
-        table_format(&export.table, format, &text);
+        table_put(&export.table, format, &text);
         bool ok = !text.failed || error_memory(error);
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
@@ -217,9 +207,8 @@ HANDLER(print)
     if (item->is_string) {
         safe_text(&text, item->text, true);
     } else if (named.below > 0) {
-        buffer_put(&text, TEXT("no digit is certain: it may be off by "));
-        buffer_measured(&text, (struct measured){named.below, 0}, item->quantity, 2);
-        buffer_put(&text, TEXT(" and more"));
+        buffer_format(&text, "no digit is certain: it may be off by %s and more",
+                      SHOWN_VALUE(named.below, item->quantity, 2));
     } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
         if (unit.len > 0 && item->quantity == QUANTITY_OTHER)
@@ -262,54 +251,19 @@ HANDLER(echo)
 }
 #endif
 
-COMMAND(
-    export,
-    .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL},
-    .group = "OUTPUT",
-    .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, "
-            "unless told; any "
-            "observable can be a\n"
-            "column. Several runs stand below each other with a column run. every= takes every "
-            "N-th row or one "
-            "row each so much\n"
-            "time, as the steps fall; at even times, from inside the steps, are those of: set "
-            "record every 0.1 s; "
-            "run; export\n"
-            "FILE. The form follows the end of the name: .csv .tsv .json .md .html .tex.\n"
-            "'table' has one row for each run, or right after a study (compare, order, precision, "
-            "stability, stress, selftest, sweep) what it has found; 'table of NAME' is the "
-            "last result of that name. STATEMENT > FILE.csv writes the same at once, instead "
-            "of what the statement says. --band adds NAME_low and "
-            "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
-            "band of the fit's uncertainty. The file - is the output.\n"
-            "'scene' writes the scene with its method, step and duration as a program of its own: "
-            "FILE.c (with hooke's bits), FILE.py, FILE.m (Octave, MATLAB), FILE.ode (XPPAUT), "
-            "FILE.tex (its equations). Steps that follow a tolerance are hooke's, too, with the "
-            "rows of "
-            "'set record'; those of one size are a row each. What cannot be written, as pieces of "
-            "steps at switches, is refused with the reason.",
-    .examples = "run; export run1.csv t,y,v\nmethod verlet dt=10ms; export scene spring.py",
-    .see = "print save plot list", .flags = COMMAND_ANYTIME,
-    ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
-              WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
-              WORD("scene", TYPE_NONE, .group = 1), WORD("data", TYPE_NONE, .group = 1),
-              WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
-              WORD("events", TYPE_NONE, .group = 1),
-              WORD("of", TYPE_CHOICE, .choices = &result_catalog),
-              PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
-              KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
-              OPTION("band", TYPE_NONE),
-              OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
+COMMAND(export, .group = "OUTPUT", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
+                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
+                  WORD("scene", TYPE_NONE, .group = 1), WORD("data", TYPE_NONE, .group = 1),
+                  WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
+                  WORD("events", TYPE_NONE, .group = 1),
+                  WORD("of", TYPE_CHOICE, .choices = &result_catalog),
+                  PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
+                  KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
+                  OPTION("band", TYPE_NONE),
+                  OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 
-COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL},
-        .group = "OUTPUT",
-        .text = "Names are SI numbers: parameters, the state and the observables of the current "
-                "run, results of "
-                "measurements and fits.",
-        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let",
-        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
+COMMAND(print, .group = "OUTPUT", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
 
-COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT",
-        .text = "Quotes are only needed around ; and #.",
-        .examples = "echo first session\necho 'one; two'", .see = "print note",
-        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))
+COMMAND(echo, .group = "OUTPUT", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))

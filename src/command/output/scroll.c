@@ -30,7 +30,7 @@ static bool find_line(struct session *session, struct text word, struct error *e
     const struct log *log = &session->log;
     for (int i = 1; i <= log->count; i++) {
         const int at = (session->view.found - i + 2 * log->count) % log->count;
-        if (mentions(log_line(log, at), word)) {
+        if (text_mentions(log_line(log, at), word)) {
             show_line(session, at);
             return true;
         }
@@ -76,14 +76,7 @@ HANDLER(scroll)
 }
 #endif
 
-COMMAND(scroll, .row = {"scroll", "", "scroll the log, read it on the whole screen", "", NULL},
-        .group = "PLOT",
-        .text = "Up by so many rows; negative: down. home is the oldest line, end the newest. read "
-                "N shows the N newest lines on the whole screen, from their beginning, until "
-                "'scroll close' or the next command; in panes what is longer than the log is shown "
-                "so by itself. find TEXT goes to the next line that has it, next once more.",
-        .examples = "scroll 10\nhelp; scroll read 20; scroll find sweep", .see = "layout clear",
-        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+COMMAND(scroll, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
         ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
                   WORD("read", TYPE_INTEGER, .group = 1), WORD("find", TYPE_REST, .group = 1),
                   WORD("next", TYPE_NONE, .group = 1), WORD("close", TYPE_NONE, .group = 1),

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* layout, focus, range, zoom, pan, window, trail, screenshot */
 #ifndef COMMAND_ROWS
+#include <hooke/base/file.h>
+#include <hooke/data.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/plot.h>
 #include <hooke/command/handler.h>
 
@@ -55,10 +59,7 @@ HANDLER(layout)
         view->layout = (enum layout)(((size_t)view->layout + 1) % layout_catalog.count);
     if (name->count || has_argument(args, "next"))
         view->full = false;
-    struct buffer text = {0};
-    describe_layout(session, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    describe_layout(session, reply_buffer(reply));
     return changed(session);
 }
 
@@ -70,7 +71,7 @@ HANDLER(focus)
         pane->count ? (enum plot_kind)pane->item->index : view_focus(view);
     const struct row *row = &plot_row(wanted)->row;
     /* A saved session may have one whose run has changed, or whose fit is gone. */
-    if (pane->count && !session->restoring && !plot_offered(session, wanted)) {
+    if (pane->count && !session->execution.restoring && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
         const bool some = session_run(session) || session_recording(session);
         error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->name,
@@ -104,19 +105,15 @@ static void reply_range(const struct session *session, bool x, struct reply *rep
 {
     const double *range = x ? session->view.x : session->view.y;
     const char *pane = plot_row(view_focus(&session->view))->row.name;
-    struct buffer text = {0};
-    buffer_format(&text, "range %s of %s: ", x ? "x" : "y", pane);
-    if (isnan(range[0])) {
-        buffer_put(&text, TEXT("auto"));
-    } else {
-        buffer_measured(&text, (struct measured){range[0], 0},
-                        plot_quantity(session, view_focus(&session->view), x), 6);
-        buffer_put(&text, TEXT(" to "));
-        buffer_measured(&text, (struct measured){range[1], 0},
-                        plot_quantity(session, view_focus(&session->view), x), 6);
-    }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "range %s of %s: ", x ? "x" : "y", pane);
+    if (isnan(range[0]))
+        buffer_put(text, TEXT("auto"));
+    else
+        buffer_format(
+            text, "%s to %s",
+            SHOWN_VALUE(range[0], plot_quantity(session, view_focus(&session->view), x), 6),
+            SHOWN_VALUE(range[1], plot_quantity(session, view_focus(&session->view), x), 6));
 }
 
 HANDLER(range)
@@ -247,14 +244,12 @@ HANDLER(window)
     const struct argument_value *value = argument_value(args, "TIME");
     if (value->count || has_argument(args, "auto"))
         session->view.window = value->count ? value->item->value.value : 0;
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("window "));
+    struct buffer *text = reply_buffer(reply);
+    buffer_put(text, TEXT("window "));
     if (session->view.window > 0)
-        buffer_measured(&text, (struct measured){session->view.window, 0}, QUANTITY_TIME, 6);
+        buffer_measured(text, (struct measured){session->view.window, 0}, QUANTITY_TIME, 6);
     else
-        buffer_put(&text, TEXT("auto"));
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        buffer_put(text, TEXT("auto"));
     return changed(session);
 }
 
@@ -263,29 +258,27 @@ HANDLER(overlay)
     const struct argument_value *runs = argument_value(args, "run");
     struct view *view = &session->view;
     int number[LIMIT_OVERLAY] = {0}, count = 0;
-    for (int r = 0; r < session->runs; r++) {
+    for (int r = 0; r < session->runs.count; r++) {
         bool wanted = false;
         for (int i = 0; i < runs->count; i++)
             wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
-        if (!wanted || r == session->current_run)
+        if (!wanted || r == session->runs.current)
             continue;
         if (count == LIMIT_OVERLAY)
             return error_at(error, runs->where, "at most %d runs can be laid over the present one",
                             LIMIT_OVERLAY);
-        number[count++] = session->run[r]->run->number;
+        number[count++] = session->runs.slot[r]->run->number;
     }
     if (runs->count || has_argument(args, "off")) {
         memcpy(view->overlay, number, sizeof number);
         view->overlays = count;
     }
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("overlay"));
+    struct buffer *text = reply_buffer(reply);
+    buffer_put(text, TEXT("overlay"));
     for (int i = 0; i < view->overlays; i++)
-        buffer_format(&text, "%s %d", i ? "" : " run", view->overlay[i]);
+        buffer_format(text, "%s %d", i ? "" : " run", view->overlay[i]);
     if (view->overlays == 0)
-        buffer_put(&text, TEXT(" off"));
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        buffer_put(text, TEXT(" off"));
     return changed(session);
 }
 
@@ -295,16 +288,12 @@ HANDLER(trail)
     const struct argument_value *value = argument_value(args, "PERIODS");
     if (value->count || has_argument(args, "all"))
         session->view.trail = value->count ? value->item->value.value : HUGE_VAL;
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("trail "));
-    if (isinf(session->view.trail)) {
-        buffer_put(&text, TEXT("all"));
-    } else {
-        buffer_short(&text, session->view.trail, 6);
-        buffer_put(&text, TEXT(" periods"));
-    }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_put(text, TEXT("trail "));
+    if (isinf(session->view.trail))
+        buffer_put(text, TEXT("all"));
+    else
+        buffer_format(text, "%s periods", SHOWN_SHORT(session->view.trail, 6));
     return changed(session);
 }
 
@@ -336,82 +325,40 @@ HANDLER(screenshot)
         buffer_free(&shown);
         return true;
     }
-    struct buffer text = {0};
-    const bool ok = front->screen(front->context, session, &text, error);
-    if (ok)
-        reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    return ok;
+    return front->screen(front->context, session, reply_buffer(reply), error);
 }
 #endif
 
-COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL}, .group = "PLOT",
-        .text = "Without a name it says which it is; next: the one after it. Panes that make no "
-                "sense for the scene "
-                "are left out. How the\n"
-                "screen looks is not undone; it is saved only where it differs from a new session.",
-        .examples = "layout duo\nlayout next", .see = "focus range window screenshot",
-        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(layout, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("next", TYPE_NONE, .group = 1),
                   PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
 
-COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL},
-        .group = "PLOT",
-        .text = "full shows it alone, shared together with the others again. What there is to show "
-                "now is offered:\n"
-                "no orbit without two coordinates, no error where no exact solution is known.",
-        .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom",
-        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(focus, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &plot_catalog),
                   WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
 
-COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",
-        .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto",
-        .see = "zoom pan window focus", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(range, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog),
                   PLACE("FROM:TO", TYPE_REST)))
 
-COMMAND(zoom, .row = {"zoom", "", "enlarge the time axis of the focused pane", "", NULL},
-        .group = "PLOT",
-        .text = "By the factor, about the cursor or the middle; below 1 it shows more.",
-        .examples = "run; zoom 2\nrun; zoom 0.5", .see = "pan range window",
-        .flags = COMMAND_ANYTIME,
+COMMAND(zoom, .group = "PLOT", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FACTOR", TYPE_VALUE, .flags = ARG_REQUIRED, .quantity = QUANTITY_NUMBER)))
 
-COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NULL},
-        .group = "PLOT", .text = "Later by so much time; negative: earlier. It stops at the ends.",
-        .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms", .see = "zoom range",
-        .flags = COMMAND_ANYTIME,
+COMMAND(pan, .group = "PLOT", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("TIME", TYPE_VALUE, .flags = ARG_REQUIRED | ARG_NEGATIVE,
                         .quantity = QUANTITY_TIME)))
 
-COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL}, .group = "PLOT",
-        .text = "auto keeps at least 8 columns a period (5 with dots).",
-        .examples = "window 5 s\nwindow auto", .see = "range trail zoom",
-        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(window, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
                   PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
 
-COMMAND(overlay,
-        .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL},
-        .group = "PLOT",
-        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs "
-                "over one another by "
-                "itself, a new run\n"
-                "stands alone. 'plot KIND run N..' draws any runs once.",
-        .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use",
-        .flags = COMMAND_ANYTIME,
+COMMAND(overlay, .group = "PLOT", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("off", TYPE_NONE, .group = 1),
                   WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))
 
-COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL},
-        .group = "PLOT", .text = "2 in a new session.", .examples = "trail 5\ntrail all",
-        .see = "window layout", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(trail, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
                   PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
-COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL},
-        .group = "PLOT",
-        .text = "As the panes show it, or would show it at --size. Without a file it is printed.",
-        .examples = "run; screenshot\nscreenshot screen.txt --force", .see = "plot layout",
-        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))
+COMMAND(screenshot, .group = "PLOT", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))

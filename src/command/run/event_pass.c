@@ -20,11 +20,12 @@ bool event_react(struct session *session, const struct event_line *event,
     const struct scene scene = session->setup.scene;
     if (event->action != EVENT_COMMANDS)
         return true;
-    journal_scene(session->run[session->current_run], true, &session->setup.scene);
-    session->reacting = true;
-    const struct text commands = event_commands(text_of(event->commands), &session->passing);
+    journal_scene(session->runs.slot[session->runs.current], true, &session->setup.scene);
+    session->execution.reacting = true;
+    const struct text commands =
+        event_commands(text_of(event->commands), &session->execution.passing);
     const bool ok = command_exec(session, commands, &where, reply);
-    session->reacting = session->passing = false;
+    session->execution.reacting = session->execution.passing = false;
     session->setup.scene = scene;
     if (!ok)
         *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
@@ -75,7 +76,7 @@ static bool is_met(const struct run_target *target)
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
                  const struct arguments *args, struct reply *reply, bool *ok, struct error *error)
 {
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     bool passes = true;
     pass->count = events_stopped_at(slot, pass->stopped);
     for (int i = 0; i < pass->count && passes; i++)

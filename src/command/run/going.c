@@ -19,11 +19,11 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
     if (!(seconds > SECONDS_ASKED) || force)
         return true;
     snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
-    if (session->typed && (session->front.watched || session->front.confirm)) {
+    if (session->execution.typed && (session->front.watched || session->front.confirm)) {
         /* Who watches it can pause it. */
-        session->confirmed =
+        session->execution.confirmed =
             session->front.watched || session->front.confirm(session->front.context, question);
-        return session->confirmed || error_set(error, ERROR_CANCELLED, "not run");
+        return session->execution.confirmed || error_set(error, ERROR_CANCELLED, "not run");
     }
     error_set(error, ERROR_COMMAND, "%s", question);
     return session->setup.settings.duration_chosen || session->setup.scene.preset->duration == 0
@@ -75,7 +75,7 @@ static bool watch(struct session *session, const struct arguments *args, struct 
 static bool set_out(struct session *session, const struct arguments *args, int64_t steps,
                     struct advance *advance, struct error *error)
 {
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct request *request = journal_pending(slot);
     const struct run *run = slot->run;
     const int64_t left = request->end == INT64_MAX ? -1 : request->end - run->steps;
@@ -141,7 +141,7 @@ static void go(struct session *session, struct run *run, struct advance *advance
     const double from = run->t;
     struct step_pace pace = {.steps = 0};
     if (front->watched && front->slice) {
-        live_advance(session, run, target, clocked && session->typed);
+        live_advance(session, run, target, clocked && session->execution.typed);
         return;
     }
     struct run_target rest = *target; /* its steps are counted from each call */
@@ -190,7 +190,7 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
                        : "");
     if (count > (stopped ? 1 : 0))
         reply_line(reply, "%zu event%s noticed so far: 'list events' shows them", count,
-                   count == 1 ? "" : "s");
+                   plural_s((int64_t)count));
 }
 
 /* Says how it went; false if it did not get where it should. */
@@ -214,19 +214,13 @@ static bool arrive(struct session *session, const struct advance *advance,
     seek_opinion(session, run, reply);
     reply_run(session, run, reply);
     reply_event(advance->slot, pass->count > 0 ? pass->stopped[0] : NULL, reply);
-    reply_growth(run, reply);
-    reply_unresolved(run, reply);
-    reply_unsound(run, reply);
-    reply_vanished(run, reply);
     struct error lost = {0};
     const bool right = reply_opinion(session, run, reply, &lost);
     reply_below_tolerance(run, reply);
-    reply_missed_burst(run, reply);
-    reply_phase_unknown(run, reply);
-    reply_sliding(run, reply);
+    reply_run_warnings(run, reply);
     reply_event_doubts(advance->slot, reply);
     if (run->stop == STOP_CANCELLED) {
-        session->halted = session->front.watched;
+        session->execution.halted = session->front.watched;
         return session->front.watched ||
                error_set(error, ERROR_CANCELLED,
                          "run %d was interrupted and is kept up to t = %.6g s", run->number,
@@ -278,7 +272,7 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
     advance.force = advance.target.steps >= 0 || has_argument(args, "force");
     struct run *run = advance.slot->run;
     const int64_t last = advance.target.steps < 0 ? -1 : run->steps + advance.target.steps;
-    if (clocked && session->typed && session->front.watched && session->front.slice)
+    if (clocked && session->execution.typed && session->front.watched && session->front.slice)
         reply_running(session, reply);
     do {
         advance.target.steps = last < 0 ? -1 : last - run->steps;

@@ -6,19 +6,16 @@
 
 #include <math.h>
 
-#define SPIKES 10 /* times the error, where the largest on the way deserves a word */
-
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply)
 {
     const int kind = session->setup.settings.opinion;
-    enum opinion_effort effort = reply->quiet ? OPINION_QUIET : OPINION_BRIEF;
-    if (reply_wants_records(reply)) /* which have the error among them */
-        effort = OPINION_DEMANDED;
-    if (kind == OPINIONS_FULL)
-        effort = OPINION_WHOLE;
+    const bool recorded = reply_wants_records(reply); /* which have the error among them */
+    const enum opinion_effort effort = kind == OPINIONS_FULL ? OPINION_WHOLE
+                                       : recorded            ? OPINION_DEMANDED
+                                                             : OPINION_BRIEF;
     if (run->missed.from == run->missed.to)
         run_missed_burst(run, &run->missed);
-    if (kind != OPINIONS_OFF)
+    if (kind == OPINIONS_FULL || (kind != OPINIONS_OFF && (recorded || !reply->quiet)))
         run_second_opinion(run, effort, session->front.cancel);
 }
 
@@ -45,28 +42,23 @@ void plan_opinion(const struct session *session, const struct system *system,
 
 static void put_solution(const struct opinion *opinion, struct buffer *text)
 {
-    if (!opinion->by) {
+    if (opinion->by)
+        buffer_format(text, "%s at tol = %s", opinion->by->row.name, SHOWN_SHORT(opinion->tol, 2));
+    else
         buffer_put(text, TEXT("the closed form"));
-        return;
-    }
-    buffer_format(text, "%s at tol = ", opinion->by->row.name);
-    buffer_short(text, opinion->tol, 2);
 }
 
 /* "dop853 at tol = 1e-7 up to t = 3 s" */
 static void put_witness(const struct run *run, struct buffer *text)
 {
     const struct opinion *opinion = &run->opinion;
+    const bool at_event = !isnan(run_opinion_event(run));
     put_solution(opinion, text);
-    if (opinion->t == run->t || (!opinion->by && isnan(run_opinion_event(run))))
-        return;
-    buffer_put(text, TEXT(" up to t = "));
-    buffer_measured(text, (struct measured){opinion->t, 0}, QUANTITY_TIME, 4);
-    if (isnan(run_opinion_event(run)))
-        buffer_put(text, TEXT(", not known beyond ('set opinion full' goes to the end)"));
-    else
-        buffer_put(text,
-                   TEXT(", not known beyond: errors may decide whether the next event happens"));
+    if (opinion->t != run->t && (opinion->by || at_event))
+        buffer_format(text, " up to t = %s, not known beyond%s",
+                      SHOWN_VALUE(opinion->t, QUANTITY_TIME, 4),
+                      at_event ? ": errors may decide whether the next event happens"
+                               : " ('set opinion full' goes to the end)");
 }
 
 static bool is_exact_available(const struct run *run)
@@ -79,95 +71,80 @@ static bool is_exact_available(const struct run *run)
 
 /* Where no digit is right any longer: by the second solution, or because variables fell below their
  * tolerance, where neither solution knows them. */
-static void say_lost(const struct session *session, const struct run *run, struct reply *reply,
-                     struct error *error, bool *ok)
+static bool say_lost(const struct session *session, const struct run *run, struct reply *reply,
+                     struct error *error)
 {
     const struct opinion *opinion = &run->opinion;
+    const double sunk = run_opinion_sunk(run);
     struct buffer text = {0};
-    buffer_put(&text, TEXT("no digit is certain from t = "));
-    buffer_measured(&text, (struct measured){opinion->lost, 0}, QUANTITY_TIME, 4);
-    buffer_put(&text, TEXT(" on: "));
-    if (isnan(run_opinion_sunk(run))) {
+    if (isnan(sunk)) {
         buffer_put(&text, TEXT("there "));
         put_solution(opinion, &text);
         buffer_format(&text, " is further from run %d than half the size of the motion",
                       run->number);
     } else {
-        buffer_put(&text, TEXT("values came to rest within the tolerance, and from t = "));
-        buffer_measured(&text, (struct measured){run_opinion_sunk(run), 0}, QUANTITY_TIME, 4);
-        buffer_put(&text, TEXT(" on their errors are multiplied"));
+        buffer_format(&text,
+                      "values came to rest within the tolerance, and from t = %s on their errors "
+                      "are multiplied",
+                      SHOWN_VALUE(sunk, QUANTITY_TIME, 4));
     }
-    if (session->setup.settings.opinion == OPINIONS_WARN) {
-        reply_warning(reply, "%s", buffer_view(&text));
-    } else {
-        *ok = error_set(error, ERROR_NUMERICAL, "%s", buffer_view(&text));
+    const bool ok = session->setup.settings.opinion == OPINIONS_WARN;
+    error_set(error, ERROR_NUMERICAL, "no digit is certain from t = %s on: %s",
+              SHOWN_VALUE(opinion->lost, QUANTITY_TIME, 4), buffer_view(&text));
+    buffer_free(&text);
+    if (ok)
+        reply_warning(reply, "%s", error->text);
+    else
         error_hint(error,
                    is_exact_available(run)
                        ? "'method exact' is the closed form; run %d is kept"
                        : "a smaller tol moves that time; where the motion is chaotic 'set opinion "
                          "warn' takes it as it is; run %d is kept",
                    run->number);
-    }
-    buffer_free(&text);
+    return ok;
 }
 
 /* Not where all that moves is below its tolerance: another line says so, and a smaller tol would
  * not help. */
 static void say_large(const struct run *run, double times, struct reply *reply)
 {
-    struct buffer text = {0};
     double below[LIMIT_VARIABLES];
-    if (run_below_tolerance(run, below) == run->system.n)
-        return;
-    buffer_put(&text, TEXT("the error is about "));
-    buffer_short(&text, times, 1);
-    buffer_put(
-        &text,
-        TEXT(
-            " times the tolerance: errors of steps have grown on the way; it shrinks as tol does"));
-    reply_warning(reply, "%s", buffer_view(&text));
-    buffer_free(&text);
+    if (run_below_tolerance(run, below) < run->system.n)
+        reply_warning(reply,
+                      "the error is about %s times the tolerance: errors of steps have grown on "
+                      "the way; it shrinks as tol does",
+                      SHOWN_SHORT(times, 1));
 }
 
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error)
 {
+    const double spikes = 10; /* times the error, where the largest on the way deserves a word */
     const struct opinion *opinion = &run->opinion;
-    struct buffer by = {0};
-    bool ok = true;
-    if (!isnan(run_opinion_sunk(run))) {
-        say_lost(session, run, reply, error, &ok);
-        return ok;
-    }
-    const bool asked = session->setup.settings.opinion != OPINIONS_OFF && run->plan.adaptive &&
-                       run->steps > 0 && !stop_is_failure(run->stop);
+    const int digits = opinion->by ? 1 : 2;
+    const bool asked = !reply->quiet && session->setup.settings.opinion != OPINIONS_OFF &&
+                       run->plan.adaptive && run->steps > 0 && !stop_is_failure(run->stop);
+    if (!isnan(run_opinion_sunk(run)))
+        return say_lost(session, run, reply, error);
     if (asked && isnan(opinion->t))
         reply_line(reply,
                    "error not known: a second solution came nowhere with the work it may use");
     if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;
-    put_witness(run, &by);
-    struct buffer text = {0};
-    buffer_put(&text, opinion->by ? TEXT("error about ") : TEXT("error "));
-    buffer_short(&text, opinion->error, opinion->by ? 1 : 2);
-    buffer_put(&text, TEXT(", "));
-    buffer_short(&text, times, opinion->by ? 1 : 2);
-    buffer_put(&text, TEXT(" tol"));
-    if (opinion->max > SPIKES * opinion->error) {
-        buffer_put(&text, TEXT(" (up to "));
-        buffer_short(&text, opinion->max, 1);
-        buffer_put(&text, TEXT(" on the way)"));
-    }
-    buffer_format(&text, ", by %s", buffer_view(&by));
-    reply_line(reply, "%s", buffer_view(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "error %s%s, %s tol", opinion->by ? "about " : "",
+                  SHOWN_SHORT(opinion->error, digits), SHOWN_SHORT(times, digits));
+    if (opinion->max > spikes * opinion->error)
+        buffer_format(text, " (up to %s on the way)", SHOWN_SHORT(opinion->max, 1));
+    buffer_put(text, TEXT(", by "));
+    put_witness(run, text);
+    bool ok = true;
     if (!isnan(opinion->lost))
-        say_lost(session, run, reply, error, &ok);
+        ok = say_lost(session, run, reply, error);
     else if (times > OPINION_WRONG && !run->warned_error)
         say_large(run, times, reply);
     run->warned_error |= times > OPINION_WRONG;
-    buffer_free(&by);
     return ok;
 }
 
@@ -176,6 +153,8 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };
     double below[LIMIT_VARIABLES];
+    if (reply->quiet)
+        return;
     const int count = run_below_tolerance(run, below);
     struct buffer names = {0};
     int first = -1;

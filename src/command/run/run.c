@@ -30,8 +30,8 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
     }
     if (!session_add_run(session, run, error))
         return NULL;
-    session->run[session->current_run]->events = session->setup.events;
-    session_forget_sweep(session);
+    session->runs.slot[session->runs.current]->events = session->setup.events;
+    modules_forget_stopped(session);
     return run;
 }
 
@@ -39,7 +39,7 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
 static bool new_request(struct session *session, double t, int64_t end,
                         const struct argument_value *until, struct error *error)
 {
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     const struct request request = {
         .kind = REQUEST_GO, .from = slot->run->steps, .from_t = slot->run->t, .t = t, .end = end};
     const struct request *last = slot->last;
@@ -81,15 +81,15 @@ HANDLER(run)
         return error_at(error, duration->count ? duration->where : to->where,
                         "there is nothing to run: the time asked for is the start t0");
     if (number->count &&
-        (number->item->value.value < session->next_run || number->item->value.value > 1e9))
+        (number->item->value.value < session->runs.next_number || number->item->value.value > 1e9))
         return error_at(error, number->item->text, "the next run has the number %d or a larger one",
-                        session->next_run);
+                        session->runs.next_number);
     struct run *run = new_run(session, span, steps_of(args), has_argument(args, "force"), error);
     if (!run)
         return false;
     if (number->count) {
         run->number = (int)number->item->value.value;
-        session->next_run = run->number + 1;
+        session->runs.next_number = run->number + 1;
     }
     reply_unchosen(session, reply);
     reply_assumed(session, run->plan.adaptive, !duration->count && !to->count, reply);
@@ -130,9 +130,9 @@ static void warn_other_scene(const struct session *session, const struct run *ru
 {
     const struct scene *now = &session->setup.scene;
     struct scene in_force;
-    journal_scene(session->run[session->current_run], false, &in_force);
+    journal_scene(session->runs.slot[session->runs.current], false, &in_force);
     if (now->model != in_force.model ||
-        session->setup.events != session->run[session->current_run]->events ||
+        session->setup.events != session->runs.slot[session->runs.current]->events ||
         memcmp(now->value, in_force.value, sizeof now->value) != 0 ||
         run->method != session->setup.method)
         reply_warning(reply,
@@ -150,7 +150,7 @@ static double direction(const struct run *run)
 /* Whether something is left of what was asked for before a pause, or an event. */
 static bool is_paused(const struct session *session, const struct run *run)
 {
-    const struct request *request = journal_pending(session->run[session->current_run]);
+    const struct request *request = journal_pending(session->runs.slot[session->runs.current]);
     const bool at_event = run->stop == STOP_CONDITION && request && request->met == 0;
     return request && (stop_is_pause(run->stop) ||
                        (at_event && request->end == INT64_MAX && run->t != request->t));
@@ -159,7 +159,7 @@ static bool is_paused(const struct session *session, const struct run *run)
 static bool resume(struct session *session, const struct run *run, struct error *error)
 {
     return stop_is_pause(run->stop) ||
-           journal_go_on(session->run[session->current_run], false, error);
+           journal_go_on(session->runs.slot[session->runs.current], false, error);
 }
 
 HANDLER(continue)
@@ -168,8 +168,9 @@ HANDLER(continue)
                                 *to = argument_value(args, "to"),
                                 *until = argument_value(args, "until");
     const bool limited = duration->count || to->count || until->count;
-    if (session->stopped && !limited && steps_of(args) < 0)
-        return sweep_continue(session, args, reply, error);
+    const struct module *waiting = module_waiting(session);
+    if (waiting && !limited && steps_of(args) < 0)
+        return waiting->stopped.go_on(session, args, reply, error);
     struct run *run = current(session, error);
     struct plan plan;
     if (!run || !can_go_on(run, error))
@@ -181,7 +182,7 @@ HANDLER(continue)
     else if (until->count)
         span *= UNTIL_DURATIONS;
     else if (!limited && is_paused(session, run))
-        span = journal_pending(session->run[session->current_run])->t - run->t;
+        span = journal_pending(session->runs.slot[session->runs.current])->t - run->t;
     const bool open = until->count || fabs(span) >= FAR || (!limited && is_paused(session, run));
     if (to->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
         return error_at(error, to->where, "run %d has been there: it is at t = %.6g s", run->number,
@@ -226,7 +227,7 @@ HANDLER(step)
 static bool go_back(struct session *session, struct run *run, int64_t rows, struct reply *reply,
                     struct error *error)
 {
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     const bool paused = is_paused(session, run);
     const int64_t steps = run->steps;
     const double t = run->t;
@@ -266,26 +267,7 @@ HANDLER(reset)
 }
 #endif
 
-COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN",
-        .text = "Runs for DURATION (else the setting 'duration'), to the time T, or until a "
-                "condition becomes true. T "
-                "before t0 and a\n"
-                "negative DURATION go backwards. A condition that stays false ends the run after "
-                "1000 durations, with "
-                "an error. Says the\n"
-                "largest error of the energy balance (of a long run in a sample of rows) and, with "
-                "a recording, the rms distance from it.\n--steps N pauses after N steps. In the\n"
-                "panes the run follows the clock (see speed) while commands can be typed; 'pause' "
-                "or Ctrl-C pauses it. "
-                "--number is for saved\n"
-                "sessions: the number of the new run. States have the same bits on every machine; "
-                "the last digits of\n"
-                "'exact', of cvode and of linear scenes may depend on it, as those of fits and "
-                "spectra do.\n"
-                "Under hooke -q an adaptive run's error is not estimated where no record shows it: "
-                "exit status 3 then tells runs\n"
-                "that failed, not those whose digits are lost ('set opinion full' finds both).",
-        .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
+COMMAND(run, .row.alias = "r", .group = "RUN",
         .flags = COMMAND_STARTS | COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
                         .group = 1),
@@ -294,35 +276,16 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                   WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER),
                   OPTION("number", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
-COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "A run that was paused, or stopped by an event, goes on to where it was to end, a "
-                "sweep that was stopped with its missing points. "
-                "Otherwise for DURATION "
-                "(else the setting\n"
-                "'duration'), to the time T, or until a condition becomes true, with the "
-                "parameters and the method of "
-                "the run. The result\n"
-                "is the same, bit for bit, as if the run had been longer from the start. --steps N "
-                "pauses after N "
-                "steps.",
-        .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change",
-        .flags = COMMAND_CHANGES | COMMAND_TABLES,
+COMMAND(continue, .group = "RUN", .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
                        .group = 1),
                   WORD("until", TYPE_CONDITION, .group = 1), OPTION("steps", TYPE_INTEGER),
                   OPTION("force", TYPE_NONE)))
 
-COMMAND(step, .row = {"step", "", "N steps more of the current run", "", "s"}, .group = "RUN",
-        .text = "Starts a run where there is none.", .examples = "step\nstep 100",
-        .see = "back continue run", .flags = COMMAND_CHANGES | COMMAND_TABLES,
+COMMAND(step, .row.alias = "s", .group = "RUN", .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(back, .row = {"back", "", "take the current run back by N recorded states", "", NULL},
-        .group = "RUN", .text = "Restores what was recorded; nothing is integrated backwards.",
-        .examples = "step 10; back 3\nback", .see = "step reset undo", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+COMMAND(back, .group = "RUN", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(reset, .row = {"reset", "", "take the current run back to its start", "", NULL},
-        .group = "RUN", .text = "Its parameters stay those it was started with.",
-        .examples = "reset\nreset; step 5", .see = "back run", .flags = COMMAND_CHANGES)
+COMMAND(reset, .group = "RUN", .flags = COMMAND_CHANGES)

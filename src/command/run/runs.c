@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* runs, use, rename, drop, note */
 #ifndef COMMAND_ROWS
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
 
 #include <math.h>
@@ -9,30 +12,26 @@
 
 static void reply_row(const struct session *session, int index, struct reply *reply)
 {
-    const struct run_slot *slot = session->run[index];
+    const struct run_slot *slot = session->runs.slot[index];
     const struct run *run = slot->run;
-    struct buffer text = {0};
-    buffer_format(&text, "%c %3d  %-18s ", index == session->current_run ? '*' : ' ', run->number,
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%c %3d  %-18s ", index == session->runs.current ? '*' : ' ', run->number,
                   run->method->row.name);
     if (run->plan.adaptive)
-        buffer_format(&text, "tol=%.3g", run->settings.tol);
-    else {
-        buffer_put(&text, TEXT("dt="));
-        buffer_quantity(&text, run->settings.dt, QUANTITY_TIME, 4);
-    }
-    buffer_format(&text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps,
+        buffer_format(text, "tol=%.3g", run->settings.tol);
+    else
+        buffer_format(text, "dt=%s", SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 4));
+    buffer_format(text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps,
                   stop_name(run->stop));
     if (run->name[0]) {
-        buffer_put(&text, TEXT("  "));
-        safe_text(&text, text_of(run->name), false);
+        buffer_put(text, TEXT("  "));
+        safe_text(text, text_of(run->name), false);
     }
     if (slot->note) {
-        buffer_put(&text, TEXT("  # "));
-        safe_text(&text, text_of(slot->note), false);
+        buffer_put(text, TEXT("  # "));
+        safe_text(text, text_of(slot->note), false);
     }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    const struct run_row row = {slot, index == session->current_run};
+    const struct run_row row = {slot, index == session->runs.current};
     reply_records(reply, "runs", &run_columns, &row, 1);
 }
 
@@ -40,9 +39,9 @@ HANDLER(runs)
 {
     UNUSED(args);
     UNUSED(error);
-    if (session->runs == 0)
+    if (session->runs.count == 0)
         reply_line(reply, "no runs");
-    for (int i = 0; i < session->runs; i++)
+    for (int i = 0; i < session->runs.count; i++)
         reply_row(session, i, reply);
     return true;
 }
@@ -62,24 +61,25 @@ HANDLER(use)
     const struct argument_value *run = argument_value(args, "N|LABEL");
     if (!run->count || run->item->index < 0)
         return use_label(session, args, reply, error);
-    session->current_run = run->item->index;
+    session->runs.current = run->item->index;
     session->data_is_latest = false;
     session_changed(session);
-    reply_row(session, session->current_run, reply);
+    reply_row(session, session->runs.current, reply);
     return true;
 }
 
 HANDLER(rename)
 {
     const struct text name = argument_value(args, "NAME")->item->text;
-    struct run *run = session->run[argument_value(args, "N")->item->index]->run;
+    struct run *run = session->runs.slot[argument_value(args, "N")->item->index]->run;
     if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
         return error_at(error, name,
                         "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
     const int other = session_find_run(session, name);
-    if (other >= 0 && session->run[other]->run != run)
-        return error_at(error, name, "run %d has that name", session->run[other]->run->number);
+    if (other >= 0 && session->runs.slot[other]->run != run)
+        return error_at(error, name, "run %d has that name",
+                        session->runs.slot[other]->run->number);
     if (text_is(name, "all"))
         return error_at(error, name, "'all' stands for every run and cannot be the name of one");
     memset(run->name, 0, sizeof run->name);
@@ -95,30 +95,30 @@ HANDLER(drop)
     bool gone[LIMIT_RUNS] = {false};
     int count = 0;
     for (int i = 0; i < which->count; i++)
-        for (int r = 0; r < session->runs; r++)
+        for (int r = 0; r < session->runs.count; r++)
             gone[r] |= which->item[i].index < 0 || which->item[i].index == r;
-    if (session->live.state == LIVE_RUNNING && gone[session->current_run]) {
+    if (session->live.state == LIVE_RUNNING && gone[session->runs.current]) {
         error_at(error, which->where, "run %d goes on: it cannot be dropped now",
-                 session->run[session->current_run]->run->number);
+                 session->runs.slot[session->runs.current]->run->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
-    for (int r = session->runs - 1; r >= 0; r--)
+    for (int r = session->runs.count - 1; r >= 0; r--)
         if (gone[r]) {
             session_drop_run(session, r);
             count++;
         }
-    reply_line(reply, "%d run%s dropped, %d left", count, count == 1 ? "" : "s", session->runs);
+    reply_line(reply, "%d run%s dropped, %d left", count, plural_s(count), session->runs.count);
     return true;
 }
 
 HANDLER(note)
 {
     const struct text text = argument_value(args, "TEXT")->item->text;
-    if (session->current_run < 0) {
+    if (session->runs.current < 0) {
         error_set(error, ERROR_COMMAND, "there is no run to write a note for");
         return error_hint(error, "type: run");
     }
-    struct run_slot *slot = session->run[session->current_run];
+    struct run_slot *slot = session->runs.slot[session->runs.current];
     char *note = strndup(text.at, text.len);
     if (!note)
         return error_memory(error);
@@ -130,37 +130,18 @@ HANDLER(note)
 }
 #endif
 
-COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS",
-        .text = "The current one has a star.", .examples = "runs\ncompare euler verlet; runs",
-        .see = "use drop rename note", .flags = COMMAND_ANYTIME | COMMAND_TABLES)
+COMMAND(runs, .group = "RUNS", .flags = COMMAND_ANYTIME | COMMAND_TABLES)
 
-COMMAND(use,
-        .row = {"use", "", "make a run the current one, or a point found the scene's", "", NULL},
-        .group = "RUNS",
-        .text = "measure, plot, continue and names in expressions act on the current run. A label "
-                "of a branch (HB1, LP2 ..:\n"
-                "'list points'), an orbit or an equilibrium gives the scene its parameters and its "
-                "state, from which 'run' starts.",
-        .examples = "compare euler verlet; use 1; measure period\n"
-                    "var x = 1; var v = 0; x' = v; v' = x-x^3-v; equilibria; use equilibrium 2",
-        .see = "runs list equilibria", .flags = COMMAND_CHANGES,
+COMMAND(use, .group = "RUNS", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("N|LABEL", TYPE_KEPT, .group = 1), WORD("orbit", TYPE_INTEGER, .group = 1),
                   WORD("equilibrium", TYPE_INTEGER, .group = 1)))
 
-COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
-        .text = "The name can stand wherever the number can, and stands in the legend of plots.",
-        .examples = "run; rename 1 reference\nuse reference", .see = "runs note",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+COMMAND(rename, .group = "RUNS", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED),
                   PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
 
-COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS",
-        .text = "undo brings them back.", .examples = "run; drop 1\ndrop all", .see = "runs undo",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+COMMAND(drop, .group = "RUNS", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
 
-COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
-        .text = "It stands in the list of runs and in exports.",
-        .examples = "run; note with the large disk\nruns", .see = "runs export",
-        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+COMMAND(note, .group = "RUNS", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* var, param, equation, force, potential, observe: scenes that a user types */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
 
 #include <stdio.h>
 #include <string.h>
-
-static struct text after(struct text text, size_t by)
-{
-    struct text rest = {text.at + by, text.len - by};
-    text_skip_blanks(&rest);
-    return rest;
-}
 
 /* What stands behind the "=" that has to come first. */
 static bool skip_equals(struct text *rest, const char *usage, struct error *error)
@@ -20,9 +14,9 @@ static bool skip_equals(struct text *rest, const char *usage, struct error *erro
     text_skip_blanks(rest);
     if (rest->len == 0 || rest->at[0] != '=') {
         error_at(error, (struct text){rest->at, rest->len > 0}, "'=' is missing");
-        return error_hint(error, "usage: %s", usage);
+        return error_usage(error, usage);
     }
-    *rest = after(*rest, 1);
+    *rest = text_behind(*rest, 1);
     return true;
 }
 
@@ -50,8 +44,8 @@ static bool makes_room(const struct session *session, struct text name, struct t
     scene_init(&fresh, NULL);
     while (i < scene_params(&fresh)->count && !scene->chosen[i])
         i++;
-    if (scene->preset == fresh.preset && i == scene_params(&fresh)->count && session->runs == 0 &&
-        session->recordings == 0)
+    if (scene->preset == fresh.preset && i == scene_params(&fresh)->count &&
+        session->runs.count == 0 && session->recordings == 0)
         return true;
     error_at(error, name, "%s has '%.*s' already", scene->preset->row.name, (int)name.len, name.at);
     return error_hint(error, "'%.*s = %.*s' sets it; 'scene new' begins an empty scene",
@@ -69,6 +63,7 @@ static bool use_model(struct session *session, const struct model *model, bool b
         setup->scene = before;
         return false;
     }
+    settings_of_scene(&setup->settings, setup->scene.preset);
     if (begins && model->n == 0)
         reply_line(reply, "a scene of your own begins: var NAME = VALUE makes what moves");
     if (begins && setup->events) {
@@ -102,7 +97,7 @@ static bool add_line(struct session *session, const struct typed_line *line, dou
 {
     const struct model *before = session->setup.scene.model, *model;
     struct buffer text = {0};
-    if (!(model = typed_add(session->models, before, line, error)) ||
+    if (!(model = typed_add(session->definitions.models, before, line, error)) ||
         !suits(&session->setup.scene, model, line, error) ||
         !use_model(session, model, !typed_base(model) && typed_base(before), reply, error))
         return false;
@@ -133,7 +128,8 @@ static bool remove_line(struct session *session, const struct arguments *args, e
                         struct error *error)
 {
     const struct scene before = session->setup.scene;
-    const struct model *model = typed_remove(session->models, before.model, kind, name, error);
+    const struct model *model =
+        typed_remove(session->definitions.models, before.model, kind, name, error);
     if (!model || !use_model(session, model, false, reply, error))
         return false;
     if (name.len > 0 && kind != TYPED_FORCE && !events_know(session, args->arena, error)) {
@@ -171,7 +167,7 @@ static bool add_value(struct session *session, const struct arguments *args, enu
     struct item item = {.quantity = QUANTITY_OTHER};
     if (kind == TYPED_VAR && rest.at[0] == '\'') {
         line.name.len++;
-        rest = after(rest, 1);
+        rest = text_behind(rest, 1);
     }
     if (text_is(rest, "off"))
         return remove_line(session, args, kind, line.name, NULL, reply, error);
@@ -243,7 +239,7 @@ HANDLER(equation)
     if (!skip_equals(&rest, "NAME' = EXPR", error))
         return false;
     line.expr = rest;
-    if (session->reacting)
+    if (session->execution.reacting)
         return set_velocity(session, args, &line, reply, error);
     return add_line(session, &line, 0, reply, error);
 }
@@ -251,21 +247,21 @@ HANDLER(equation)
 /* EXPR, or NAME = EXPR. */
 static struct text read_left(struct text *rest)
 {
-    const struct text name = peek_name(*rest), right = after(*rest, name.len);
+    const struct text name = peek_name(*rest), right = text_behind(*rest, name.len);
     if (name.len == 0 || right.len == 0 || right.at[0] != '=')
         return (struct text){rest->at, 0};
-    *rest = after(right, 1);
+    *rest = text_behind(right, 1);
     return name;
 }
 
 HANDLER(force)
 {
     struct text rest = argument_value(args, "EXPR|off")->item->text;
-    struct text behind = after(rest, peek_name(rest).len);
+    struct text behind = text_behind(rest, peek_name(rest).len);
     size_t primes = 0;
     while (primes < behind.len && behind.at[primes] == '\'')
         primes++;
-    if (primes > 0 && text_starts(after(behind, primes), TEXT("="))) {
+    if (primes > 0 && text_starts(text_behind(behind, primes), TEXT("="))) {
         error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes},
                  "a force is an expression, not an equation");
         return error_hint(
@@ -274,7 +270,7 @@ HANDLER(force)
     const struct text name = read_left(&rest);
     const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};
     if (peek_name(rest).len > 0 &&
-        text_is(after(rest, peek_name(rest).len), "off")) /* force x off */
+        text_is(text_behind(rest, peek_name(rest).len), "off")) /* force x off */
         return remove_line(session, args, TYPED_FORCE, peek_name(rest), "the force", reply, error);
     return text_is(rest, "off")
                ? remove_line(session, args, TYPED_FORCE, line.name, "the force", reply, error)
@@ -304,84 +300,25 @@ HANDLER(observe)
 }
 #endif
 
-COMMAND(var,
-        .row = {"var", "", "a variable of a scene of your own, and its initial value", "", NULL},
-        .group = "EQUATIONS",
-        .text = "The first one while a built-in scene is there begins an empty scene. The initial "
-                "value of x is the "
-                "parameter x0; that of\n"
-                "the velocity of y is typed as var y' = 0.5 and is the parameter vy0. 'scene' "
-                "shows what has been "
-                "typed. 'var NAME off' takes\nthe variable and its equation away.",
-        .examples = "var y = 1; var y' = 0.5; y'' = -y; run 1 s\nvar x = 5 cm; x' = -x; run 1 s",
-        .see = "equation param observe event scene", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_VARIABLE,
+COMMAND(var, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_VARIABLE,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NULL},
-        .group = "EQUATIONS",
-        .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it "
-                "adds to its "
-                "parameters; the first var begins an\nempty scene that keeps it, a name that the "
-                "scene of the start has itself begins one at once. 'param NAME off'\n"
-                "takes it away where nothing uses it.",
-        .examples =
-            "param rate = 0.50(2) 1/s; var x = 1; x' = -rate*x; run 1 s\nscene spring; param "
-            "stiff = 40; force -stiff*y^3",
-        .see = "var equation set", .flags = COMMAND_CHANGES, .completes = COMPLETES_PARAMETER,
+COMMAND(param, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_PARAMETER,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(equation,
-        .row = {"equation", "", "the law of a variable: x' = EXPR or y'' = EXPR", "", NULL},
-        .group = "EQUATIONS",
-        .text = "The word 'equation' may be left out. Names are t, variables, velocities (y' or "
-                "vy), parameters and "
-                "what is observed;\n"
-                "each has to be there already. Inside of parentheses < and > compare, to 1 or 0. "
-                "Another equation of "
-                "the same variable takes\n"
-                "its place. 'list functions' shows the functions.",
-        .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 "
-                    "- x^2)*z - x; run 1 s",
-        .see = "var param force scene",
+COMMAND(equation, .group = "EQUATIONS",
         .flags = COMMAND_EQUATES | COMMAND_IN_EVENTS | COMMAND_CHANGES,
         .completes = COMPLETES_EQUATION,
         ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(force,
-        .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
-        .group = "EQUATIONS",
-        .text = "In newtons: it is divided by the mass. Names are references: changing a parameter "
-                "acts at once. "
-                "Another force takes its\n"
-                "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes "
-                "that away; 'potential' gives "
-                "its energy.",
-        .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
-        .see = "potential param equation plan", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_FORCE,
+COMMAND(force, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_FORCE,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(potential, .row = {"potential", "", "the energy of the forces of your own", "", NULL},
-        .group = "EQUATIONS",
-        .text = "In joules, of the forces that depend on positions only. It is checked against "
-                "them. Without it they "
-                "count as work in the\n"
-                "energy balance.",
-        .examples =
-            "force -40*y^3; potential 10*y^4; run 1 s\nforce -y; potential y^2/2; potential off",
-        .see = "force plan", .flags = COMMAND_CHANGES, .completes = COMPLETES_POTENTIAL,
+COMMAND(potential, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_POTENTIAL,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(observe, .row = {"observe", "", "a quantity to look at", "", NULL}, .group = "EQUATIONS",
-        .text = "It has a name in expressions, exports and later lines, and is computed only when "
-                "something asks. "
-                "'observe NAME off' takes\n"
-                "it away.",
-        .examples = "observe p = m*v; run 1 s; print p\nobserve double = 2*y; observe double off",
-        .see = "var equation print export", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_OBSERVED,
+COMMAND(observe, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_OBSERVED,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))

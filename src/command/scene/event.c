@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* event */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
 #include <hooke/scene/formula.h>
 #include <hooke/scene/unit_word.h>
 #include <hooke/command/handler.h>
@@ -8,19 +9,9 @@
 
 #include <string.h>
 
-static struct text after(struct text text, size_t by)
-{
-    struct text rest = {text.at + by, text.len - by};
-    text_skip_blanks(&rest);
-    return rest;
-}
-
 static void reply_line_of(const struct event_line *line, struct reply *reply)
 {
-    struct buffer text = {0};
-    event_describe(line, false, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    event_describe(line, false, reply_buffer(reply));
 }
 
 static void reply_events(const struct session *session, struct reply *reply)
@@ -58,7 +49,7 @@ static bool check_commands(struct text commands, struct error *error)
             return false;
         const struct text word = peek_word(statement, "=");
         const struct row *row = catalog_find(&command_catalog, word);
-        const struct text after_word = after(statement, word.len);
+        const struct text after_word = text_behind(statement, word.len);
         const bool sets = after_word.len > 0 && after_word.at[0] == '=';
         if (row && !sets && !event_executes(command_at(row)))
             return refuse_in_event(command_at(row), word, error);
@@ -72,7 +63,7 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
 {
     if (!text_is(peek_word(parser->rest, ""), "do"))
         return event_usage(peek_word(parser->rest, ""), "after the expression comes 'do'", error);
-    parser->rest = after(parser->rest, 2);
+    parser->rest = text_behind(parser->rest, 2);
     if (!parse_word(parser, "", commands, error))
         return false;
     if (commands->is_string)
@@ -103,13 +94,13 @@ bool event_add(struct session *session, struct arena *arena, struct text name, s
     memcpy(line.name, name.at, name.len);
     if (!text_is(peek_word(rule, ""), "when"))
         return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
-    const struct text when = after(rule, 4);
+    const struct text when = text_behind(rule, 4);
     if (!event_compile(when, &scope, arena, &event, &used, error))
         return names_explain(session, error);
     if (used > LIMIT_EVENT_TEXT)
         return error_at(error, (struct text){when.at, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);
-    struct parser parser = {session, &scope, arena, after(when, used)};
+    struct parser parser = {session, &scope, arena, text_behind(when, used)};
     const char last = used > 0 ? when.at[used - 1] : ' ';
     if (last >= '0' && last <= '9' && used < when.len && is_name_start(when.at[used]))
         return refuse_unit_word(&scope, unit_word(parser.rest), (struct text){when.at, used},
@@ -127,7 +118,8 @@ HANDLER(event)
 {
     const struct argument_value *name = argument_value(args, "NAME"),
                                 *rule = argument_value(args, "when EXPR do stop|record|COMMANDS");
-    const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
+    const struct text end =
+        name->count ? text_behind(name->item->text, name->item->text.len) : TEXT("");
     const struct text rest = rule->count ? rule->item->text : end;
     if (name->count == 0) {
         reply_events(session, reply);
@@ -150,34 +142,6 @@ HANDLER(event)
 }
 #endif
 
-COMMAND(
-    event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL},
-    .group = "EQUATIONS",
-    .text =
-        "The moment at which EXPR passes through 0 (rising: from below, falling: from "
-        "above; touching: also "
-        "where it becomes 0 and\n"
-        "goes back; a pole is none), or at which a comparison becomes true, is located inside of "
-        "the step. "
-        "Bounds of EXPR "
-        "prove that none is missed\n"
-        "between the ends of steps, or the run says from when to when it may be "
-        "incomplete; one that the "
-        "run starts at is none, one at\n"
-        "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
-        "'do stop' stops the run\n"
-        "there, and 'continue' goes on to where it was to end; a string of commands is "
-        "executed after it has "
-        "stopped, and where\n"
-        "'continue' is its last word the run goes on by itself: do 'print t; continue'. "
-        "There NAME = VALUE "
-        "changes the run alone, a\n"
-        "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; "
-        "compare and other "
-        "studies know no events,\n"
-        "'sweep .. at NAME' does. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
-    .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < "
-                "-1 cm do 'v = -0.9*v; "
-                "continue'; run 5 s",
-    .see = "run list export equation", .flags = COMMAND_CHANGES, .completes = COMPLETES_EVENT,
-    ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))
+COMMAND(event, .group = "EQUATIONS", .flags = COMMAND_CHANGES, .completes = COMPLETES_EVENT,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME),
+                  PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* method */
 #ifndef COMMAND_ROWS
+#include <hooke/base/number.h>
 #include <hooke/command/handler.h>
 
 #include <string.h>
@@ -10,24 +11,19 @@ static void reply_method(const struct session *session, struct reply *reply)
     const struct setup *setup = &session->setup;
     const struct method *method = setup->method;
     const struct run_settings settings = session_run_settings(session);
-    struct buffer text = {0};
-    buffer_put(&text, text_of(method->row.name));
+    struct buffer *text = reply_buffer(reply);
+    buffer_put(text, text_of(method->row.name));
     if (method->order > 0)
-        buffer_format(&text, ", order %d", method->order);
+        buffer_format(text, ", order %d", method->order);
     if (settings.tol > 0) {
-        buffer_put(&text, TEXT(", adaptive, tol = "));
-        buffer_short(&text, settings.tol, 6);
-        put_tol_floor(&text, settings.tol);
+        buffer_format(text, ", adaptive, tol = %s", SHOWN_SHORT(settings.tol, 6));
+        put_tol_floor(text, settings.tol);
     } else {
-        buffer_put(&text, TEXT(", dt = "));
-        buffer_measured(&text, (struct measured){settings.dt, 0}, QUANTITY_TIME,
-                        setup->settings.digits);
+        buffer_format(text, ", dt = %s",
+                      SHOWN_VALUE(settings.dt, QUANTITY_TIME, setup->settings.digits));
     }
     if (setup->drag != DRAG_DEFAULT)
-        buffer_format(&text, ", drag %s",
-                      catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        buffer_format(text, ", drag %s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
 }
 
 static bool check_drag(const struct method *method, const struct item *item, struct error *error)
@@ -50,8 +46,7 @@ HANDLER(method)
                                 *tol = argument_value(args, "tol"),
                                 *drag = argument_value(args, "drag");
     struct setup *setup = &session->setup;
-    const struct method *method =
-        name->count ? (const struct method *)(const void *)name->item->row : setup->method;
+    const struct method *method = name->count ? method_from(name->item->row) : setup->method;
     if (drag->count && !check_drag(method, drag->item, error))
         return false;
     if (tol->count && !(method->flags & METHOD_ADAPTIVE)) {
@@ -83,19 +78,7 @@ HANDLER(method)
 }
 #endif
 
-COMMAND(method,
-        .row = {"method", "", "choose the method of integration, or show the present one", "",
-                NULL},
-        .group = "METHOD",
-        .text = "A method with an error estimate adapts its step to tol unless dt= is given here "
-                "or tol is off. 'list "
-                "methods' shows\n"
-                "them, 'help NAME' the formula, order, stability and source of one. Without a "
-                "choice it is euler, as in "
-                "the lab: for equations\n"
-                "of your own dop853 is accurate, radau5 where they are stiff.",
-        .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan",
-        .flags = COMMAND_CHANGES,
+COMMAND(method, .group = "METHOD", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER),

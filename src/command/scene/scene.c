@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene, set, unset, let */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
@@ -13,9 +15,9 @@ static void put_param(const struct session *session, int param, struct buffer *t
 {
     const struct scene *scene = &session->setup.scene;
     const struct param_row *row = param_at(scene, param);
-    buffer_format(text, "%s = ", row->row.name);
-    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]},
-                    row->quantity, session->setup.settings.digits);
+    const struct measured value = {scene->value[param], scene->uncertainty[param]};
+    buffer_format(text, "%s = %s", row->row.name,
+                  SHOWN_MEASURED(value, row->quantity, session->setup.settings.digits));
 }
 
 /* ---- scene ---- */
@@ -55,12 +57,11 @@ static void reply_scene(const struct session *session, struct reply *reply)
         text.len--;
     if (scene->preset->duration > 0) {
         const struct settings *settings = &session->setup.settings;
-        buffer_put(&text, TEXT("\n  it takes "));
-        buffer_quantity(&text, scene->preset->duration, QUANTITY_TIME, 6);
-        if (settings->duration != scene->preset->duration) {
-            buffer_put(&text, TEXT(", the setting duration is "));
-            buffer_quantity(&text, settings->duration, QUANTITY_TIME, 6);
-        }
+        buffer_format(&text, "\n  it takes %s",
+                      SHOWN_QUANTITY(scene->preset->duration, QUANTITY_TIME, 6));
+        if (settings->duration != scene->preset->duration)
+            buffer_format(&text, ", the setting duration is %s",
+                          SHOWN_QUANTITY(settings->duration, QUANTITY_TIME, 6));
     }
     if (session->setup.events) {
         buffer_char(&text, '\n');
@@ -105,7 +106,7 @@ static bool new_scene(struct session *session, const struct argument_value *name
         return error_at(error, as, "a name is letters, digits, _ and -, and begins with a letter");
     if (name->count && (text_is(as, "new") || catalog_find(&preset_catalog, as)))
         return error_at(error, as, "'%.*s' is taken", (int)as.len, as.at);
-    const struct model *model = typed_new(session->models, as, error);
+    const struct model *model = typed_new(session->definitions.models, as, error);
     if (!model)
         return false;
     struct setup *setup = &session->setup;
@@ -124,11 +125,11 @@ HANDLER(scene)
                                 *as = argument_value(args, "NAME");
     if (name->count) {
         const struct model *before = session->setup.scene.model;
-        const struct preset *preset = (const struct preset *)(const void *)name->item->row;
+        const struct preset *preset = preset_from(name->item->row);
         if (preset && as->count)
             return error_at(error, as->where,
                             "a scene has one name; 'scene new NAME' begins one of your own");
-        session->said_assumed = false;
+        session->execution.said_assumed = false;
         if (preset)
             scene_init(&session->setup.scene, preset);
         else if (!new_scene(session, as, error))
@@ -168,7 +169,7 @@ bool read_value(struct parser *parser, const char *what, enum quantity quantity,
 /* What was set; events that happen often keep silent. */
 static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
 {
-    if (!session->passing)
+    if (!session->execution.passing)
         reply_text(reply, buffer_text(text));
     buffer_free(text);
 }
@@ -177,7 +178,7 @@ static void reply_set(const struct session *session, struct buffer *text, struct
 static int state_named(const struct session *session, struct text name, struct text value)
 {
     const struct run *run = session_run(session);
-    if (!run || (!session->reacting && !session->live.changing))
+    if (!run || (!session->execution.reacting && !session->live.changing))
         return -1;
     name.len += value.len > 0 && value.at == name.at + name.len && value.at[0] == '\'';
     return model_state(run->system.model, name);
@@ -230,8 +231,8 @@ static bool set_state(struct session *session, int variable, struct parser *pars
     }
     if (answers)
         run_set_jump_slopes(run, slope);
-    buffer_format(&text, "%s = ", moving.name);
-    buffer_measured(&text, item.value, moving.quantity, session->setup.settings.digits);
+    buffer_format(&text, "%s = %s", moving.name,
+                  SHOWN_MEASURED(item.value, moving.quantity, session->setup.settings.digits));
     buffer_since(&text, run->t);
     reply_set(session, &text, reply);
     return true;
@@ -262,9 +263,8 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
         return false;
     }
     struct buffer text = {0};
-    buffer_format(&text, "%s = ", derived->row.name);
-    buffer_measured(&text, item->value, derived->quantity, session->setup.settings.digits);
-    buffer_put(&text, TEXT(" ("));
+    buffer_format(&text, "%s = %s (", derived->row.name,
+                  SHOWN_MEASURED(item->value, derived->quantity, session->setup.settings.digits));
     put_param(session, target, &text);
     buffer_char(&text, ')');
     buffer_since(&text, since);
@@ -275,21 +275,19 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
 static void reply_setting(const struct session *session, const struct setting *setting,
                           struct reply *reply)
 {
-    struct buffer text = {0};
-    buffer_format(&text, "%s = ", setting->row.name);
-    setting_show(setting, &session->setup.settings, &text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%s = ", setting->row.name);
+    setting_show(setting, &session->setup.settings, text);
     const struct method *method = session->setup.method;
     const struct run_settings now = session_run_settings(session);
     if (setting->use == USE_STEP && now.tol > 0)
-        buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)",
+        buffer_format(text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)",
                       method->row.name);
     if (setting->use == USE_TOLERANCE) {
-        put_tol_floor(&text, now.tol);
+        put_tol_floor(text, now.tol);
         if (!(method->flags & METHOD_ADAPTIVE))
-            buffer_format(&text, " (for methods that adapt; %s has fixed steps)", method->row.name);
+            buffer_format(text, " (for methods that adapt; %s has fixed steps)", method->row.name);
     }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
 }
 
 static bool set_let(struct session *session, struct text name, const struct item *item,
@@ -311,11 +309,9 @@ static bool set_let(struct session *session, struct text name, const struct item
                                 .quantity = item->quantity};
     memcpy(let->name, name.at, name.len);
     session_changed(session);
-    struct buffer text = {0};
-    buffer_format(&text, "%s = ", let->name);
-    buffer_measured(&text, item->value, item->quantity, setup->settings.digits);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%s = %s", let->name,
+                  SHOWN_MEASURED(item->value, item->quantity, setup->settings.digits));
     return true;
 }
 
@@ -340,7 +336,7 @@ HANDLER(set)
         ok = read_value(&parser, row->name, derived->quantity, &item, error) &&
              set_derived(session, derived, &item, reply, error);
     } else if ((row = catalog_find(&setting_catalog, name))) {
-        const struct setting *setting = (const struct setting *)(const void *)row;
+        const struct setting *setting = setting_from(row);
         struct settings changed = session->setup.settings;
         struct item *value = argument_value(args, "VALUE")->item;
         value->text = text_trim(parser.rest);
@@ -391,7 +387,7 @@ HANDLER(unset)
         put_param(session, param, &text);
         buffer_since(&text, since);
     } else if ((row = catalog_find(&setting_catalog, name))) {
-        const struct setting *setting = (const struct setting *)(const void *)row;
+        const struct setting *setting = setting_from(row);
         struct settings defaults;
         session_default_settings(&defaults);
         setting_copy(setting, &defaults, &session->setup.settings);
@@ -438,39 +434,18 @@ HANDLER(let)
 }
 #endif
 
-COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL},
-        .group = "SCENE",
-        .text = "Sets all parameters to those of the scene, and duration and tol to its own unless "
-                "they were set; method, dt and\nrecordings stay. 'list scenes' shows what there "
-                "is. Without NAME it\nshows the present one, with the equations, forces and events "
-                "that were typed. 'scene new' begins an empty one for equations\nof your own; "
-                "under a NAME it can be chosen again later.",
-        .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s",
-        .see = "set show plan var force", .flags = COMMAND_CHANGES,
+COMMAND(scene, .group = "SCENE", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
 
-COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
-        .text = "The same as NAME = value. A value may carry a unit and an uncertainty, 200.0 +- "
-                "0.1 g or 200.0(1) g; a bare number is in the SI unit. A unit binds to the "
-                "number or the parenthesis before it: m + 50 g, (3 + 1) s.\nSetting omega0, "
-                "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends "
-                "on the scene.",
-        .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
-        .flags = COMMAND_ASSIGNS | COMMAND_CHANGES | COMMAND_ANYTIME, .completes = COMPLETES_VALUES,
+COMMAND(set, .group = "SCENE", .flags = COMMAND_ASSIGNS | COMMAND_CHANGES | COMMAND_ANYTIME,
+        .completes = COMPLETES_VALUES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
-COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL},
-        .group = "SCENE",
-        .text = "Parameters get the value of the scene, settings that of a new session; a variable "
-                "made by let is removed.\n'unset method' takes the choice of a method back.",
-        .examples = "unset gamma\nunset dt", .see = "set scene method",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+COMMAND(unset, .group = "SCENE", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED, .choices = &unset_catalog)))
 
-COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
-        .text = "The value is computed at once. Variables can be used wherever a number can.",
-        .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME, .completes = COMPLETES_VALUES,
+COMMAND(let, .group = "SCENE", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        .completes = COMPLETES_VALUES,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -1,35 +1,64 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* show */
 #ifndef COMMAND_ROWS
+#include <hooke/data.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/session/series_tools.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
 
 #include <math.h>
 #include <string.h>
 
-/* One named value, as a line and as a record. */
+/* What a name stands for. */
+struct shown {
+    const char *name, *text; /* text: of a setting, whose value is no number */
+    double value, uncertainty;
+    const char *unit;
+};
+
+static void put_shown(struct reply *reply, const char *key, const void *row)
+{
+    const struct shown *shown = row;
+    if (shown->text)
+        reply_string(reply, key, shown->text);
+    else
+        reply_real(reply, key, shown->value);
+}
+
+#define AT(member) .at = offsetof(struct shown, member)
+
+static const struct result_column of_shown[] = {
+    {.name = "name", .kind = COLUMN_NAME, AT(name)},
+    {.name = "value", .record = put_shown},
+    {.name = "uncertainty", AT(uncertainty)},
+    {.name = "unit", .kind = COLUMN_NAME, AT(unit)},
+};
+static const struct result_columns shown_columns = RESULT_COLUMNS(of_shown, struct shown);
+
+/* Replies "NAME = VALUE", then what it is in its column. */
+static void show(struct reply *reply, const struct shown *shown, const char *value,
+                 const char *brief, const char *more)
+{
+    const int pad = 31 - text_width(text_of(shown->name)) - text_width(text_of(value)) - 3;
+    reply_line(reply, "%s = %s%*s%s%s", shown->name, value, *brief && pad > 1 ? pad : *brief != 0,
+               "", brief, more);
+    reply_records(reply, "show", &shown_columns, shown, 1);
+}
+
 static void show_value(const struct session *session, const struct named_value *value,
                        const char *brief, struct reply *reply)
 {
     const struct measured measured = {value->value, value->uncertainty};
-    struct buffer text = {0};
-    buffer_format(&text, "%s = ", value->name);
-    if (isfinite(value->value))
-        buffer_measured(&text, measured, value->quantity, session->setup.settings.digits);
-    else
-        buffer_put(&text, TEXT("undefined"));
-    for (int pad = text_width(buffer_text(&text)); *brief && pad < 30; pad++)
-        buffer_char(&text, ' ');
-    buffer_format(&text, "%s%s", *brief ? " " : "", brief);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    reply_begin(reply, "show");
-    reply_string(reply, "name", value->name);
-    reply_real(reply, "value", value->value);
-    reply_real(reply, "uncertainty", value->uncertainty);
-    reply_string(reply, "unit",
-                 value->quantity == QUANTITY_OTHER ? NULL : quantity_unit(value->quantity));
-    reply_end(reply);
+    const struct shown shown = {value->name, NULL, value->value, value->uncertainty,
+                                value->quantity == QUANTITY_OTHER ? NULL
+                                                                  : quantity_unit(value->quantity)};
+    show(reply, &shown,
+         isfinite(value->value)
+             ? SHOWN_MEASURED(measured, value->quantity, session->setup.settings.digits)
+             : "undefined",
+         brief, "");
 }
 
 static void show_name(const struct session *session, const struct row *row, struct reply *reply)
@@ -45,23 +74,13 @@ static void show_name(const struct session *session, const struct row *row, stru
 static void show_setting(const struct session *session, const struct setting *setting,
                          struct reply *reply)
 {
-    struct buffer value = {0}, text = {0};
+    struct buffer value = {0};
     setting_show(setting, &session->setup.settings, &value);
-    buffer_format(&text, "%s = %s", setting->row.name, buffer_view(&value));
-    for (int pad = text_width(buffer_text(&text)); pad < 31; pad++)
-        buffer_char(&text, ' ');
-    buffer_put(&text, text_of(setting->row.brief));
-    if (setting->natural && !setting_is_chosen(setting, &session->setup.settings))
-        buffer_put(&text, TEXT("; the scene's own, until it is set"));
-    reply_text(reply, buffer_text(&text));
-    reply_begin(reply, "show");
-    reply_string(reply, "name", setting->row.name);
-    reply_string(reply, "value", buffer_view(&value));
-    reply_null(reply, "uncertainty");
-    reply_null(reply, "unit");
-    reply_end(reply);
+    const bool natural = setting->natural && !setting_is_chosen(setting, &session->setup.settings);
+    const struct shown shown = {setting->row.name, buffer_view(&value), NAN, NAN, NULL};
+    show(reply, &shown, shown.text, setting->row.brief,
+         natural ? "; the scene's own, until it is set" : "");
     buffer_free(&value);
-    buffer_free(&text);
 }
 
 static void show_catalog_values(const struct session *session, const struct catalog *catalog,
@@ -105,13 +124,11 @@ static void show_run(const struct session *session, struct reply *reply)
 static void show_data(const struct session *session, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
-    struct buffer text = {0};
+    struct buffer *text = reply_buffer(reply);
     if (recording)
-        recording_describe(recording, &text);
+        series_tools()->describe(recording, text);
     else
-        buffer_put(&text, TEXT("no recording"));
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        buffer_put(text, TEXT("no recording"));
 }
 
 static void show_files(const struct session *session, struct reply *reply)
@@ -123,19 +140,16 @@ static void show_files(const struct session *session, struct reply *reply)
                    session->recording[i]->recording->name);
         buffer_free(&path);
     }
-    reply_line(reply, "record   %s", session->record_path ? session->record_path : "off");
+    reply_line(reply, "record   %s", session->transcript.path ? session->transcript.path : "off");
 }
 
 static void show_summary(const struct session *session, struct reply *reply)
 {
-    struct buffer text = {0};
-    session_state_line(session, &text);
-    buffer_format(&text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs,
-                  session->runs == 1 ? "" : "s", session->recordings,
-                  session->recordings == 1 ? "" : "s", session->measurements,
-                  session->measurements == 1 ? "" : "s");
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    session_state_line(session, text);
+    buffer_format(text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs.count,
+                  plural_s(session->runs.count), session->recordings, plural_s(session->recordings),
+                  session->measurements, plural_s(session->measurements));
 }
 
 /* What moves, then what follows from it. */
@@ -163,7 +177,7 @@ static void show_state(const struct session *session, const struct model *model,
         const struct row *row = catalog_row(&observable_catalog, i);
         const bool is_state =
             model != &oscillator_model && model_variable(model, text_of(row->name)) >= 0;
-        if (!is_state && model_offers(model, (const struct observable *)(const void *)row))
+        if (!is_state && model_offers(model, observable_from(row)))
             show_name(session, row, reply);
     }
 }
@@ -174,8 +188,8 @@ static void show_all(const struct session *session, struct reply *reply)
     show_settings(session, false, reply);
     for (int i = 0; i < session->setup.lets; i++)
         show_value(session, &session->setup.let[i], "variable", reply);
-    for (int i = 0; i < session->results; i++)
-        show_value(session, &session->result[i], "result", reply);
+    for (int i = 0; i < session->results.count; i++)
+        show_value(session, &session->results.value[i], "result", reply);
     if (session_run(session))
         show_state(session, session_run(session)->system.model, reply);
 }
@@ -215,7 +229,7 @@ HANDLER(show)
         return true;
     }
     if ((row = catalog_find(&setting_catalog, name))) {
-        show_setting(session, (const struct setting *)(const void *)row, reply);
+        show_setting(session, setting_from(row), reply);
         return true;
     }
     if (names_value(session, name, &value)) {
@@ -241,6 +255,7 @@ HANDLER(show)
         return error_hint(error, "type: run  ('show scene' lists where it starts)");
     }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
+    error->unknown = "name";
     if (hint_other_model(session, name, error))
         return false;
     struct suggestion near = {.wanted = name};
@@ -254,7 +269,5 @@ HANDLER(show)
 }
 #endif
 
-COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL},
-        .group = "SCENE", .text = "Groups are all, scene, run, data, plot and files.",
-        .examples = "show k\nshow all", .see = "set print list help", .flags = COMMAND_ANYTIME,
-        .completes = COMPLETES_SHOWN, ARGUMENTS(PLACE("NAME", TYPE_NAME)))
+COMMAND(show, .group = "SCENE", .flags = COMMAND_ANYTIME, .completes = COMPLETES_SHOWN,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME)))

@@ -36,7 +36,7 @@ bool value_depends(struct session *session, const struct parser *value)
 {
     struct run *run = session_run(session);
     double slope[LIMIT_VARIABLES + 1];
-    if (!session->reacting || !run || !run->plan.adaptive ||
+    if (!session->execution.reacting || !run || !run->plan.adaptive ||
         !find_slopes(value, run, "value", QUANTITY_OTHER, slope))
         return false;
     bool depends = false;

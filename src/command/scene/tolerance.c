@@ -47,13 +47,11 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
     }
     scene_set_atol(scene, i, item.value.value);
     session_changed(session);
-    struct buffer text = {0};
-    atol_describe(scene, i, &text);
+    struct buffer *text = reply_buffer(reply);
+    atol_describe(scene, i, text);
     if (!(session->setup.method->flags & METHOD_ADAPTIVE))
-        buffer_format(&text, " (for methods that adapt; %s has fixed steps)",
+        buffer_format(text, " (for methods that adapt; %s has fixed steps)",
                       session->setup.method->row.name);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
     return true;
 }
 
@@ -86,18 +84,5 @@ HANDLER(atol)
 }
 #endif
 
-COMMAND(atol,
-        .row = {"atol", "", "absolute tolerance of a variable, for methods that adapt", "", NULL},
-        .group = "METHOD",
-        .text = "Errors of a step may be as large as tol times the size of the variable along the "
-                "run, or times its "
-                "present\nvalue where that is larger. 'atol NAME = VALUE' puts VALUE in the place "
-                "of the former: a small "
-                "one for what\ndecays or starts from nothing and matters all the same, a large one "
-                "for what does not "
-                "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists "
-                "them, 'atol NAME off' "
-                "and 'atol off' take them back.",
-        .examples = "atol y = 0.001 mm; method dopri5; run 1 s\natol off", .see = "method set run",
-        .flags = COMMAND_CHANGES, .completes = COMPLETES_ATOL,
+COMMAND(atol, .group = "METHOD", .flags = COMMAND_CHANGES, .completes = COMPLETES_ATOL,
         ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("VALUE", TYPE_REST)))

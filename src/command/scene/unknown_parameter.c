@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said of a name that is no parameter. */
 #include <hooke/command/handler.h>
+#include <hooke/module.h>
+
+#include <stdio.h>
 
 static void put_params(const struct scene *scene, struct buffer *text)
 {
@@ -45,6 +48,10 @@ bool unknown_parameter(const struct session *session, struct text name, struct t
                                               &setting_catalog};
     const int shown = (int)(name.len < 80 ? name.len : 80);
     struct suggestion near = {.wanted = name};
+    char what[64];
+    snprintf(what, sizeof what, "set %.*s", shown, name.at);
+    if (!module_is_in(what, name, error))
+        return false;
     value = text_trim(value);
     if (other_kind(session, name, value.len ? value : TEXT("VALUE"), error))
         return false;
@@ -65,6 +72,7 @@ bool unknown_parameter(const struct session *session, struct text name, struct t
                  name.at);
     } else {
         error_at(error, name, "unknown parameter '%.*s'", shown, name.at);
+        error->unknown = "parameter";
     }
     if (hint_other_model(session, name, error))
         return false;

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* help, apropos */
 #ifndef COMMAND_ROWS
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
-#include <hooke/study/sweep.h>
 #include <hooke/command/handler.h>
 #include "command/finding.h"
 #include "command/session/topics.h"
@@ -23,15 +25,6 @@ static void put_indented(struct buffer *text, const char *lines)
     while (text_split(&rest, '\n', &line))
         if (line.len > 0)
             buffer_format(text, "  %.*s\n", (int)line.len, line.at);
-}
-
-/* Source lines as one paragraph; an empty line begins another. */
-static void put_paragraphs(struct buffer *text, const char *lines)
-{
-    for (const char *at = lines; *at; at++) {
-        const bool within = *at == '\n' && at[1] != '\n' && at > lines && at[-1] != '\n';
-        buffer_char(text, within ? ' ' : *at);
-    }
 }
 
 /* The rows that an argument can be, where usage has no room for them. */
@@ -60,7 +53,7 @@ static void help_command(const struct row *row, struct buffer *text)
     if (row->alias)
         buffer_format(text, " (also: %s)", row->alias);
     buffer_char(text, '\n');
-    put_paragraphs(text, command->text);
+    buffer_put(text, text_of(command->text));
     put_choices(command, text);
     buffer_put(text, TEXT("\nexamples:\n"));
     put_indented(text, command->examples);
@@ -112,7 +105,7 @@ static void help_derived(const struct model *model, const struct row *row, struc
 
 static void help_setting(const struct row *row, struct buffer *text)
 {
-    const struct setting *setting = (const struct setting *)(const void *)row;
+    const struct setting *setting = setting_from(row);
     struct settings defaults;
     session_default_settings(&defaults);
     buffer_format(text, "%s, a setting: %s\ndefault ", row->name, row->brief);
@@ -162,7 +155,7 @@ static void help_method(const struct row *row, struct buffer *text)
                  {METHOD_ADAPTIVE, "adaptive"},
                  {METHOD_EXACT, "exact"},
                  {METHOD_EXTERNAL, "an external solver: not hooke's own"}};
-    const struct method *method = (const struct method *)(const void *)row;
+    const struct method *method = method_from(row);
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
     if (method->order > 0)
@@ -190,7 +183,7 @@ static void help_method(const struct row *row, struct buffer *text)
 
 static void help_unit(const struct row *row, struct buffer *text)
 {
-    const struct unit *unit = (const struct unit *)(const void *)row;
+    const struct unit *unit = unit_from(row);
     struct buffer units = {0};
     quantity_units(unit->quantity, &units);
     buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity),
@@ -212,7 +205,7 @@ static void help_observable(const struct row *row, struct buffer *text)
 
 static void help_preset(const struct row *row, struct buffer *text)
 {
-    const struct preset *preset = (const struct preset *)(const void *)row;
+    const struct preset *preset = preset_from(row);
     const struct model *model = preset->model ? preset->model : &oscillator_model;
     buffer_format(text, "%s, a scene: %s\n  state", row->name, row->brief);
     for (int i = 0; i < model->n; i++)
@@ -254,24 +247,32 @@ static const struct topic {
     {&quantity_catalog, NULL},
     {&function_catalog, NULL},
     {&plot_catalog, NULL},
-    {&fit_catalog, NULL},
-    {&format_catalog, NULL},
     {&drag_catalog, NULL},
     {&layout_catalog, NULL},
     {&snap_catalog, NULL},
     {&term_catalog, NULL},
-    {&drag_law_catalog, NULL},
-    {&sweep_measure_catalog, NULL},
     {&table_format_catalog, NULL},
-    {&picture_catalog, NULL},
     {&result_catalog, NULL},
     {&guide_catalog, help_guide},
     {&word_catalog, NULL},
 };
 
+/* Those above, then those of modules, then one without a catalog. */
+static struct topic topic_at(size_t i)
+{
+    if (i < COUNT_OF(topics))
+        return topics[i];
+    i -= COUNT_OF(topics);
+    for (const struct module *const *module = module_list; *module; module++)
+        for (const struct catalog *const *own = (*module)->catalogs; own && *own; own++)
+            if (i-- == 0)
+                return (struct topic){*own, NULL};
+    return (struct topic){NULL, NULL};
+}
+
 const struct catalog *help_catalog(int i)
 {
-    return i >= 0 && i < (int)COUNT_OF(topics) ? topics[i].catalog : NULL;
+    return topic_at((size_t)i).catalog;
 }
 
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
@@ -361,34 +362,6 @@ static void help_models(const struct model *present, struct text name, struct su
     }
 }
 
-/* Every command in a line, by what it is about. */
-static void help_commands(struct buffer *text)
-{
-    const char *group = "";
-    for (size_t i = 0; i < command_catalog.count; i++) {
-        const struct command *command = command_at(catalog_row(&command_catalog, i));
-        if (strcmp(command->group, group) != 0)
-            buffer_format(text, "%s%s\n", i ? "\n" : "", command->group);
-        group = command->group;
-        buffer_format(text, "  %-12s %s\n", command->row.name, command->row.brief);
-    }
-}
-
-/* One screen: the topics, and the names of the commands. */
-static void help_all(struct buffer *text)
-{
-    buffer_put(text,
-               TEXT("A laboratory for oscillators and methods of integration. To begin with:\n"));
-    for (size_t i = 0; i < guide_catalog.count; i++) {
-        const struct row *row = catalog_row(&guide_catalog, i);
-        buffer_format(text, "  help %-10s %s\n", row->name, row->brief);
-    }
-    buffer_put(text, TEXT("help WORD explains a command, parameter, method; apropos WORD searches. "
-                          "All:\n"));
-    for (size_t i = 0; i < command_catalog.count; i++)
-        buffer_format(text, "%s%s", i ? " " : "", catalog_row(&command_catalog, i)->name);
-}
-
 HANDLER(help)
 {
     const struct argument_value *word = argument_value(args, "WORD");
@@ -410,12 +383,13 @@ HANDLER(help)
         help_guide(guide, &text);
     if (of)
         help_given(of, &near.wanted, &text);
-    for (size_t i = 0; i < COUNT_OF(topics) && near.wanted.len > 0; i++) {
-        const struct row *row = catalog_find(topics[i].catalog, near.wanted);
+    struct topic topic;
+    for (size_t i = 0; near.wanted.len > 0 && (topic = topic_at(i)).catalog; i++) {
+        const struct row *row = catalog_find(topic.catalog, near.wanted);
         if (row && !(begins && row == guide))
-            help_topic(&topics[i], row, &text);
-        for (size_t j = 0; j < topics[i].catalog->count; j++)
-            suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);
+            help_topic(&topic, row, &text);
+        for (size_t j = 0; j < topic.catalog->count; j++)
+            suggestion_offer(&near, catalog_row(topic.catalog, j)->name);
         if (i == 0) /* commands, then parameters */
             help_models(session->setup.scene.model, near.wanted, &near, &text);
     }
@@ -427,11 +401,17 @@ HANDLER(help)
     buffer_free(&text);
     if (found)
         return true;
-    for (size_t i = 0; i < COUNT_OF(topics); i++)
-        if (catalog_absent(topics[i].catalog, near.wanted, error))
+    for (size_t i = 0; topic_at(i).catalog; i++)
+        if (catalog_absent(topic_at(i).catalog, near.wanted, error))
             return false;
+    char name[LIMIT_NAME + 1];
+    snprintf(name, sizeof name, "%.*s",
+             (int)(near.wanted.len < LIMIT_NAME ? near.wanted.len : LIMIT_NAME), near.wanted.at);
+    if (!module_is_in(name, near.wanted, error))
+        return false;
     error_at(error, near.wanted, "there is no help on '%.*s'",
              (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
+    error->unknown = "";
     suggestion_hint(&near, error);
     if (catalog_find(&list_catalog, near.wanted))
         error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
@@ -452,7 +432,7 @@ static bool speaks_of(const struct catalog *catalog, const struct row *row, stru
     while (words.len > 0 && all) {
         const struct text word = peek_word(words, "");
         size_t i = 0;
-        while (i < COUNT_OF(said) && !mentions(said[i], word))
+        while (i < COUNT_OF(said) && !text_mentions(said[i], word))
             i++;
         all = i < COUNT_OF(said);
         words = (struct text){words.at + word.len, words.len - word.len};
@@ -479,8 +459,8 @@ HANDLER(apropos)
     UNUSED(session);
     const struct text word = argument_value(args, "WORD")->item->text;
     int found = 0;
-    for (size_t i = 0; i < COUNT_OF(topics); i++)
-        found += search(topics[i].catalog, word, reply);
+    for (int i = 0; help_catalog(i); i++)
+        found += search(help_catalog(i), word, reply);
     for (const struct model *const *model = scene_models; *model; model++)
         found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
     return found > 0 || error_at(error, word, "nothing is known about '%.*s'",
@@ -488,17 +468,8 @@ HANDLER(apropos)
 }
 #endif
 
-COMMAND(
-    help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"},
-    .group = "SESSION",
-    .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
-    .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
-    .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, .completes = COMPLETES_TOPICS,
-    ARGUMENTS(PLACE("WORD", TYPE_REST)))
+COMMAND(help, .row.alias = "h ?", .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        .completes = COMPLETES_TOPICS, ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
-COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL},
-        .group = "SESSION",
-        .text = "Finds what speaks of all the words: in its name, explanation or source.",
-        .examples = "apropos energy\napropos Hairer", .see = "help list",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+COMMAND(apropos, .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))

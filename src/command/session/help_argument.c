@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Help on one argument of a command: what it takes, what the command's text says of it. */
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include "command/session/topics.h"
 
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* list */
 #ifndef COMMAND_ROWS
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
 #include <hooke/command/handler.h>
@@ -21,7 +22,7 @@ static void record_names(const struct catalog *catalog, const struct row *row, s
 
 static void record_method(const struct row *row, double stable, struct reply *reply)
 {
-    const struct method *method = (const struct method *)(const void *)row;
+    const struct method *method = method_from(row);
     record_names(&method_catalog, row, reply);
     reply_int(reply, "order", method->order);
     reply_int(reply, "evals", method->evals);
@@ -34,7 +35,7 @@ static void record_method(const struct row *row, double stable, struct reply *re
     reply_end(reply);
 }
 
-static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
+void reply_listed(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
     char value[32] = "";
     if (catalog == &limit_catalog)
@@ -87,15 +88,15 @@ static void list_observables(const struct model *model, struct reply *reply)
             continue;
         const struct row row = {variable.name, quantity_unit(variable.quantity),
                                 observed ? "observed by the user" : "state variable", "", NULL};
-        list_row(&observable_catalog, &row, reply);
+        reply_listed(&observable_catalog, &row, reply);
     }
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
         const bool shadowed =
             model != &oscillator_model && (model_variable(model, text_of(row->name)) >= 0 ||
                                            model_observation(model, text_of(row->name)) >= 0);
-        if (!shadowed && model_offers(model, (const struct observable *)(const void *)row))
-            list_row(&observable_catalog, row, reply);
+        if (!shadowed && model_offers(model, observable_from(row)))
+            reply_listed(&observable_catalog, row, reply);
     }
 }
 
@@ -105,8 +106,7 @@ HANDLER(list)
         [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,
         [LIST_METHODS] = &method_catalog,   [LIST_SETTINGS] = &setting_catalog,
         [LIST_UNITS] = &unit_catalog,       [LIST_FUNCTIONS] = &function_catalog,
-        [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
-    static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
+        [LIST_LIMITS] = &limit_catalog};
     const struct item *item = argument_value(args, "KIND")->item;
     const struct list_kind *what = (const struct list_kind *)(const void *)item->row;
     const enum listed kind = (enum listed)item->index;
@@ -130,13 +130,12 @@ HANDLER(list)
                                         : kind == LIST_DERIVED  ? scene_derived(scene)
                                                                 : catalogs[kind];
         for (size_t i = 0; i < catalog->count; i++)
-            list_row(catalog, catalog_row(catalog, i), reply);
+            reply_listed(catalog, catalog_row(catalog, i), reply);
         for (int i = 0; kind == LIST_SCENES && i < session->setup.owns; i++)
-            list_row(catalog, &session->setup.own[i]->row, reply);
+            reply_listed(catalog, &session->setup.own[i]->row, reply);
     } else {
-        /* These lists are commands of their own. */
-        const struct command *command =
-            command_at(catalog_find(&command_catalog, text_of(others[kind])));
+        /* The list of runs is a command of its own. */
+        const struct command *command = command_at(catalog_find(&command_catalog, TEXT("runs")));
         struct arguments none = {
             .command = command, .arena = args->arena, .scope = args->scope, .where = args->where};
         return command->handler(session, &none, reply, error);
@@ -145,16 +144,7 @@ HANDLER(list)
 }
 #endif
 
-COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
-        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, "
-                "functions, formats, "
-                "limits, measurements,\n"
-                "events, equilibria, orbits, branches, points, runs, recordings. parameters and "
-                "derived are those of the present scene. "
-                "Methods: all, "
-                "or those that are stiff (made for it), symplectic, symmetric, adaptive, implicit, "
-                "explicit, multistep, exact, order N.",
-        .examples = "list methods stiff adaptive\nlist measurements", .see = "help show",
+COMMAND(list, .row.alias = "ls", .group = "SESSION",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME | COMMAND_TABLES,
         .completes = COMPLETES_KINDS,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog),

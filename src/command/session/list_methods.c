@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* list methods: a table of 80 columns, all of them or those that are wanted. */
 #include "command/session/list_methods.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
 #include <hooke/command/handler.h>
 
 #include <math.h>
@@ -114,7 +117,7 @@ bool list_methods(struct text words, const struct cancel *cancel,
         return false;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const struct row *row = catalog_row(&method_catalog, i);
-        const struct method *method = (const struct method *)(const void *)row;
+        const struct method *method = method_from(row);
         if (!is_wanted(&wanted, method))
             continue;
         if (cancelled(cancel))

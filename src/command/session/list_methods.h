@@ -4,6 +4,10 @@
 
 #include <hooke/result.h>
 
+struct cancel;
+struct catalog;
+struct row;
+
 extern const struct catalog method_kind_catalog; /* stiff, adaptive, ... */
 
 /* Those methods that all of the words choose ("stiff adaptive", "order 4"; none: all) as a table,

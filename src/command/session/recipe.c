@@ -22,11 +22,5 @@ HANDLER(recipe)
 }
 #endif
 
-COMMAND(recipe, .row = {"recipe", "", "run the lines that a topic of help shows", "", NULL},
-        .group = "SESSION",
-        .text = "One after another, as if typed, until the first error. They change the scene and "
-                "may write files; 'undo' takes back what changed the scene. In panes ! runs those "
-                "of the topic that is being read.",
-        .examples = "recipe start\nhelp sweep; recipe sweep", .see = "help source undo",
-        .flags = COMMAND_NESTS,
+COMMAND(recipe, .group = "SESSION", .flags = COMMAND_NESTS,
         ARGUMENTS(PLACE("TOPIC", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &guide_catalog)))

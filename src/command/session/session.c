@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* source, record, history, timing, clear, quit */
+#include <hooke/run/timing.h>
+
 #ifndef COMMAND_ROWS
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/command/handler.h>
 #include <hooke/session/log.h>
 
@@ -23,9 +27,9 @@ HANDLER(record)
     if (!path)
         return error_memory(error);
     if (text_is(name, "off")) {
-        if (session->record_fd < 0)
+        if (session->transcript.fd < 0)
             return error_set(error, ERROR_COMMAND, "nothing is being recorded");
-        reply_line(reply, "commands are no longer recorded in %s", session->record_path);
+        reply_line(reply, "commands are no longer recorded in %s", session->transcript.path);
         return record_close(session, error);
     }
     if (text_is(name, "auto") || text_is(name, "all") || text_is(name, "every")) {
@@ -115,43 +119,24 @@ HANDLER(quit)
     UNUSED(args);
     UNUSED(reply);
     UNUSED(error);
-    session->quit = true;
+    session->execution.quit = true;
     return true;
 }
 #endif
 
-COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
-        .text = "Stops at the first error and says where. Files may source files, 16 deep; what is "
-                "not found is "
-                "looked for\nbeside the file that names it.",
-        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record",
-        .flags = COMMAND_NESTS, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
-
-COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL},
-        .group = "SESSION",
-        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set "
-                "record all.)",
-        .examples = "record session.hk\nrecord off", .see = "history save source",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+COMMAND(source, .group = "SESSION", .flags = COMMAND_NESTS,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
-COMMAND(history, .row = {"history", "", "list the lines executed", "", NULL}, .group = "SESSION",
-        .text = "The last 50, the last N, or those that contain TEXT.",
-        .examples = "history 20\nhistory /run", .see = "record",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
+COMMAND(record, .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
-COMMAND(timing, .row = {"timing", "", "how carefully compare measures run times", "", NULL},
-        .group = "SESSION",
-        .text = "off: not at all; quick: about 2 ms for each; full: enough samples for a median "
-                "that can be trusted.",
-        .examples = "timing off\ntiming full", .see = "compare", .flags = COMMAND_CHANGES,
+COMMAND(history, .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
+
+COMMAND(timing, .group = "SESSION", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("HOW", TYPE_CHOICE, .choices = &timing_catalog)))
 
-COMMAND(clear, .row = {"clear", "", "clear the screen", "", NULL}, .group = "SESSION",
-        .text = "Without a screen it does nothing.", .examples = "clear\nclear; show",
-        .see = "quit", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
+COMMAND(clear, .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
 
-COMMAND(quit, .row = {"quit", "", "leave", "", "q exit"}, .group = "SESSION",
-        .text = "In a file it ends the file and the program.",
-        .examples = "quit\nsave lab1.hk; quit", .see = "save",
+COMMAND(quit, .row.alias = "q exit", .group = "SESSION",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)

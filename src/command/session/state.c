@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* undo, redo, checkpoint, restore, save */
 #ifndef COMMAND_ROWS
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/command/handler.h>
+#include <hooke/report.h>
 
 #include <math.h>
 #include <string.h>
@@ -61,7 +64,8 @@ HANDLER(restore)
 static bool is_setup_file(struct text path, struct error *error)
 {
     const struct text end = text_ending(path);
-    const bool picture = catalog_find(&picture_catalog, end),
+    const struct picture_writer *pictures = module_pictures();
+    const bool picture = pictures && catalog_find(pictures->kinds, end),
                table = catalog_find(&table_format_catalog, end);
     if (!picture && !table)
         return true;
@@ -102,32 +106,13 @@ HANDLER(save)
 }
 #endif
 
-COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed something", "", NULL},
-        .group = "STATE",
-        .text = "Parameters, settings, runs and recordings; files that were written stay.",
-        .examples = "set m 300 g; undo\nundo 3", .see = "redo checkpoint",
-        ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+COMMAND(undo, .group = "STATE", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
-        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2",
-        .see = "undo", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+COMMAND(redo, .group = "STATE", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL},
-        .group = "STATE", .text = "Under a name, to come back to it with restore.",
-        .examples = "checkpoint\ncheckpoint undamped", .see = "restore undo save",
-        ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+COMMAND(checkpoint, .group = "STATE", ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
-COMMAND(
-    restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
-    .text = "The latest one unless a name is given. undo takes the restore back.",
-    .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
-    .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+COMMAND(restore, .group = "STATE", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
-COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL},
-        .group = "STATE",
-        .text = "Scene, method, settings, variables and recordings, with numbers that read back to "
-                "the same doubles; "
-                "not the runs.",
-        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export",
-        .flags = COMMAND_ANYTIME,
+COMMAND(save, .group = "STATE", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

@@ -4,6 +4,8 @@
 
 #include <hooke/command/handler.h>
 
+struct catalog;
+
 /* What a newcomer asks for, and lines that show it; each works after those above it. */
 struct guide_topic {
     struct row row;
@@ -13,6 +15,11 @@ struct guide_topic {
 
 /* The catalogs that `help` explains rows of, one after the other; NULL: there are no more. */
 const struct catalog *help_catalog(int i);
+
+/* Appends every command in a line, by groups, in the order of their first commands. */
+void help_commands(struct buffer *text);
+/* Appends one screen: the topics, and the names of the commands. */
+void help_all(struct buffer *text);
 
 #define HELP_CHOICES 20 /* of more there is a list of its own */
 

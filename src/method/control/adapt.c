@@ -139,7 +139,9 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         take_back(n, step, controller, t, before, low);
         if (!isfinite(square) && status == STEP_OK)
             status = STEP_NONFINITE;
-        if (!plan_again(method, controller, t, step->h, aimed, &failures)) {
+        failures += !isfinite(aimed);
+        controller->h = next_attempt(method, t, step->h, aimed, failures);
+        if (controller->h == 0) {
             controller->h = planned;
             controller->rejected = rejected;
             if (switches)
@@ -216,7 +218,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
 INLINE enum step_status adapt_plain(int n, const struct method *method, struct step *step,
                                     struct controller *controller, double t_end)
 {
-    follow(n, step, controller);
+    follow(n, step->system, step->t, step->y, controller);
     step->scale = controller->scale;
     face(controller, t_end - step->t);
     const enum step_status status = adapt_size(n, method, step, controller, t_end, NULL);
@@ -238,7 +240,7 @@ static enum step_status adapt_any(const struct method *method, struct step *step
                                   struct controller *controller, double t_end)
 {
     const double span = t_end - step->t;
-    follow(step->system->n, step, controller);
+    follow(step->system->n, step->system, step->t, step->y, controller);
     step->scale = controller->scale;
     enum step_status status;
     if (method->adapt && step->system->switches == 0) {
@@ -264,10 +266,26 @@ enum step_status method_adapt(const struct method *method, struct step *step,
         return STEP_OK;
     if (method->adapt || step->system->switches > 0 || controller->h == 0) /* 0: choose one */
         return adapt_any(method, step, controller, t_end);
-    if (step->controlled && !step->low && !step->system->kinks)
-        return step->controlled(method, step, controller, t_end);
+    if (step->controlled && !step->low && !step->system->kinks) {
+        enum step_status status;
+        step->controlled(step, controller, t_end, 1, NULL, &status);
+        return status;
+    }
     return n == 2   ? adapt_two(method, step, controller, t_end)
            : n == 3 ? adapt_three(method, step, controller, t_end)
            : n == 4 ? adapt_four(method, step, controller, t_end)
                     : adapt_any(method, step, controller, t_end);
+}
+
+bool method_adapts_many(const struct step *step, const struct controller *controller)
+{
+    return step->controlled && !step->low && !step->system->kinks && step->system->switches == 0 &&
+           controller->h != 0;
+}
+
+int64_t method_adapt_many(struct step *step, struct controller *controller, double t_end,
+                          int64_t count, double *row, enum step_status *status)
+{
+    assert(method_adapts_many(step, controller) && step->t != t_end);
+    return step->controlled(step, controller, t_end, count, row, status);
 }

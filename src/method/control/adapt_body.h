@@ -59,17 +59,17 @@ INLINE double tolerance(const struct controller *controller)
     return controller->tol > min ? controller->tol : min;
 }
 
-/* One more sample of the sizes, at the start of a step. */
-INLINE void follow(int n, const struct step *step, struct controller *controller)
+/* One more sample of the sizes, at the start y of a step. */
+INLINE void follow(int n, const struct system *system, double t, const double *y,
+                   struct controller *controller)
 {
-    const struct system *system = step->system;
-    const double by = controller->sampling ? fabs(step->t - controller->sampled) : 0;
+    const double by = controller->sampling ? fabs(t - controller->sampled) : 0;
     controller->sampling = true;
-    controller->sampled = step->t;
+    controller->sampled = t;
     controller->elapsed += by;
     const double rate = 1 / controller->elapsed;
     for (int i = 0; i < n; i++) {
-        const double min = system->scale[i], size = fabs(step->y[i]);
+        const double min = system->scale[i], size = fabs(y[i]);
         double mean = 1;
         if (system->atol[i] > 0) {
             controller->scale[i] = fmin(system->atol[i] / tolerance(controller), DBL_MAX);
@@ -178,21 +178,19 @@ INLINE void copy(int count, const double *from, double *to)
 }
 
 /*
- * The next attempt after one of h at t that was not good; square: of its error in units of the aim,
- * not finite: there is none. False: there is none any more.
+ * Returns the step of the next attempt after one of h at t that was rejected, or 0 if it would be
+ * too short. square is that of the error in units of the aim; it is not finite if there is none,
+ * which happened `failures` times in a row.
  */
-__attribute__((noinline, unused)) static bool plan_again(const struct method *method,
-                                                         struct controller *controller, double t,
-                                                         double h, double square, int *failures)
+__attribute__((noinline, unused)) static double next_attempt(const struct method *method, double t,
+                                                             double h, double square, int failures)
 {
+    double next = h / 4;
     if (isfinite(square)) {
         const double factor = change_elementary(method->embedded + 1, square);
-        controller->h = h * (factor > SHRINK ? factor : SHRINK);
-    } else {
-        ++*failures;
-        controller->h = h / 4;
+        next = h * (factor > SHRINK ? factor : SHRINK);
     }
-    return *failures <= FAILURES && fabs(controller->h) >= min_step(t);
+    return failures <= FAILURES && fabs(next) >= min_step(t) ? next : 0;
 }
 
 #endif

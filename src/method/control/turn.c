@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is
- * taken again, up to the turning point only, which is found by steps of the method.
+ * taken again, up to the turning point only, which is found by steps of the method. Other scenes
+ * are passed on to method_march().
  */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"

@@ -13,7 +13,6 @@
                                          */
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
-#include <hooke/base.h>
 enum { MOST = 4 };
 #include "method/kernel/typed.h"
 #include "method/rows/rows.h"
@@ -29,7 +28,7 @@ enum { MOST = 4 };
         known_take(&known, step->system);                                                          \
         return one_step(&RK_ROW, n, name##_slope, &known, step);                                   \
     }
-#define RUNGE_KUTTA(...)                                                                           \
+#define RUNGE_KUTTA(id, ...)                                                                       \
     static const struct method RK_ROW = {__VA_ARGS__};                                             \
     TYPED_MOTIONS(TYPED_STEP)                                                                      \
     TYPED_FLOWS(TYPED_STEP)

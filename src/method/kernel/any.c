@@ -7,7 +7,7 @@
 #pragma GCC optimize("O3") /* vectors */
 #endif
 #define UNROLL _Pragma("GCC unroll 8")
-#include <hooke/base.h>
+#include <hooke/base/limit.h>
 enum { MOST = LIMIT_VARIABLES };
 #include "method/kernel/typed.h"
 #include "method/step/step_body.h"

@@ -13,6 +13,10 @@
 #include "method/control/adapt_body.h"
 #include "method/control/rk_error.h"
 
+/* A step that ends within this distance of the end, relative to the time, ends at it but for
+ * rounding. */
+#define NEAR_END (8 * DBL_EPSILON)
+
 /* ---- the attempts ---- */
 
 /* Two coordinates: rk_body.h in pairs of numbers, of positions and of velocities; half the
@@ -67,10 +71,13 @@ INLINE void paired_difference(double h, const double *w, const double *u, int co
     pairs_give(pairs, error);
 }
 
+/* The step that is being attempted: a local copy, which the compiler can keep in registers. */
 struct attempt {
     double y[MOST], z[MOST], error[MOST];
-    /* slopes, where they are in pairs; else they are in step->work */
+    double k[STAGES_MAX * MOST]; /* slopes of the stages, unless they are in pairs */
     pair paired[STAGES_MAX * PAIRS];
+    double t, h; /* [s] time at which it begins, or at which it has ended, and its size */
+    int64_t evals, rejected; /* counted over all steps of a call */
 };
 
 INLINE void attempt_begin(int n, int stages, bool known, const struct step *step,
@@ -81,33 +88,43 @@ INLINE void attempt_begin(int n, int stages, bool known, const struct step *step
     if (n == PAIRED)
         pairs_take(first, attempt->paired);
     else
-        copy_numbers(n, first, step->work);
+        copy_numbers(n, first, attempt->k);
+}
+
+/* Begins the next step where this one ends; its last slope is the first one there, if they are the
+ * same. */
+INLINE void attempt_next(int n, int stages, struct attempt *attempt)
+{
+    copy_numbers(n, attempt->z, attempt->y);
+    if (n == PAIRED)
+        for (int q = 0; q < PAIRS; q++)
+            attempt->paired[q] = attempt->paired[PAIRS * (stages - 1) + q];
+    else
+        copy_numbers(n, attempt->k + (stages - 1) * n, attempt->k);
 }
 
 INLINE void attempt_stages(const struct tableau *tableau, int n, slope_function *slope,
-                           const void *forces, double h, bool known, struct step *step,
+                           const void *forces, double t, double h, bool known,
                            struct attempt *attempt)
 {
     pair y[PAIRS], z[PAIRS];
-    step->cost.evals += tableau->stages - known;
     if (n != PAIRED) {
-        rk_stages(tableau, n, slope, forces, step->t, h, attempt->y, step->work, attempt->z, NULL,
-                  known);
+        rk_stages(tableau, n, slope, forces, t, h, attempt->y, attempt->k, attempt->z, NULL, known);
         return;
     }
     pairs_take(attempt->y, y);
-    paired_stages(tableau, slope, forces, step->t, h, y, attempt->paired, z, known);
+    paired_stages(tableau, slope, forces, t, h, y, attempt->paired, z, known);
     pairs_give(z, attempt->z);
 }
 
 /* In units of the tolerance, squared; NAN: the new state is not finite. */
 INLINE double attempt_error(const struct tableau *tableau, int n, const double *scale, double h,
-                            const struct step *step, struct attempt *attempt)
+                            struct attempt *attempt)
 {
     double rough[PAIRED], square;
     if (n != PAIRED) {
         square =
-            rk_estimate(tableau, n, scale, h, step->work, attempt->y, attempt->z, attempt->error);
+            rk_estimate(tableau, n, scale, h, attempt->k, attempt->y, attempt->z, attempt->error);
     } else {
         const int stages = tableau->stages;
         paired_difference(h, tableau->b, tableau->b_hat, stages, attempt->paired, attempt->error);
@@ -120,72 +137,129 @@ INLINE double attempt_error(const struct tableau *tableau, int n, const double *
     return square;
 }
 
-INLINE void attempt_keep(const struct tableau *tableau, int n, double h,
+/* Writes the last step to *step as if it had been the only one or, if it failed, the state before
+ * it. */
+INLINE void attempt_keep(const struct tableau *tableau, int n, bool good,
                          const struct attempt *attempt, struct step *step)
 {
-    step->warm = true;
-    step->h = h;
-    copy_numbers(n, attempt->z, step->y);
-    if (n == PAIRED)
-        memcpy(step->work, attempt->paired, (size_t)(tableau->stages * n) * sizeof *step->work);
+    step->again = false;
+    step->tol = 0;
+    step->square = -1;
+    step->warm = good;
+    step->h = attempt->h;
+    step->t = attempt->t;
+    step->cost.evals += attempt->evals;
+    step->cost.rejected += attempt->rejected;
+    copy_numbers(n, good ? attempt->z : attempt->y, step->y);
+    memcpy(step->work, n == PAIRED ? (const void *)attempt->paired : attempt->k,
+           (size_t)(tableau->stages * n) * sizeof *step->work);
     /* the interpolant's stages are not there */
     step->work[(tableau->stages + tableau->extra + 1) * n] = false;
-    if (step->error)
+    if (step->error && good)
         copy_numbers(n, attempt->error, step->error);
 }
 
 /* ---- accepted steps ---- */
 
-/* No kinks, switches or compensated sums; the size of the first step is known. */
-INLINE enum step_status controlled_step(const struct method *method, int n, slope_function *slope,
-                                        const void *forces, struct step *step,
-                                        struct controller *controller, double t_end)
+/* Copies the control of n variables, except for its tolerance and its switches. */
+INLINE void control_copy(int n, const struct controller *from, struct controller *to)
+{
+    copy_numbers(n, from->scale, to->scale);
+    copy_numbers(n, from->excess, to->excess);
+    to->elapsed = from->elapsed;
+    to->sampled = from->sampled;
+    to->sampling = from->sampling;
+    to->h = from->h;
+    to->t_low = from->t_low;
+    to->last = from->last;
+    to->previous = from->previous;
+    to->rejected = from->rejected;
+}
+
+/* Attempts steps towards t_end until one is accepted. known: its first slope is in *attempt;
+ * accepted: factor that makes the square of the largest error that is accepted 1. Returns STEP_OK,
+ * or the reason why no step was accepted. */
+INLINE enum step_status accept_step(const struct method *method, int n, slope_function *slope,
+                                    const void *forces, const struct system *system,
+                                    struct controller *controller, double t_end, double accepted,
+                                    bool known, struct attempt *attempt)
 {
     const struct tableau *tableau = method->tableau;
-    const double t = step->t, span = t_end - t, aims = by_aim(method);
-    const double max = largest_estimate(method, tolerance(controller)),
-                 accepted = 1 / (n * max * max);
-    struct attempt attempt;
-    bool known = tableau->fsal && step->warm;
-    if (n < 1)
-        __builtin_unreachable();
-    attempt_begin(n, tableau->stages, known, step, &attempt);
+    const double t = attempt->t, span = t_end - t, aims = by_aim(method);
     face(controller, span);
     const double planned = controller->h;
     const bool rejected = controller->rejected;
-    step->again = false;
-    step->tol = 0;
-    step->square = -1;
     for (int count = 0, failures = 0;; count++) {
         const bool last = fabs(controller->h) * STRETCH >= fabs(span);
         double h = controller->h;
         if (unlikely(last)) /* a branch: the first stage does not wait for it */
             h = span;
-        attempt_stages(tableau, n, slope, forces, h, known, step, &attempt);
+        attempt->h = h;
+        attempt_stages(tableau, n, slope, forces, t, h, known, attempt);
+        attempt->evals += tableau->stages - known;
         known = true;
         if (count == 0) /* roots and quotients: the stages, which are waited for, come first */
-            follow(n, step, controller);
-        const double square =
-            attempt_error(tableau, n, controller->scale, h, step, &attempt) * accepted;
+            follow(n, system, t, attempt->y, controller);
+        const double square = attempt_error(tableau, n, controller->scale, h, attempt) * accepted;
         if (square <= 1) {
             plan_next(method, controller, h, square * aims, last);
-            step->t = not_beyond(last ? t_end : advance_clock(controller, t, h), span, t_end);
-            if (step->t == t_end)
+            attempt->t = not_beyond(last ? t_end : advance_clock(controller, t, h), span, t_end);
+            if (attempt->t == t_end)
                 controller->t_low = 0;
             controller->rejected = false;
-            attempt_keep(tableau, n, h, &attempt, step);
             return STEP_OK;
         }
-        step->warm = false;
-        step->cost.rejected++;
+        attempt->rejected++;
         controller->rejected = true;
-        if (plan_again(method, controller, t, h, square * aims, &failures))
+        failures += !isfinite(square * aims);
+        controller->h = next_attempt(method, t, h, square * aims, failures);
+        if (controller->h != 0)
             continue;
         controller->h = planned;
         controller->rejected = rejected;
-        step->h = h;
         return isfinite(square) ? STEP_STALLED : STEP_NONFINITE;
     }
+}
+
+/* Takes steps as method_adapt_many() does, of a system without kinks, switches and compensated sums
+ * whose first step has a size. */
+INLINE int64_t controlled_steps(const struct method *method, int n, slope_function *slope,
+                                const void *forces, struct step *step,
+                                struct controller *controller, double t_end, int64_t count,
+                                double *row, enum step_status *status)
+{
+    const struct tableau *tableau = method->tableau;
+    const double max = largest_estimate(method, tolerance(controller)),
+                 accepted = 1 / (n * max * max);
+    struct controller control;
+    struct attempt attempt;
+    bool known = tableau->fsal && step->warm;
+    int64_t taken = 0;
+    if (n < 1)
+        __builtin_unreachable();
+    attempt.t = step->t;
+    attempt.evals = attempt.rejected = 0;
+    control.tol = controller->tol;
+    control_copy(n, controller, &control);
+    attempt_begin(n, tableau->stages, known, step, &attempt);
+    for (;;) {
+        *status = accept_step(method, n, slope, forces, step->system, &control, t_end, accepted,
+                              known, &attempt);
+        if (*status != STEP_OK)
+            break;
+        if (row) {
+            copy_numbers(n, attempt.z, row);
+            row[n] = attempt.t;
+            row += n + 1;
+        }
+        if (++taken == count || fabs(t_end - attempt.t) <= NEAR_END * fabs(attempt.t))
+            break;
+        attempt_next(n, tableau->stages, &attempt);
+        known = tableau->fsal;
+    }
+    control_copy(n, &control, controller);
+    attempt_keep(tableau, n, *status == STEP_OK, &attempt, step);
+    return taken;
 }
 
 /* ---- rows and shapes ---- */
@@ -207,18 +281,17 @@ INLINE bool solved(const struct method *method, int shape)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define NAME(shape) JOIN(shape##_controlled_, __LINE__)
 #define CONTROLLED(shape)                                                                          \
-    static enum step_status NAME(shape)(const struct method *method, struct step *step,            \
-                                        struct controller *controller, double t_end)               \
+    static int64_t NAME(shape)(struct step * step, struct controller * controller, double t_end,   \
+                               int64_t count, double *row, enum step_status *status)               \
     {                                                                                              \
         struct shape_forces forces;                                                                \
-        (void)method;                                                                              \
         if (!solved(&RK_ROW, SHAPE_##shape))                                                       \
-            return STEP_STALLED; /* not in use */                                                  \
+            return 0; /* not in use */                                                             \
         forces_take(&forces, step->system, 0 TERMS_OF_##shape(ONE_MORE));                          \
-        return controlled_step(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step, controller,    \
-                               t_end);                                                             \
+        return controlled_steps(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step, controller,   \
+                                t_end, count, row, status);                                        \
     }
-#define RUNGE_KUTTA(...)                                                                           \
+#define RUNGE_KUTTA(id, ...)                                                                       \
     static const struct method RK_ROW = {__VA_ARGS__};                                             \
     SOLVED_SHAPES(CONTROLLED)
 #include "method/rows/rk.def"

@@ -43,14 +43,8 @@ MOTION_SHAPES(KNOWN_SLOPE)
     }
 CLOSED_SHAPES(CLOSED_STAGE)
 
-/* drive_jacobian is NULL, and nothing to add. */
 #define drive_slopes(c, t, y, jac) ((void)0)
-#define spring_slopes spring_jacobian
-#define damping_slopes damping_jacobian
-#define cubic_slopes cubic_jacobian
-#define vanderpol_slopes vanderpol_jacobian
-#define weight_slopes weight_jacobian
-#define TERM_SLOPES(i, name) name##_slopes(of->forces.c[i], t, y, jac + N);
+#define TERM_SLOPES(i, name) name##_jacobian(of->forces.c[i], t, y, jac + N);
 #define NEWTON_STAGE(shape)                                                                        \
     INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
     {                                                                                              \
@@ -159,7 +153,7 @@ MOTION_SHAPES(ANY_KERNEL)
         forces_take(&known.forces, system, SHAPE_TERMS);                                           \
         return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);        \
     }
-#define IMPLICIT_RUNGE_KUTTA(...)                                                                  \
+#define IMPLICIT_RUNGE_KUTTA(id, ...)                                                              \
     static const struct method IRK_ROW = {__VA_ARGS__};                                            \
     CLOSED_SHAPES(IRK_KERNEL)
 #include "method/rows/irk.def"

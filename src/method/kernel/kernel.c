@@ -30,7 +30,7 @@ INLINE bool unrolled(const struct method *method, int shape)
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
         return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                     \
     }
-#define RUNGE_KUTTA(...)                                                                           \
+#define RUNGE_KUTTA(id, ...)                                                                       \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                            \
     ALL_SHAPES(RK_KERNEL)
 #include "method/rows/rk.def"
@@ -55,7 +55,7 @@ INLINE bool unrolled(const struct method *method, int shape)
         DRAG_VARIANT(shape, DRAG_EXPLICIT)                                                         \
         return shape_split(SHAPE_##shape)(method, march);                                          \
     }
-#define SPLITTING(...)                                                                             \
+#define SPLITTING(id, ...)                                                                         \
     static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                      \
     ALL_SHAPES(SPLIT_KERNEL)
 #include "method/rows/split.def"

@@ -25,14 +25,7 @@ INLINE void forces_take(struct shape_forces *forces, const struct system *system
         memcpy(forces->c[i], system->term[i].c, sizeof forces->c[i]);
 }
 
-/* The terms' functions once more, and their flags as constants. */
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#define TERM_BODIES
-#include FORCE_TERMS
-#undef TERM_BODIES
-#pragma GCC diagnostic pop
-
+/* The terms' flags as constants. */
 enum {
 #define CONSERVATIVE_TERM(name, flags, ...) name##_flags = (flags),
 #define POWERED_TERM(name, flags, ...) name##_flags = (flags),

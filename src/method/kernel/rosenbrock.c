@@ -15,11 +15,7 @@
 #define MOTIONS(S) S(duffing) S(vanderpol) S(pendulum)
 #define FLOWS(S) S(robertson, 3)
 
-#define spring_slopes spring_jacobian
-#define cubic_slopes cubic_jacobian
-#define vanderpol_slopes vanderpol_jacobian
-#define weight_slopes weight_jacobian
-#define TERM_SLOPES(i, name) name##_slopes(forces->c[i], t, y, jac + N);
+#define TERM_SLOPES(i, name) name##_jacobian(forces->c[i], t, y, jac + N);
 #define MOTION_JACOBIAN(shape)                                                                     \
     INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
     {                                                                                              \
@@ -65,7 +61,7 @@ FLOWS(FLOW_FUNCTIONS)
         return rosenbrock_small_step(n, ROW.rosenbrock, &of, step);                                \
     }
 #define MOTION_STEP(shape) STEP(shape, N)
-#define ROSENBROCK(...)                                                                            \
+#define ROSENBROCK(id, ...)                                                                        \
     static const struct method ROW = {__VA_ARGS__};                                                \
     MOTIONS(MOTION_STEP) FLOWS(STEP)
 #include "method/rows/rosenbrock.def"

@@ -19,7 +19,7 @@ enum { MOST = 4 };
         known_take(&known, march->step->system);                                                   \
         return rk_march(&RK_ROW, n, name##_slope, &known, march);                                  \
     }
-#define RUNGE_KUTTA(...)                                                                           \
+#define RUNGE_KUTTA(id, ...)                                                                       \
     static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                            \
     TYPED_MOTIONS(RK_KERNEL)                                                                       \
     TYPED_FLOWS(RK_KERNEL)

@@ -2,48 +2,70 @@
 /* The table of methods, and what is the same for all of them. */
 #include "method/rows/rows.h"
 
+#include <hooke/base/catalog.h>
 #include <hooke/base/numeric.h>
 #include <hooke/scene/typed.h>
 
 #include <assert.h>
 
+#define METHOD_TEXT(id, known_as, says, explains, lines, from)                                     \
+    static const char name_##id[] = known_as, brief_##id[] = says, formula_##id[] = lines,         \
+                      source_##id[] = from;
+#include "texts/method/rows/methods.def"
+#undef METHOD_TEXT
+
 /* clang-format off */
+#define TEXTS_OF(id) \
+    .row.name = name_##id, .row.unit = "", .row.brief = brief_##id, .row.citation = source_##id, \
+    .formula = formula_##id
 static const struct method methods[] = {
-#define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, .index = AT(RK), __VA_ARGS__},
+#define RUNGE_KUTTA(id, ...) \
+    {TEXTS_OF(id), .step = rk_step, .work = rk_work, .index = AT(RK), __VA_ARGS__},
 #include "method/rows/rk.def"
-#define SPLITTING(...) {.step = split_step, .work = split_work, .index = AT(SPLIT), __VA_ARGS__},
+#define SPLITTING(id, ...) \
+    {TEXTS_OF(id), .step = split_step, .work = split_work, .index = AT(SPLIT), __VA_ARGS__},
 #include "method/rows/split.def"
-#define NYSTROM(...) {.step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
+#define NYSTROM(id, ...) \
+    {TEXTS_OF(id), .step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
 #include "method/rows/nystrom.def"
-#define IMPLICIT_RUNGE_KUTTA(...) \
-    {.step = implicit_step, .work = implicit_work, .index = AT(IRK), __VA_ARGS__},
+#define IMPLICIT_RUNGE_KUTTA(id, ...) \
+    {TEXTS_OF(id), .step = implicit_step, .work = implicit_work, .index = AT(IRK), __VA_ARGS__},
 #include "method/rows/irk.def"
-#define ROSENBROCK(...) \
-    {.step = rosenbrock_step, .work = rosenbrock_work, .index = AT(ROSENBROCK), __VA_ARGS__},
+#define ROSENBROCK(id, ...) \
+    {TEXTS_OF(id), .step = rosenbrock_step, .work = rosenbrock_work, .index = AT(ROSENBROCK), \
+     __VA_ARGS__},
 #include "method/rows/rosenbrock.def"
-#define MULTISTEP(...) \
-    {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},
+#define MULTISTEP(id, ...) \
+    {TEXTS_OF(id), .step = multistep_step, .work = multistep_work, .growth = multistep_growth, \
+     __VA_ARGS__},
 #include "method/rows/multistep.def"
-#define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
+#define ALGORITHM(id, ...) {TEXTS_OF(id), .step = id##_step, __VA_ARGS__},
 #include "method/rows/algorithms.def"
 #ifdef HOOKE_SUNDIALS
-#define YARDSTICK(known_as, known_for, known_from, ...) \
-    {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work, \
-     .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, \
-     __VA_ARGS__},
+#define YARDSTICK(id, ...) \
+    {TEXTS_OF(id), .step = cvode_step, .work = state_work, .dense = cvode_dense, \
+     .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, __VA_ARGS__},
 #include "method/rows/cvode.def"
 #endif
 };
 
-#ifndef HOOKE_SUNDIALS
+#ifdef HOOKE_SUNDIALS
+enum { ABSENT = 0 };
+#else
 static const struct row absent[] = {
-#define YARDSTICK(known_as, ...) \
-    {known_as, "", \
+#define YARDSTICK(id, ...) \
+    {name_##id, "", \
      "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", \
      "", NULL},
 #include "method/rows/cvode.def"
 };
+enum { ABSENT = COUNT_OF(absent) };
 #endif
+
+#define METHOD_TEXT(...) +1
+_Static_assert(COUNT_OF(methods) + ABSENT == 0
+#include "texts/method/rows/methods.def"
+    , "methods.txt has a text without a row");
 /* clang-format on */
 
 const struct catalog method_catalog = {
@@ -57,9 +79,24 @@ const struct catalog method_catalog = {
 #endif
 };
 
+const struct method *method_by_name(struct text name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, name);
+}
+
+const struct method *method_at(size_t i)
+{
+    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
+}
+
+const struct method *method_from(const struct row *row)
+{
+    return (const struct method *)(const void *)row;
+}
+
 const struct method *method_find(const char *name)
 {
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_by_name(text_of(name));
 }
 
 static const struct row drags[] = {

@@ -68,18 +68,18 @@ INSTANCE void solve_complex(int n, const double *a, double *re, double *im)
 
 bool lu_factor(int n, double *a)
 {
-    return n == 1   ? lu_factor_size(1, a)
-           : n == 2 ? lu_factor_size(2, a)
-           : n == 3 ? lu_factor_size(3, a)
-                    : lu_factor_size(n, a);
+    return n == 1   ? lu_factor_size(1, a, a + n * n)
+           : n == 2 ? lu_factor_size(2, a, a + n * n)
+           : n == 3 ? lu_factor_size(3, a, a + n * n)
+                    : lu_factor_size(n, a, a + n * n);
 }
 
 void lu_solve(int n, const double *a, double *b)
 {
-    n == 1   ? lu_solve_size(1, a, b)
-    : n == 2 ? lu_solve_size(2, a, b)
-    : n == 3 ? lu_solve_size(3, a, b)
-             : lu_solve_size(n, a, b);
+    n == 1   ? lu_solve_size(1, a, a + n * n, b)
+    : n == 2 ? lu_solve_size(2, a, a + n * n, b)
+    : n == 3 ? lu_solve_size(3, a, a + n * n, b)
+             : lu_solve_size(n, a, a + n * n, b);
 }
 
 bool lu_factor_complex(int n, double *a)

@@ -20,7 +20,8 @@ INSTANCE void swap(double *a, double *b)
     *b = c;
 }
 
-INSTANCE bool lu_factor_size(int n, double *a)
+/* pivot [n]: the row that took the place of each. */
+INSTANCE bool lu_factor_size(int n, double *a, double *pivot)
 {
     for (int p = 0; p < n; p++) {
         int best = p;
@@ -30,7 +31,7 @@ INSTANCE bool lu_factor_size(int n, double *a)
         double inverse = 1 / a[best * n + p];
         if (inverse == 0 || !isfinite(inverse))
             return false;
-        a[n * n + p] = best;
+        pivot[p] = best;
         for (int i = p + 1; i < n;
              i++) /* a place that the compiler knows: small matrices stay in registers */
             for (int j = p; j < n && i == best; j++)
@@ -45,10 +46,10 @@ INSTANCE bool lu_factor_size(int n, double *a)
     return true;
 }
 
-INSTANCE void lu_solve_size(int n, const double *a, double *b)
+INSTANCE void lu_solve_size(int n, const double *a, const double *pivot, double *b)
 {
     for (int p = 0; p < n; p++) {
-        int best = (int)a[n * n + p];
+        int best = (int)pivot[p];
         for (int i = p + 1; i < n; i++)
             if (i == best)
                 swap(&b[p], &b[i]);

@@ -56,12 +56,12 @@ INLINE struct workspace workspace_of(int stages, int n, double *work)
 /* A size that the compiler knows needs no choice among them. */
 INLINE bool newton_lu(int n, double *a)
 {
-    return __builtin_constant_p(n) ? lu_factor_size(n, a) : lu_factor(n, a);
+    return __builtin_constant_p(n) ? lu_factor_size(n, a, a + n * n) : lu_factor(n, a);
 }
 
 INLINE void newton_lu_solve(int n, const double *a, double *x)
 {
-    __builtin_constant_p(n) ? lu_solve_size(n, a, x) : lu_solve(n, a, x);
+    __builtin_constant_p(n) ? lu_solve_size(n, a, a + n * n, x) : lu_solve(n, a, x);
 }
 
 /* The factors of real - h J and alpha + i beta - h J, with J at t and y. */

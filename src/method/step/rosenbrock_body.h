@@ -103,57 +103,21 @@ INLINE struct few few_multiply(int n, const struct few *column, const double *x,
     return start;
 }
 
-/*
- * Columns of the inverse of diagonal - jacobian, by elimination with partial pivoting: of rows that
- * have changed places, then the columns go back. False: there is none.
- */
+/* Columns of the inverse of diagonal - jacobian; false: there is none. */
 INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct few *column)
 {
-    double a[INVERTED][INVERTED], x[INVERTED] = {0};
-    int best[INVERTED];
+    double a[INVERTED * INVERTED], pivot[INVERTED], x[INVERTED];
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            a[i][j] = (i == j ? diagonal : -0.0) - jacobian[i * n + j];
-    for (int p = 0; p < n; p++) {
-        double max = fabs(a[p][p]);
-        best[p] = p;
-        for (int i = p + 1; i < n; i++)
-            if (fabs(a[i][p]) > max) {
-                max = fabs(a[i][p]);
-                best[p] = i;
-            }
-        for (int i = p + 1; i < n; i++) /* places that the compiler knows: all stays in registers */
-            for (int j = 0; j < n && i == best[p]; j++)
-                swap(&a[p][j], &a[i][j]);
-        a[p][p] = 1 / a[p][p];
-        if (a[p][p] == 0 || !isfinite(a[p][p]))
-            return false;
-        for (int i = p + 1; i < n; i++) {
-            a[i][p] *= a[p][p];
-            for (int j = p + 1; j < n; j++)
-                a[i][j] -= a[i][p] * a[p][j];
-        }
-    }
+            a[i * n + j] = (i == j ? diagonal : -0.0) - jacobian[i * n + j];
+    if (!lu_factor_size(n, a, pivot))
+        return false;
     for (int k = 0; k < n; k++) {
         for (int i = 0; i < n; i++)
             x[i] = i == k;
-        for (int p = k; p < n; p++) /* 0 before */
-            for (int i = p + 1; i < n; i++)
-                x[i] = p == k ? -a[i][p] : x[i] - a[i][p] * x[p];
-        for (int i = n; i-- > 0;) {
-            for (int j = i + 1; j < n; j++)
-                x[i] -= a[i][j] * x[j];
-            x[i] *= a[i][i];
-        }
+        lu_solve_size(n, a, pivot, x);
         column[k] = few_of(n, x);
     }
-    for (int p = n; p-- > 0;)
-        for (int i = p + 1; i < n; i++)
-            if (i == best[p]) {
-                const struct few other = column[p];
-                column[p] = column[i];
-                column[i] = other;
-            }
     return true;
 }
 

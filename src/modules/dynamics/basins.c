@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* basins */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/poles.h>
 #include "modules/dynamics/chaos.h"
-#include <hooke/study/sweep.h>
-#include <hooke/command/handler.h>
+#include <hooke/language/grid.h>
+#include "modules/dynamics/handlers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,30 +30,17 @@ static bool read_side(struct session *session, const struct arguments *args, str
                       struct error *error)
 {
     struct parser parser = {session, args->scope, args->arena, argument};
-    const struct text name = peek_name(argument);
-    const int i = name.len > 0 ? model_state(system->model, name) : -1;
-    if (text_starts(argument, TEXT("--")))
-        return error_at(error, argument, "basins has no option '%.*s'",
-                        (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
-    if (i < 0) {
-        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
-                 (int)(argument.len < 64 ? argument.len : 64), argument.at);
-        return error_hint(error, "starts differ in two variables, as in %s=-2:2:0.1",
-                          system->model->variable[0].name);
-    }
+    const int i = read_variable(&parser, argument, system, "basins", "-2:2:0.1", error);
+    if (i < 0)
+        return false;
     if (axis == 2)
         return error_at(error, argument, "basins are over two variables");
     if (axis == 1 && request->axis[0].variable == i)
-        return error_at(error, argument, "'%.*s' is given twice", (int)name.len, name.at);
-    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
-    if (!text_starts(parser.rest, TEXT("=")))
-        return error_at(error, argument, "%.*s needs a range, as in %.*s=-1:1:0.1", (int)name.len,
-                        name.at, (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+        return error_at(error, argument, "'%s' is given twice", system->model->variable[i].name);
     const struct variable variable = system_variable(system, i);
-    struct sweep_axis range = {.quantity = variable.quantity};
+    struct value_grid range = {.quantity = variable.quantity};
     snprintf(range.name, sizeof range.name, "%s", variable.name);
-    if (!read_axis_range(&parser, &range, error))
+    if (!parse_grid(&parser, &range, error))
         return false;
     if (range.log)
         return error_at(error, argument, "%s: starts lie in equal steps", variable.name);
@@ -185,23 +174,23 @@ static void reply_rest(struct reply *reply, const struct basins *basins, const c
     reply_end(reply);
 }
 
-/* Returns false if out of memory or if the user stops it: of very many starts it takes a while. */
-static bool make_table(const struct map *map, struct arena *arena, struct table *table)
+/* Keeps the map as a table, unless the user stops it: of very many starts it takes a while. */
+static void keep_map(const struct map *map, struct reply *reply)
 {
     static const char *const names[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I",
                                         "J", "K", "L", "M", "N", "O", "P", "Q", "R",
                                         "S", "T", "U", "V", "W", "X", "Y", "Z"};
-    const size_t n = (size_t)map->basins->total;
+    struct table_builder table = {.rows = (size_t)map->basins->total};
     const int64_t up = map->request->axis[1].count;
-    struct table_column *column = arena_array(arena, 3, sizeof *column);
-    double *value[] = {arena_array(arena, n, sizeof *value[0]),
-                       arena_array(arena, n, sizeof *value[0])};
-    const char **fate = arena_array(arena, n, sizeof *fate);
-    if (!column || !value[0] || !value[1] || !fate)
-        return false;
-    for (size_t i = 0; i < n; i++) {
+    double *value[2];
+    for (int a = 0; a < 2; a++) {
+        const struct variable v = system_variable(map->system, map->request->axis[a].variable);
+        value[a] = table_add_reals(&table, v.name, "", v.quantity);
+    }
+    const char **fate = table_add_texts(&table, "attractor");
+    for (size_t i = 0; !table.failed && i < table.rows; i++) {
         if (i % CANCEL_ROWS == 0 && !map->basins->cancelled && cancelled(map->request->cancel))
-            return false;
+            table.failed = true;
         const int f = map->basins->fate[i];
         value[0][i] = basins_value(map->request, 0, (int64_t)i / up);
         value[1][i] = basins_value(map->request, 1, (int64_t)i % up);
@@ -210,24 +199,12 @@ static bool make_table(const struct map *map, struct arena *arena, struct table 
                   : f == BASIN_UNDECIDED ? "not decided"
                                          : "missing";
     }
-    for (int a = 0; a < 2; a++) {
-        const struct variable v = system_variable(map->system, map->request->axis[a].variable);
-        const char *name = arena_text(arena, text_of(v.name));
-        if (!name)
-            return false;
-        column[a] = (struct table_column){
-            .name = name, .unit = quantity_unit(v.quantity), .value = value[a]};
-    }
-    column[2] = (struct table_column){.name = "attractor", .unit = "", .text = fate};
-    *table = (struct table){.column = column, .columns = 3, .rows = n};
-    return true;
+    table_finish(&table, reply, "basins");
 }
 
 static void reply_map(const struct map *map, struct reply *reply)
 {
     struct buffer text = {0};
-    struct arena own = {0};
-    struct table table;
     put_basins(&text, map);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -235,10 +212,8 @@ static void reply_map(const struct map *map, struct reply *reply)
         reply_basin(reply, map, k);
     reply_rest(reply, map->basins, "escapes", map->basins->escaping);
     reply_rest(reply, map->basins, "not decided", map->basins->undecided);
-    if (reply->store && (!map->basins->cancelled || map->basins->total <= stopped_table_rows_max) &&
-        make_table(map, &own, &table))
-        table_store_put(reply->store, "basins", &own, &table);
-    arena_reset(&own);
+    if (reply->store && (!map->basins->cancelled || map->basins->total <= stopped_table_rows_max))
+        keep_map(map, reply);
 }
 
 HANDLER(basins)
@@ -286,23 +261,6 @@ HANDLER(basins)
 }
 #endif
 
-COMMAND(
-    basins,
-    .row = {"basins", "", "which attractor each start of a grid reaches: a map, and shares", "",
-            NULL},
-    .group = "DYNAMICS",
-    .text =
-        "Starts differ in two variables, NAME=FROM:TO:STEP; the others are those of the scene. "
-        "What they end in is found\n"
-        "by itself: equilibria, closed orbits, responses of a drive with its period or up to "
-        "eight of them, motion that does\n"
-        "not repeat. Starts that leave every bound escape; what is not clear after 1000 looks "
-        "is 'not decided'. The map has a\n"
-        "letter for each attractor; 'plot basins > FILE' draws it, 'export FILE table of basins' "
-        "writes a row for each start "
-        "(after Ctrl-C only of up to 400000 starts).",
-    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
-                "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv; plot basins > basins.svg",
-    .see = "equilibria sweep lyapunov plot", .flags = COMMAND_TABLES,
-    ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED),
-              OPTION("full", TYPE_NONE)))
+COMMAND(basins, .group = "DYNAMICS", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED),
+                  OPTION("full", TYPE_NONE)))

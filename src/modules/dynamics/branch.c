@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* branch */
 #ifndef COMMAND_ROWS
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/scene/poles.h>
 #include <hooke/session/names.h>
+#include <hooke/language/grid.h>
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>
@@ -54,8 +58,7 @@ static bool read_range(struct session *session, const struct arguments *args, st
                        struct text name, struct branch_words *words, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
-    struct parser parser = {session, args->scope, args->arena,
-                            text_trim((struct text){name.at + name.len, argument.len - name.len})};
+    struct parser parser = {session, args->scope, args->arena, argument};
     struct item item = {0};
     const int param = scene_param_at(scene, name);
     if (param < 0)
@@ -65,7 +68,7 @@ static bool read_range(struct session *session, const struct arguments *args, st
     for (int j = 0; j < words->params; j++)
         if (words->param[j] == param)
             return error_at(error, name, "'%.*s' is given twice", (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    take_equals(&parser, argument, name);
     const struct param_row *row = param_at(scene, param);
     if (!parse_range(&parser, row->row.name, row->quantity, &item, error) ||
         !refuse_rest(&parser, NULL, error))
@@ -83,12 +86,11 @@ static bool read_range(struct session *session, const struct arguments *args, st
 static bool read_number(struct session *session, const struct arguments *args, struct text argument,
                         struct text name, double most, double *number, struct error *error)
 {
-    struct parser parser = {session, args->scope, args->arena,
-                            text_trim((struct text){name.at + name.len, argument.len - name.len})};
+    struct parser parser = {session, args->scope, args->arena, argument};
     struct item item = {0};
     char what[8];
     snprintf(what, sizeof what, "%.*s", (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    take_equals(&parser, argument, name);
     if (!read_value(&parser, what, QUANTITY_NUMBER, &item, error))
         return false;
     *number = item.value.value;
@@ -283,45 +285,20 @@ static void put_branch(const struct session *session, const struct kept_branch *
     buffer_put(out, TEXT("; all points: 'export FILE table'"));
 }
 
-struct row_columns {
-    struct arena arena;
-    struct table_column *column;
-    size_t rows;
-    int count;
-    bool failed;
-};
-
-static double *add_column(struct row_columns *c, const char *name, const char *suffix,
-                          enum quantity quantity)
+static void add_words(struct table_builder *table, const struct kept_branch *b)
 {
-    double *value = arena_array(&c->arena, c->rows + 1, sizeof *value);
-    struct buffer full = {0};
-    buffer_format(&full, "%s%s", name, suffix);
-    const char *copy = full.failed ? NULL : arena_text(&c->arena, buffer_text(&full));
-    buffer_free(&full);
-    c->failed = c->failed || !value || !copy;
-    c->column[c->count++] =
-        (struct table_column){.name = copy, .unit = quantity_unit(quantity), .value = value};
-    return value;
-}
-
-static void add_words(struct row_columns *c, const struct kept_branch *b)
-{
-    const char **stable = arena_array(&c->arena, c->rows + 1, sizeof *stable),
-               **label = arena_array(&c->arena, c->rows + 1, sizeof *label);
-    c->failed = c->failed || !stable || !label;
-    for (size_t i = 0; !c->failed && i < c->rows; i++) {
+    const char **stable = table_add_texts(table, "stability"),
+               **label = table_add_texts(table, "label");
+    for (size_t i = 0; !table->failed && i < table->rows; i++) {
         stable[i] = solution_stable(&b->branch.point[i].solution) ? "stable" : "unstable";
         label[i] = "";
     }
-    for (int k = 0; !c->failed && k < b->specials; k++) {
+    for (int k = 0; !table->failed && k < b->specials; k++) {
         char own[KEPT_LABEL];
         kept_point_label(&b->special[k], own);
-        const char *copy = arena_text(&c->arena, text_of(own));
+        const char *copy = arena_text(&table->arena, text_of(own));
         label[b->special[k].at] = copy ? copy : "";
     }
-    c->column[c->count++] = (struct table_column){.name = "stability", .unit = "", .text = stable};
-    c->column[c->count++] = (struct table_column){.name = "label", .unit = "", .text = label};
 }
 
 /* A row for each point: the parameters, extrema of the states, the period, stability, label. */
@@ -330,14 +307,11 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
 {
     const struct scene *scene = &session->setup.scene;
     const struct branch *branch = &b->branch;
-    struct row_columns c = {.rows = (size_t)branch->count};
+    struct table_builder table = {.rows = (size_t)branch->count};
     const struct system system = {.model = scene->model, .n = scene->model->n};
-    if (!reply->store ||
-        !(c.column = arena_array(&c.arena, 2 * DYNAMICS_VARIABLES + 6, sizeof *c.column)))
-        return;
     for (int j = 0; j < b->params; j++) {
         const struct param_row *row = param_at(scene, b->param[j]);
-        double *value = add_column(&c, row->row.name, "", row->quantity);
+        double *value = table_add_reals(&table, row->row.name, "", row->quantity);
         for (int i = 0; value && i < branch->count; i++)
             value[i] = branch->point[i].solution.param[j];
     }
@@ -345,24 +319,21 @@ static void keep_rows(const struct session *session, const struct kept_branch *b
     for (int k = 0; k < system.n; k++)
         for (int side = 0; side < (rests ? 1 : 2); side++) {
             const struct variable variable = system_variable(&system, k);
-            double *value = add_column(&c, variable.name,
-                                       rests  ? ""
-                                       : side ? "_max"
-                                              : "_min",
-                                       variable.quantity);
+            double *value = table_add_reals(&table, variable.name,
+                                            rests  ? ""
+                                            : side ? "_max"
+                                                   : "_min",
+                                            variable.quantity);
             for (int i = 0; value && i < branch->count; i++) {
                 const struct solution *s = &branch->point[i].solution;
                 value[i] = rests ? s->state[k] : side ? s->top[k] : s->bottom[k];
             }
         }
-    double *period = rests ? NULL : add_column(&c, "period", "", QUANTITY_TIME);
+    double *period = rests ? NULL : table_add_reals(&table, "period", "", QUANTITY_TIME);
     for (int i = 0; period && i < branch->count; i++)
         period[i] = branch->point[i].solution.period;
-    add_words(&c, b);
-    const struct table table = {.column = c.column, .columns = c.count, .rows = c.rows};
-    if (!c.failed)
-        table_store_put(reply->store, "branch", &c.arena, &table);
-    arena_reset(&c.arena);
+    add_words(&table, b);
+    table_finish(&table, reply, "branch");
 }
 
 static void reply_branch(const struct session *session, const struct kept_branch *b,
@@ -451,29 +422,9 @@ HANDLER(branch)
 }
 #endif
 
-COMMAND(
-    branch,
-    .row = {"branch", "", "how equilibria, orbits and responses go with a parameter", "", NULL},
-    .group = "DYNAMICS",
-    .text =
-        "Follows an equilibrium (the first of 'equilibria', or N), an orbit or the response to "
-        "a drive around folds and\n"
-        "back, both ways from where the scene is, with its special points under labels: LP "
-        "fold, HB Hopf, BP branch\n"
-        "point, PD period doubling, NS Neimark-Sacker, EP end, and whether runs on both sides of "
-        "each do what it says. 'from HB1' (BP, PD) follows "
-        "the branch that leaves it\n"
-        "there; with a second NAME=FROM:TO the curve of such points. step is a part of the "
-        "range (at most 0.05 if it\n"
-        "is not given), max a number of points. Pairs of special points within a step are found "
-        "where their tests come\n"
-        "near 0 at its ends, too; shorter steps see more.",
-    .examples = "var x = 1; param r = -1; x' = r*x-x^3; equilibria; branch r=-1:1; branch "
-                "r=-1:1 from BP1\n"
-                "scene duffing-driven; branch omega=0.5:3 of response",
-    .see = "equilibria orbit use list", .flags = COMMAND_TABLES, .completes = COMPLETES_SWEEP,
-    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED,
-                    .more = "[NAME=FROM:TO] [of equilibrium [N]|of orbit [N]|of response] "
-                            "[from LABEL]"),
-              KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE),
-              OPTION("full", TYPE_NONE)))
+COMMAND(branch, .group = "DYNAMICS", .flags = COMMAND_TABLES, .completes = COMPLETES_GRID,
+        ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST, .flags = ARG_REQUIRED,
+                        .more = "[NAME=FROM:TO] [of equilibrium [N]|of orbit [N]|of response] "
+                                "[from LABEL]"),
+                  KEY("max", TYPE_INTEGER), KEY("step", TYPE_VALUE), OPTION("forward", TYPE_NONE),
+                  OPTION("full", TYPE_NONE)))

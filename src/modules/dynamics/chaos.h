@@ -5,7 +5,7 @@
 #define HOOKE_MODULES_DYNAMICS_CHAOS_H
 
 #include "modules/dynamics/dynamics.h"
-#include <hooke/study/attractor.h>
+#include <hooke/run/attractor.h>
 
 /* ---- Lyapunov exponents ----
  *

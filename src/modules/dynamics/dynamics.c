@@ -3,6 +3,7 @@
  * The module dynamics: equilibria, periodic orbits, branches of both over parameters, Lyapunov
  * exponents, basins of attraction and phase portraits.
  */
+#include <hooke/base/number.h>
 #include <hooke/language/complete.h>
 #include "modules/dynamics/chaos.h"
 #include "modules/dynamics/handlers.h"
@@ -45,13 +46,12 @@ static void free_part(void *state)
 static bool part_uses(const void *state, const struct model *model)
 {
     const struct stored_portrait *portrait = &((const struct dynamics_part *)state)->portrait;
-    return portrait->known &&
-           (portrait->scene.model == model || portrait->scene.preset->model == model);
+    return portrait->known && scene_uses(&portrait->scene, model);
 }
 
 const struct module dynamics_module = {
     .row = {"dynamics", "", "equilibria, orbits, branches, exponents, basins, portraits", "", NULL},
-    .needs = "",
+    .needs = "lanes solving",
     .part_size = sizeof(struct dynamics_part),
     .part_free = free_part,
     .part_uses = part_uses,

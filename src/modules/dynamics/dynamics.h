@@ -6,9 +6,12 @@
 #ifndef HOOKE_MODULES_DYNAMICS_DYNAMICS_H
 #define HOOKE_MODULES_DYNAMICS_DYNAMICS_H
 
+#include <hooke/base/cancel.h>
 #include <hooke/scene/model.h>
 #include <hooke/base/numeric.h>
-#include <hooke/study/attractor.h>
+#include <hooke/run/attractor.h>
+
+struct catalog;
 
 /* Of a scene that orbits are followed of. */
 #define DYNAMICS_VARIABLES ATTRACTOR_VARIABLES

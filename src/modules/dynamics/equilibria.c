@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* equilibria */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/report.h>
 #include <hooke/scene/poles.h>
+#include <hooke/language/grid.h>
 #include "modules/dynamics/handlers.h"
 
 #include <float.h>
@@ -15,23 +18,10 @@ static bool read_side(struct session *session, const struct arguments *args, str
                       const struct system *system, double box[][2], struct error *error)
 {
     struct parser parser = {session, args->scope, args->arena, argument};
-    const struct text name = peek_name(argument);
-    const int i = name.len > 0 ? model_state(system->model, name) : -1;
     struct item item = {0};
-    if (text_starts(argument, TEXT("--")))
-        return error_at(error, argument, "equilibria has no option '%.*s'",
-                        (int)(argument.len < 64 ? argument.len : 64) - 2, argument.at + 2);
-    if (i < 0) {
-        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
-                 (int)argument.len, argument.at);
-        return error_hint(error, "a side of the box is NAME=FROM:TO, for example %s=-1:1",
-                          system->model->variable[0].name);
-    }
-    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
-    if (!text_starts(parser.rest, TEXT("=")))
-        return error_at(error, argument, "%.*s needs a range, as in %.*s=-1:1", (int)name.len,
-                        name.at, (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const int i = read_variable(&parser, argument, system, "equilibria", "-1:1", error);
+    if (i < 0)
+        return false;
     const struct variable variable = system_variable(system, i);
     if (!parse_range(&parser, variable.name, variable.quantity, &item, error) ||
         !refuse_rest(&parser, NULL, error))
@@ -286,7 +276,7 @@ HANDLER(equilibria)
     double box[LIMIT_VARIABLES][2];
     bool full = false;
     if (!bind_in_box(session, args, &scene, &system, error) ||
-        !session_box(session, &system, args->arena, box, error) ||
+        !dynamics_search_box(session, &system, args->arena, box, error) ||
         !read_sides(session, args, &system, box, &full, error))
         return false;
     for (int i = 0; i < system.n && i < DYNAMICS_VARIABLES; i++)
@@ -312,23 +302,5 @@ HANDLER(equilibria)
 }
 #endif
 
-COMMAND(
-    equilibria,
-    .row = {"equilibria", "", "where the scene rests: all of them in a box, with their kind", "",
-            NULL},
-    .group = "DYNAMICS",
-    .text =
-        "All states in a box at which nothing changes, found by bounds of the equations: "
-        "none is missed and none\n"
-        "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
-        "a variable; without it\n"
-        "what runs have shown, widened. With sides the scene's start may lie on a pole. "
-        "Kinds follow from the\n"
-        "eigenvalues of the Jacobian ('not known': a slope is infinite). "
-        "Of a scene with a drive\n"
-        "those of the mean over its period; of an angle one turn. --full: index and eigenvectors, "
-        "too.",
-    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; equilibria x=-2:2 v=-2:2\n"
-                "equilibria > rests.csv",
-    .see = "stability plot run", .flags = COMMAND_TABLES,
-    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST), OPTION("full", TYPE_NONE)))
+COMMAND(equilibria, .group = "DYNAMICS", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST), OPTION("full", TYPE_NONE)))

@@ -14,7 +14,32 @@ void reply_equilibrium(const struct system *system, const struct equilibria *fou
 /* Pairs once: "-0.1 +- 1.4i, -3". */
 void put_eigenvalues(struct buffer *out, const struct solution *solution);
 
-/* kept.c: values by their names, in SI, as an object of the record. */
+/* ---- shared.c ---- */
+
+/* Takes NAME= off an argument: the parser's rest becomes the value. Returns false if there is none.
+ */
+bool take_equals(struct parser *parser, struct text argument, struct text name);
+/* Takes NAME= of a variable off an argument, and returns which variable; -1 with `error` filled, in
+ * which `example` shows a value. */
+int read_variable(struct parser *parser, struct text argument, const struct system *system,
+                  const char *command, const char *example, struct error *error);
+
+/* A table of results: memory of each of its columns is NULL if it is out. */
+enum { TABLE_BUILDER_COLUMNS = 2 * DYNAMICS_VARIABLES + 6 };
+struct table_builder {
+    struct arena arena;
+    struct table_column *column;
+    size_t rows; /* set before */
+    int count;
+    bool failed;
+};
+double *table_add_reals(struct table_builder *builder, const char *name, const char *suffix,
+                        enum quantity quantity);
+const char **table_add_texts(struct table_builder *builder, const char *name);
+/* Makes it the last table of its kind, unless memory is out, and frees what is left. */
+void table_finish(struct table_builder *builder, struct reply *reply, const char *kind);
+
+/* Values by their names, in SI, as an object of the record. */
 void reply_state(struct reply *reply, const struct system *system, const char *key,
                  const double *state);
 void reply_stable(struct reply *reply, const struct solution *s, bool family);
@@ -51,7 +76,7 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 /* What equilibria and flows are solved by, whatever the session's method is. */
 #define NEWTON_SOLVER "bounds of the equations and Newton's method"
 #define FLOW_SOLVER "dop853, or radau5 where that takes too many steps, at tolerances of its own"
-/* orbit.c: adds a line that says so where the user has chosen a method, a step or a tolerance. */
+/* Adds a line that says so where the user has chosen a method, a step or a tolerance. */
 void reply_own_solver(const struct session *session, const char *solver, struct reply *reply);
 /* ", 12 ms", where times are shown. */
 void put_seconds(struct buffer *out, const struct session *session, double seconds);

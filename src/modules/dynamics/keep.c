@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What was found of the present equations, and when it goes. */
+#include "modules/solving/compute/start.h"
 #include "modules/dynamics/kept.h"
 #include <hooke/scene/poles.h>
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is kept of the equations: what list shows of it, and back into the scene. */
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
-#include <hooke/study/verdict.h>
+#include "modules/solving/compute/start.h"
+#include "modules/dynamics/branches/verdict.h"
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>
@@ -22,47 +24,6 @@ static const char *const special_types[SPECIAL_COUNT] = {
 static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibrium",
                                              [SOLUTION_ORBIT] = "orbit",
                                              [SOLUTION_RESPONSE] = "response"};
-
-/* ---- what they share with other commands ---- */
-
-void put_seconds(struct buffer *out, const struct session *session, double seconds)
-{
-    if (session->setup.settings.timing == TIMING_OFF)
-        return;
-    buffer_put(out, TEXT(", "));
-    buffer_quantity(out, seconds, QUANTITY_TIME, 3);
-}
-
-void reply_state(struct reply *reply, const struct system *system, const char *key,
-                 const double *state)
-{
-    reply_object(reply, key);
-    for (int i = 0; i < system->n; i++)
-        reply_real(reply, system_variable(system, i).name, state[i]);
-    reply_close(reply);
-}
-
-void reply_values(struct reply *reply, const char *key, const struct solution *s)
-{
-    reply_array(reply, key);
-    for (int i = 0; i < s->values; i++) {
-        reply_array(reply, NULL);
-        reply_real(reply, NULL, s->value[i].re);
-        reply_real(reply, NULL, s->value[i].im);
-        reply_close(reply);
-    }
-    reply_close(reply);
-}
-
-/* Not known, and neutral, are neither. */
-void reply_stable(struct reply *reply, const struct solution *s, bool family)
-{
-    const bool stable = solution_stable(s);
-    if (!solution_is_known(s) || (stable && family))
-        reply_null(reply, "stable");
-    else
-        reply_bool(reply, "stable", stable);
-}
 
 static void cell_values(struct text_table *table, const struct solution *s)
 {
@@ -100,6 +61,15 @@ static void cell_what(struct text_table *table, const struct branch_point *point
     cell_take(table, &out);
 }
 
+/* Returns the largest state of variable i on the branch, beside which rounding is 0. */
+static double largest_state(const struct branch *branch, int i)
+{
+    double largest = 0;
+    for (int k = 0; k < branch->count; k++)
+        largest = fmax(largest, fabs(branch->point[k].solution.state[i]));
+    return largest;
+}
+
 static void put_point(struct text_table *table, const struct scene *scene,
                       const struct system *system, const struct kept_branch *branch,
                       const struct kept_point *point, bool periods)
@@ -126,7 +96,8 @@ static void put_point(struct text_table *table, const struct scene *scene,
     cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
     for (int i = 0; i < system->n; i++) {
         const double value = at->solution.state[i],
-                     range = at->solution.top[i] - at->solution.bottom[i];
+                     range = fmax(at->solution.top[i] - at->solution.bottom[i],
+                                  largest_state(&branch->branch, i));
         cell_quantity(table, fabs(value) < 1e-13 * range ? 0 : value,
                       system_variable(system, i).quantity, 5);
     }
@@ -235,9 +206,16 @@ static bool list_none(struct reply *reply, const char *what, const char *type)
     return true;
 }
 
-static bool list_equilibria(const struct dynamics *d, const struct system *system,
-                            struct arena *arena, struct reply *reply)
+static struct system system_of(const struct session *session)
 {
+    const struct model *model = session->setup.scene.model;
+    return (struct system){.model = model, .n = model->n};
+}
+
+bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply)
+{
+    const struct dynamics *d = session_dynamics(session);
+    const struct system system = system_of(session);
     if (!d || d->equilibria.id == 0)
         return list_none(reply, "equilibria", "equilibria");
     const struct equilibria found = {.count = d->equilibria.count,
@@ -246,11 +224,11 @@ static bool list_equilibria(const struct dynamics *d, const struct system *syste
                                      .forced = d->equilibria.forced,
                                      .complete = d->equilibria.complete};
     struct buffer out = {0};
-    put_equilibria(&out, system, &found, arena);
+    put_equilibria(&out, &system, &found, arena);
     reply_text(reply, found.count > 0 ? whole(&out) : TEXT("none in the box"));
     buffer_free(&out);
     for (int k = 0; k < found.count; k++)
-        reply_equilibrium(system, &found, k, false, reply);
+        reply_equilibrium(&system, &found, k, false, reply);
     return true;
 }
 
@@ -275,21 +253,22 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
     cell_values(table, s);
 }
 
-static bool list_orbits(const struct dynamics *d, const struct system *system, struct arena *arena,
-                        struct reply *reply)
+bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply)
 {
+    const struct dynamics *d = session_dynamics(session);
+    const struct system system = system_of(session);
     if (!d || d->orbits == 0)
         return list_none(reply, "orbits", "orbit");
-    struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 4};
+    struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4};
     struct buffer out = {0};
     cell_text(&table, "");
     cell_text(&table, "T");
-    for (int i = 0; i < system->n; i++)
-        cell_text(&table, system_variable(system, i).name);
+    for (int i = 0; i < system.n; i++)
+        cell_text(&table, system_variable(&system, i).name);
     cell_text(&table, "");
     cell_text(&table, "multipliers");
     for (int k = 0; k < d->orbits; k++)
-        put_orbit_row(&table, system, &d->orbit[k]);
+        put_orbit_row(&table, &system, &d->orbit[k]);
     text_table_put(&table, &out);
     reply_text(reply, whole(&out));
     buffer_free(&out);
@@ -298,7 +277,7 @@ static bool list_orbits(const struct dynamics *d, const struct system *system, s
         reply_begin(reply, "kept-orbit");
         reply_int(reply, "n", d->orbit[k].number);
         reply_real(reply, "period", s->period);
-        reply_state(reply, system, "state", s->state);
+        reply_state(reply, &system, "state", s->state);
         reply_values(reply, "multipliers", s);
         reply_stable(reply, s, solution_ones(s) > 0);
         reply_end(reply);
@@ -315,9 +294,9 @@ static void put_labels(struct buffer *out, const struct kept_branch *b)
     }
 }
 
-static bool list_branches(const struct session *session, const struct dynamics *d,
-                          struct arena *arena, struct reply *reply)
+bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply)
 {
+    const struct dynamics *d = session_dynamics(session);
     if (!d || d->branches == 0)
         return list_none(reply, "branches", "branch NAME=FROM:TO");
     const struct scene *scene = &session->setup.scene;
@@ -360,9 +339,9 @@ static bool list_branches(const struct session *session, const struct dynamics *
     return true;
 }
 
-static bool list_points(const struct session *session, const struct dynamics *d,
-                        struct arena *arena, struct reply *reply)
+bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply)
 {
+    const struct dynamics *d = session_dynamics(session);
     int points = 0;
     for (int k = 0; d && k < d->branches; k++)
         points += d->branch[k]->specials;
@@ -375,30 +354,6 @@ static bool list_points(const struct session *session, const struct dynamics *d,
     for (int k = 0; k < d->branches; k++)
         reply_points(session, d->branch[k], reply);
     return true;
-}
-
-bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply)
-{
-    const struct model *model = session->setup.scene.model;
-    const struct system system = {.model = model, .n = model->n};
-    return list_equilibria(session_dynamics(session), &system, arena, reply);
-}
-
-bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply)
-{
-    const struct model *model = session->setup.scene.model;
-    const struct system system = {.model = model, .n = model->n};
-    return list_orbits(session_dynamics(session), &system, arena, reply);
-}
-
-bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply)
-{
-    return list_branches(session, session_dynamics(session), arena, reply);
-}
-
-bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply)
-{
-    return list_points(session, session_dynamics(session), arena, reply);
 }
 
 /* ---- use ---- */

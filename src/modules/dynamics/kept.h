@@ -114,4 +114,12 @@ void dynamics_scene(const struct session *session, const double *value, struct s
 void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int at,
                        struct scene *scene);
 
+/*
+ * Fills box [n] with the region of state space in which equilibria are searched: what the current
+ * run of the scene has shown and its natural sizes about 0, widened; of an angle one turn. Returns
+ * false with `error` filled if out of memory.
+ */
+bool dynamics_search_box(const struct session *session, const struct system *system,
+                         struct arena *arena, double box[][2], struct error *error);
+
 #endif

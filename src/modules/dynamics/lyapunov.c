@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* lyapunov */
 #ifndef COMMAND_ROWS
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/dynamics/chaos.h"
 #include "modules/dynamics/handlers.h"
@@ -163,28 +164,7 @@ HANDLER(lyapunov)
 }
 #endif
 
-COMMAND(lyapunov,
-        .row = {"lyapunov", "", "how fast near motions go apart: exponents with errors, and checks",
-                "", NULL},
-        .group = "DYNAMICS",
-        .text =
-            "Means over time of the rates at which tangents of the motion grow, from the scene's "
-            "start on: the N largest\n"
-            "of them, all without N. 'skip=T' leaves the first time out (a tenth), 'over T' is the "
-            "time of the means.\n"
-            "Errors are standard errors, from what rates scatter over long times; where the time "
-            "is too short for them,\n"
-            "'not determined'. Printed with it: the sum against the mean divergence, the exponent "
-            "that has to be 0, the\n"
-            "stroboscopic map of a drive, the Kaplan-Yorke dimension.\n"
-            "'of NAME', 'of run N', 'of COLUMN': the largest exponent that a recording, or one "
-            "value of a run, tells by\n"
-            "itself: by how neighbours among vectors of its delayed values go apart, with the "
-            "correlation dimension.\n"
-            "Noise, sines, cycles, decay and short records are 'not determined', with the reason.",
-        .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t); lyapunov\n"
-                    "scene henon-heiles; lyapunov 1 over 500 s skip=50 s",
-        .see = "equilibria run sweep", .flags = COMMAND_TABLES,
+COMMAND(lyapunov, .group = "DYNAMICS", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("RECORDING", TYPE_RECORDING, .lead = "of"), PLACE("N", TYPE_INTEGER),
                   WORD("over", TYPE_VALUE, .quantity = QUANTITY_TIME),
                   KEY("skip", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* lyapunov of a recording or of a run's values: what they alone tell. */
-#include <hooke/analysis.h>
+#include <hooke/base/unit.h>
+#include "modules/dynamics/series/series_exponent.h"
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>

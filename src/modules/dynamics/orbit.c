@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* orbit */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
+#include <hooke/language/grid.h>
 #include "modules/dynamics/handlers.h"
 
 #include <math.h>
@@ -14,32 +17,23 @@ static bool read_guess(struct session *session, const struct arguments *args, st
                        struct error *error)
 {
     struct parser parser = {session, args->scope, args->arena, argument};
-    const struct text name = peek_name(argument);
-    const bool period = text_is(name, "period");
-    const int i = name.len > 0 && !period ? model_state(system->model, name) : -1;
     struct item item = {0};
-    if (i < 0 && !period) {
-        error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
-                 (int)name.len, name.at);
-        return error_hint(error, "a guess is period=T, or a variable: %s=1",
-                          system->model->variable[0].name);
-    }
-    parser.rest = text_trim((struct text){argument.at + name.len, argument.len - name.len});
-    if (!text_starts(parser.rest, TEXT("=")))
-        return error_at(error, argument, "%.*s needs a value, as in %.*s=1", (int)name.len, name.at,
-                        (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
-    const char *what = period ? "period" : system->model->variable[i].name;
-    const enum quantity quantity = period ? QUANTITY_TIME : system_variable(system, i).quantity;
-    if (!read_value(&parser, what, quantity, &item, error))
-        return false;
-    if (period && !(item.value.value > 0))
-        return error_at(error, item.text, "a period is more than 0");
-    if (period)
+    if (text_is(peek_name(argument), "period")) {
+        if (!take_equals(&parser, argument, TEXT("period")))
+            return error_at(error, argument, "period needs a value, as in period=1");
+        if (!read_value(&parser, "period", QUANTITY_TIME, &item, error))
+            return false;
         request->period = item.value.value;
-    else
-        request->state[i] = item.value.value;
-    request->settles = request->settles && period;
+        return request->period > 0 || error_at(error, item.text, "a period is more than 0");
+    }
+    const int i = read_variable(&parser, argument, system, "orbit", "1", error);
+    if (i < 0)
+        return false;
+    const struct variable variable = system_variable(system, i);
+    if (!read_value(&parser, variable.name, variable.quantity, &item, error))
+        return false;
+    request->state[i] = item.value.value;
+    request->settles = false;
     return true;
 }
 
@@ -106,13 +100,6 @@ static void put_multipliers(struct buffer *out, const struct solution *s)
                       s->trivial);
 }
 
-void reply_own_solver(const struct session *session, const char *solver, struct reply *reply)
-{
-    const struct setup *setup = &session->setup;
-    if (setup->method_chosen || setup->settings.tol_chosen || setup->settings.dt_chosen)
-        reply_line(reply, "solved by %s ('method', 'dt' and 'tol' do not matter here)", solver);
-}
-
 static void put_orbit(struct buffer *out, const struct system *system, int number,
                       const struct found_orbit *orbit)
 {
@@ -167,30 +154,20 @@ static void reply_orbit(const struct system *system, int number, const struct fo
     reply_end(reply);
 }
 
-/* Times and states of one period. Without memory there is none. */
+/* Times and states of one period. */
 static void keep_table(const struct system *system, const struct found_orbit *orbit,
                        struct reply *reply)
 {
-    struct arena arena = {0};
-    const int width = system->n + 1;
-    const size_t rows = (size_t)orbit->samples;
-    struct table_column *column = arena_array(&arena, (size_t)width, sizeof *column);
-    bool fine = reply->store && column;
-    for (int c = 0; fine && c < width; c++) {
+    struct table_builder table = {.rows = (size_t)orbit->samples};
+    const size_t width = (size_t)system->n + 1;
+    for (size_t c = 0; c < width; c++) {
         const struct variable variable =
-            c > 0 ? system_variable(system, c - 1) : (struct variable){"t", QUANTITY_TIME};
-        double *value = arena_array(&arena, rows + 1, sizeof *value);
-        for (size_t k = 0; value && k < rows; k++)
-            value[k] = orbit->sample[k * (size_t)width + (size_t)c];
-        column[c] = (struct table_column){.name = arena_text(&arena, text_of(variable.name)),
-                                          .unit = quantity_unit(variable.quantity),
-                                          .value = value};
-        fine = value && column[c].name;
+            c > 0 ? system_variable(system, (int)c - 1) : (struct variable){"t", QUANTITY_TIME};
+        double *value = table_add_reals(&table, variable.name, "", variable.quantity);
+        for (size_t k = 0; value && k < table.rows; k++)
+            value[k] = orbit->sample[k * width + c];
     }
-    const struct table table = {.column = column, .columns = width, .rows = rows};
-    if (fine)
-        table_store_put(reply->store, "orbit", &arena, &table);
-    arena_reset(&arena);
+    table_finish(&table, reply, "orbit");
 }
 
 HANDLER(orbit)
@@ -245,18 +222,5 @@ HANDLER(orbit)
 }
 #endif
 
-COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stability", "", NULL},
-        .group = "DYNAMICS",
-        .text = "From where the run is (else the scene's start) the motion is followed until it "
-                "nearly comes back; Newton's\n"
-                "method closes it. period=T and variables are a guess to begin at, also of an "
-                "unstable one. With a drive the\n"
-                "period is the drive's, or a multiple; of the family of a motion without loss the "
-                "orbit with "
-                "just that period. Multipliers say what a small difference "
-                "becomes in a period; 'export\n"
-                "FILE table' writes the orbit.",
-        .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"
-                    "scene vanderpol; orbit period=6 s",
-        .see = "equilibria use list run", .flags = COMMAND_TABLES,
+COMMAND(orbit, .group = "DYNAMICS", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST, .more = "[period=T]"), OPTION("full", TYPE_NONE)))

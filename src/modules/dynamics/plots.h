@@ -11,7 +11,8 @@ bool portrait_fits(const struct model *model);
 bool portrait_offered(const struct session *session);
 bool portrait_figure(struct drawing *d, struct figure *figure);
 /* portrait.c: where its separatrices cross the lines through equilibria. */
-void reply_portrait(const struct session *session, struct reply *reply);
+void reply_portrait(const struct session *session, const struct figure_request *request,
+                    struct reply *reply);
 /* Branches over their parameter. */
 bool branches_known(const struct session *session);
 bool branches_figure(struct drawing *d, struct figure *figure);

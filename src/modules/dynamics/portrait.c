@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers behind a portrait. */
+#include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/dynamics/stored_portrait.h"
 
@@ -31,8 +32,10 @@ static void reply_crossings(const struct separatrix *s, const struct variable va
     reply_close(reply);
 }
 
-void reply_portrait(const struct session *session, struct reply *reply)
+void reply_portrait(const struct session *session, const struct figure_request *request,
+                    struct reply *reply)
 {
+    UNUSED(request);
     const struct stored_portrait *stored = stored_portrait(session);
     if (!stored || !stored->request.scene)
         return;

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* start */
 #ifndef COMMAND_ROWS
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot.h>
 #include <hooke/report.h>
-#include <hooke/command/handler.h>
+#include "modules/dynamics/handlers.h"
 
 #include <math.h>
 #include <string.h>
@@ -52,19 +54,9 @@ static bool read_part(struct session *session, const struct arguments *args, str
 {
     struct parser parser = {session, args->scope, args->arena, item};
     struct item value = {0};
-    struct text name = peek_name(item);
-    name.len += name.len < item.len && item.at[name.len] == '\'';
-    const int i = name.len > 0 ? model_state(system->model, name) : -1;
-    if (i < 0) {
-        error_at(error, name.len > 0 ? name : item, "'%.*s' is no variable of the scene",
-                 (int)item.len, item.at);
-        return error_hint(error, "a start is NAME=VALUE,NAME=VALUE, for example %s=1",
-                          system->model->variable[0].name);
-    }
-    parser.rest = text_trim((struct text){item.at + name.len, item.len - name.len});
-    if (!text_starts(parser.rest, TEXT("=")))
-        return error_at(error, item, "%.*s needs a value", (int)name.len, name.at);
-    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const int i = read_variable(&parser, item, system, "start", "1", error);
+    if (i < 0)
+        return false;
     const struct variable variable = system_variable(system, i);
     if (!parse_value(&parser, variable.name, variable.quantity, &value, error) ||
         !refuse_rest(&parser, &value, error))
@@ -153,18 +145,5 @@ HANDLER(start)
 }
 #endif
 
-COMMAND(
-    start,
-    .row = {"start", "", "one more trajectory in the portrait, from a state, both ways", "", NULL},
-    .group = "DYNAMICS",
-    .text = "A state, values that are not named as they are at present: 'plot portrait' and its "
-            "pane draw where it goes\n"
-            "and where it comes from. 'start cursor' takes the point that 'cursor' (F7) moves in "
-            "the portrait's "
-            "pane, else the run's state at cursor A. At most "
-            "16; without a state they are listed, 'start clear' "
-            "takes them away.",
-    .examples = "scene pendulum; start theta=1,rate=2; plot portrait\n"
-                "start clear",
-    .see = "plot equilibria focus cursor", .flags = COMMAND_ANYTIME,
-    ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))
+COMMAND(start, .group = "DYNAMICS", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))

@@ -110,7 +110,6 @@ bool dynamics_put_next(const void *part, struct stored *stored, int *next)
             continue;
         put_one(d, i, &stored->record);
         stored->found_id[k] = id_of(d, i);
-        stored->found_bytes[k] = stored->record.len;
         stored->found++;
         *next = i + 1;
         return true;
@@ -126,10 +125,7 @@ void dynamics_forget(const void *part, struct stored *stored)
         bool there = false;
         for (int i = 0; d && i < count_of(d) && !there; i++)
             there = id_of(d, i) == stored->found_id[k];
-        if (!there)
-            stored->live -= stored->found_bytes[k];
         stored->found_id[kept] = stored->found_id[k];
-        stored->found_bytes[kept] = stored->found_bytes[k];
         kept += there;
     }
     stored->found = kept;
@@ -343,11 +339,11 @@ void dynamics_read(struct reader *reader)
         lost += !ok;
     }
     if (!d)
-        reader_note(reader, "what was found of the equations is left out");
+        store_tools()->note(reader, "what was found of the equations is left out");
     else if (lost > 0)
-        reader_note(reader,
-                    "%zu of the orbits and branches left out: damaged, or of another version",
-                    lost);
+        store_tools()->note(
+            reader, "%zu of the orbits and branches left out: damaged, or of another version",
+            lost);
     struct dynamics_part *part = session_part(reader->session, &dynamics_module);
     if (!part) {
         dynamics_free(d);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What does not compute by itself: a scene for XPPAUT, equations as LaTeX. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
+#include "modules/documents/documents.h"
 #include "modules/programs/program.h"
 
 #include <ctype.h>
@@ -51,21 +54,6 @@ static void put_assigned(struct scene_program *p, const char *word, int i, doubl
     buffer_char(p->out, '\n');
 }
 
-static void put_title_lines(struct scene_program *p)
-{
-    struct scene_program plain = *p;
-    struct buffer title = {0};
-    struct text rest, line;
-    plain.out = &title;
-    program_title(&plain);
-    rest = buffer_text(&title);
-    while (text_split(&rest, '\n', &line))
-        if (line.len > 0)
-            buffer_format(p->out, "%s%.*s\n", p->syntax->comment, (int)line.len, line.at);
-    p->out->failed |= title.failed;
-    buffer_free(&title);
-}
-
 static void put_xpp_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -91,18 +79,15 @@ bool program_xpp(struct scene_program *p)
 {
     const struct written *w = &p->written;
     const struct system *system = &w->system;
-    struct buffer equations = {0}, *out = p->out;
+    struct buffer *out = p->out;
     if (!tell_apart(p))
         return false;
-    p->out = &equations;
     put_xpp_equations(p);
-    p->out = out;
-    put_title_lines(p);
-    buffer_put(out, buffer_text(&equations));
-    out->failed |= equations.failed;
-    buffer_free(&equations);
+    p->rates = program_take_text(p);
+    program_title(p, "# ");
+    buffer_format(out, "\n%s", p->rates);
     for (int i = w->params; i < w->observed; i++)
-        if (p->reads[i])
+        if (program_reads(p, i))
             put_assigned(p, "par", i, p->scene->value[i - w->params]);
     for (int i = 0; i < system->n; i++)
         put_assigned(p, "init", 1 + i, system->start[i]);
@@ -209,9 +194,10 @@ static void put_tex_values(struct scene_program *p)
     struct buffer symbol = {0};
     buffer_put(p->out, TEXT("\\begin{align*}\n"));
     for (int i = w->params; i < w->observed; i++) {
-        if (!p->reads[i])
+        if (!program_reads(p, i))
             continue;
         const struct param_row *row = param_at(p->scene, i - w->params);
+        p->out->failed |= symbol.failed;
         buffer_clear(&symbol);
         buffer_format(&symbol, "  %s &", p->name[i]);
         put_measured(p, buffer_view(&symbol), p->scene->value[i - w->params], row->row.unit);
@@ -219,12 +205,14 @@ static void put_tex_values(struct scene_program *p)
     }
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system->model->variable[i];
+        p->out->failed |= symbol.failed;
         buffer_clear(&symbol);
         buffer_format(&symbol, "  %s(t_0) &", program_state(p, i));
         put_measured(p, buffer_view(&symbol), system->start[i], quantity_unit(variable.quantity));
         buffer_put(p->out, i + 1 < system->n ? TEXT(" \\\\\n") : TEXT("\n"));
     }
     buffer_put(p->out, TEXT("\\end{align*}\n"));
+    p->out->failed |= symbol.failed;
     buffer_free(&symbol);
 }
 
@@ -232,10 +220,13 @@ bool program_tex(struct scene_program *p)
 {
     if (!tex_names(p))
         return false;
-    put_title_lines(p);
-    buffer_put(p->out, TEXT("\\documentclass{article}\n\\usepackage{amsmath,siunitx}\n"
-                            "\\begin{document}\n"));
     put_tex_equations(p);
+    p->rates = program_take_text(p);
+    program_title(p, "% ");
+    buffer_format(p->out,
+                  "\n\\documentclass{article}\n\\usepackage{amsmath,siunitx}\n"
+                  "\\begin{document}\n%s",
+                  p->rates);
     put_tex_values(p);
     buffer_format(p->out, "Integrated by \\texttt{%s} with $", p->method->row.name);
     if (p->plan.adaptive)

@@ -1,24 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The present scene with its method as a program of its own. In C it has hooke's bits: forces,
- * steps and times are computed in the same order. What hooke does beyond a step (pieces at
- * switches, events) is not written, and such a scene is refused.
+ * The present scene with its method as a program of its own, which a student can read: the force,
+ * the step, the loop. In C it takes steps of one size with hooke's order of operations. What hooke
+ * does beyond a step (pieces at switches, events) is not written, and such a scene is refused.
  */
 #include "modules/programs/program.h"
 
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
 #include <hooke/module.h>
 #include <hooke/session/events.h>
 #include <math.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- names ---- */
 
-/* One that the program does not use itself, and no other of the scene has. */
+/* Makes a name that the program does not use itself, and no other of the scene has. */
 static void put_free_name(struct scene_program *p, const char *own, struct buffer *name)
 {
     const struct written *w = &p->written;
     buffer_put(name, text_of(own));
-    for (bool taken = program_takes(p->syntax->dialect, own); taken && !name->failed;) {
+    for (bool taken = program_takes(p->dialect, own); taken && !name->failed;) {
         buffer_char(name, '_');
         taken = false;
         for (int i = 0; i < w->names; i++)
@@ -26,71 +28,158 @@ static void put_free_name(struct scene_program *p, const char *own, struct buffe
     }
 }
 
+/* Appends "(t, y, v)". */
+static void put_arguments(const struct scene_program *p, struct buffer *out)
+{
+    for (int i = 0; i <= program_n(p); i++)
+        buffer_format(out, "%s%s", i ? ", " : "(", p->name[i]);
+    buffer_char(out, ')');
+}
+
+/* What is observed is a function in Octave, and its name a call. */
 static bool make_names(struct scene_program *p)
 {
     struct written *w = &p->written;
-    const size_t count = (size_t)(w->names + p->slopes.parts);
-    p->name = arena_array(p->arena, count, sizeof *p->name);
-    p->reads = arena_array(p->arena, count, sizeof *p->reads);
-    for (size_t i = 0; p->name && p->reads && i < count; i++) {
+    const bool computes = p->dialect < DIALECT_XPP;
+    p->rates = p->observed = "";
+    p->name = arena_array(p->arena, (size_t)w->names, sizeof *p->name);
+    for (int i = 0; p->name && i < w->names; i++) {
         struct buffer name = {0};
-        if (i >= (size_t)w->names)
-            buffer_format(&name, "part%zu", i - (size_t)w->names + 1);
-        else
+        if (computes && i > 0)
             put_free_name(p, w->name[i], &name);
+        else
+            buffer_put(&name, text_of(w->name[i]));
+        if (p->dialect == DIALECT_OCTAVE && i >= w->observed)
+            put_arguments(p, &name);
         p->name[i] = name.failed ? NULL : arena_text(p->arena, buffer_text(&name));
         buffer_free(&name);
         if (!p->name[i])
             return error_memory(p->error);
     }
-    return (p->name && p->reads) || error_memory(p->error);
+    return p->name || error_memory(p->error);
 }
 
-/* ---- numbers and expressions ---- */
-
-/* The fraction with the smallest denominator that is this double; false: none below a million. */
-static bool fraction_of(double x, long *top, long *bottom)
-{
-    long p0 = 0, q0 = 1, p1 = 1, q1 = 0;
-    double rest = fabs(x);
-    for (int i = 0; i < 20; i++) {
-        const double whole = floor(rest);
-        const long p2 = (long)whole * p1 + p0, q2 = (long)whole * q1 + q0;
-        if (whole > 1e6 || p2 > 1000000 || q2 > 1000000)
-            return false;
-        if ((double)p2 / (double)q2 == fabs(x)) {
-            *top = x < 0 ? -p2 : p2;
-            *bottom = q2;
-            return true;
-        }
-        p0 = p1, q0 = q1, p1 = p2, q1 = q2;
-        rest = 1 / (rest - whole);
-    }
-    return false;
-}
-
-void program_weight(const struct scene_program *p, double weight)
-{
-    char z[REAL_TEXT_SIZE];
-    long top, bottom;
-    if (real_format(weight, z) <= 4 || !fraction_of(weight, &top, &bottom))
-        buffer_put(p->out, text_of(z));
-    else
-        buffer_format(p->out, "(%ld%s/%ld)", top, p->syntax->dialect == DIALECT_C ? ".0" : "",
-                      bottom);
-}
+/* ---- formulas ---- */
 
 void program_expr(struct scene_program *p, const struct expr *expr)
 {
-    struct written *w = &p->written;
-    if (!expr_reads(expr, w->zero, p->reads) ||
-        !expr_text(expr, p->syntax->dialect, (const char *const *)p->name, w->zero, p->out))
+    if (!expr_text(expr, p->dialect, (const char *const *)p->name, p->written.zero, p->out))
         p->out->failed = true;
 }
 
-void program_comment(const struct scene_program *p, const char *indent, const char *text)
+/* The right side of an equation, to which drag whose flow is known does not belong. */
+static void put_row(struct scene_program *p, int row)
 {
-    buffer_format(p->out, "%s%s%s%s\n", indent, p->syntax->comment, text, p->syntax->comment_end);
+    const struct written *w = &p->written;
+    const bool splits = p->method->splitting && w->system.velocity;
+    const struct expr *expr = !splits                 ? w->all[row]
+                              : p->drag == DRAG_EXACT ? w->force[row]
+                                                      : w->split[row];
+    buffer_put(p->out, w->dry ? TEXT("with_friction(") : TEXT(""));
+    if (expr)
+        program_expr(p, expr);
+    else
+        buffer_char(p->out, '0');
+    if (!w->dry)
+        return;
+    buffer_put(p->out, TEXT(", "));
+    program_expr(p, w->dry);
+    buffer_format(p->out, ", %s)", program_state(p, program_n(p) / 2));
+}
+
+static void put_rates(struct scene_program *p)
+{
+    const int n = program_n(p), positions = n - p->written.rows;
+    const bool c = p->dialect == DIALECT_C, octave = p->dialect == DIALECT_OCTAVE, lines = n > 2;
+    const char *const python_between = lines ? ",\n        " : ", ";
+    if (octave) {
+        buffer_put(p->out, TEXT("equations = @"));
+        put_arguments(p, p->out);
+        buffer_put(p->out, TEXT(" [ ...\n    "));
+    } else if (!c) {
+        buffer_put(p->out, lines ? TEXT("    return [\n        ") : TEXT("    return ["));
+    }
+    for (int i = 0; i < n && !cancelled(p->written.cancel); i++) {
+        buffer_put(p->out, text_of(!i ? "" : c ? ";\n" : octave ? "; ...\n    " : python_between));
+        if (c)
+            buffer_format(p->out, "    rate[%d] = ", i);
+        if (i < positions)
+            buffer_put(p->out, text_of(program_state(p, i + positions)));
+        else
+            put_row(p, i - positions);
+    }
+    buffer_put(p->out, text_of(c ? ";" : octave ? "];\n" : lines ? ",\n    ]" : "]"));
+    for (int i = 0; octave && i < n; i++)
+        buffer_format(p->out, "%s, state(%d)", i ? "" : "derivatives = @(t, state) equations(t",
+                      i + 1);
+    buffer_put(p->out, octave ? TEXT(");") : TEXT(""));
+}
+
+/* A line for a quantity that is observed, above those of the others that read it. */
+static void put_observed(struct scene_program *p, int i)
+{
+    const char *const name = p->name[i];
+    if (p->dialect == DIALECT_OCTAVE)
+        buffer_format(p->out, "%.*s = @%s ", (int)strcspn(name, "("), name, strchr(name, '('));
+    else
+        buffer_format(p->out, "    %s%s = ", p->dialect == DIALECT_C ? "const double " : "", name);
+    program_expr(p, p->written.observe[i - p->written.observed]);
+    buffer_put(p->out, p->dialect == DIALECT_PYTHON ? TEXT("") : TEXT(";"));
+    buffer_format(p->out, "%s%s", p->observed[0] ? "\n" : "", p->observed);
+}
+
+const char *program_take_text(struct scene_program *p)
+{
+    const char *text = p->out->failed ? NULL : arena_text(p->arena, buffer_text(p->out));
+    buffer_clear(p->out);
+    p->out->failed = !text;
+    return text ? text : "";
+}
+
+static bool make_formulas(struct scene_program *p)
+{
+    const struct written *w = &p->written;
+    put_rates(p);
+    p->rates = program_take_text(p);
+    for (int i = w->names; i-- > w->observed && !p->out->failed && !cancelled(w->cancel);)
+        if (program_reads(p, i)) {
+            put_observed(p, i);
+            p->observed = program_take_text(p);
+        }
+    return !p->out->failed;
+}
+
+static void put_name_and_unit(struct buffer *out, const char *label, double value, const char *unit)
+{
+    buffer_put(out, text_of(label));
+    buffer_real(out, value);
+    buffer_format(out, "%s%s", unit[0] ? " " : "", unit);
+}
+
+void program_title(struct scene_program *p, const char *before)
+{
+    const struct written *w = &p->written;
+    const struct row *row = &p->scene->preset->row;
+    const double t0 = w->system.t0;
+    buffer_format(p->out, "%s%s: %s\n", before, row->name, row->brief);
+    for (int i = 0; i < w->rows; i++) {
+        buffer_format(p->out, "%s   %s%s = ", before, w->name[1 + i],
+                      program_moves(p) ? "''" : "'");
+        if (!w->all[i])
+            buffer_char(p->out, '0');
+        else if (!expr_text(w->all[i], DIALECT_XPP, w->name, w->zero, p->out))
+            p->out->failed = true;
+        buffer_put(p->out, w->dry ? TEXT(", and dry friction\n") : TEXT("\n"));
+    }
+    buffer_format(p->out, "%sby %s: %s\n%s", before, p->method->row.name, p->method->row.brief,
+                  before);
+    if (p->plan.adaptive)
+        put_name_and_unit(p->out, "tol = ", p->settings.tol, "");
+    else
+        put_name_and_unit(p->out, "dt = ", p->settings.dt, "s");
+    put_name_and_unit(p->out, ", from t = ", t0, "s");
+    put_name_and_unit(p->out, " to ", t0 + p->duration, "s");
+    buffer_format(p->out, "; written by hooke %s", HOOKE_VERSION);
 }
 
 /* ---- what is refused ---- */
@@ -107,46 +196,53 @@ static bool refuse_events(struct scene_program *p)
     return true;
 }
 
+static bool refuse_adaptive(struct scene_program *p)
+{
+    struct runge_kutta table;
+    double most;
+    int order;
+    if (p->dialect != DIALECT_C ||
+        (method_runge_kutta(p->method, &table) &&
+         method_error_control(p->method, p->settings.tol, &most, &order)))
+        return true;
+    error_set(p->error, ERROR_COMMAND, "steps of %s that follow the error are not written in C",
+              p->method->row.name);
+    return error_hint(p->error, "those of dopri5, tsit5, bogacki-shampine are, and all in Python");
+}
+
 static bool refuse_method(struct scene_program *p)
 {
     struct runge_kutta table;
     double weight[SPLITTING_WEIGHTS];
     bool kick;
     const char *name = p->method->row.name;
+    if (p->plan.adaptive)
+        return refuse_adaptive(p);
     if (!method_runge_kutta(p->method, &table) && !method_splitting(p->method, weight, &kick) &&
         !method_is_backward_euler(p->method)) {
         error_set(p->error, ERROR_COMMAND, "%s is not written as a program", name);
         return error_hint(p->error, "what is: explicit Runge-Kutta methods, splittings and "
                                     "backward-euler ('list methods')");
     }
-    const struct system *system = &p->written.system;
-    if (p->syntax->dialect == DIALECT_OCTAVE && method_is_backward_euler(p->method) &&
-        !(system->n == 2 && system->oscillator.whole))
-        return error_set(p->error, ERROR_COMMAND,
-                         "%s of these equations is written in C and Python only", name);
-    if (p->plan.adaptive && !program_refuse_adaptive(p))
-        return false;
     if (p->method->splitting && p->written.system.velocity &&
         (p->drag == DRAG_IMPLICIT || (p->drag == DRAG_EXACT && p->method->order != 2))) {
         error_set(p->error, ERROR_COMMAND, "%s with this drag is not written as a program", name);
         return error_hint(p->error, "verlet with drag=exact is, and any with drag=explicit");
     }
+    if (p->settings.compensated)
+        return error_set(p->error, ERROR_COMMAND,
+                         "compensated sums are not written ('set sums plain')");
     return true;
 }
 
 static bool refuse_pieces(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
-    if (p->settings.compensated && !p->plan.adaptive)
-        return error_set(p->error, ERROR_COMMAND,
-                         "compensated sums are not written ('set sums "
-                         "plain')");
     struct runge_kutta table;
-    p->turns = method_turns(p->method, system) && method_runge_kutta(p->method, &table) &&
-               (p->plan.adaptive || system->autonomous || !table.fsal) &&
-               p->syntax->dialect != DIALECT_OCTAVE;
     const bool pieces = p->plan.adaptive ? system->switches > 0 : system->pieces;
-    if (!pieces && (p->turns || !method_turns(p->method, system)))
+    p->turns = !p->plan.adaptive && method_turns(p->method, system);
+    if (!pieces &&
+        (!p->turns || (method_runge_kutta(p->method, &table) && p->dialect != DIALECT_OCTAVE)))
         return true;
     error_set(p->error, ERROR_COMMAND,
               system->dry ? "steps end where the body turns, sticks and breaks away, which is not "
@@ -164,6 +260,8 @@ static bool refuse_pieces(struct scene_program *p)
     return error_hint(p->error, "'set turning off' steps across, and that is");
 }
 
+/* ---- all ---- */
+
 static bool make_plan(struct scene_program *p)
 {
     const struct setup *setup = &p->session->setup;
@@ -174,8 +272,6 @@ static bool make_plan(struct scene_program *p)
     if (!plan_make(&p->written.system, p->method, &p->settings, p->duration, &p->plan, p->error) ||
         !method_applies(p->method, &p->written.system, &p->drag, p->error))
         return false;
-    p->partial = !p->plan.adaptive && p->plan.partial != 0;
-    p->step = p->partial ? "h" : "dt";
     if (isfinite(p->duration) && (p->plan.adaptive || p->plan.whole < INT32_MAX))
         return true;
     error_set(p->error, ERROR_COMMAND, "%.4g steps are more than the program would count",
@@ -183,42 +279,38 @@ static bool make_plan(struct scene_program *p)
     return error_hint(p->error, "set a shorter duration, or a longer dt");
 }
 
-static bool write_computing(struct scene_program *p)
-{
-    if (!refuse_pieces(p) || !refuse_method(p) || !refuse_events(p))
-        return false;
-    if (method_is_backward_euler(p->method) && !written_slopes(&p->written, &p->slopes, p->error))
-        return false;
-    return make_names(p) && program_computes(p);
-}
-
 static bool write(const struct session *session, size_t kind, struct arena *arena,
                   struct buffer *out, struct error *error)
 {
-    const enum dialect dialect = (enum dialect)kind;
+    struct buffer text = {0};
     struct scene_program p = {.session = session,
                               .scene = &session->setup.scene,
-                              .out = out,
+                              .dialect = (enum dialect)kind,
+                              .out = &text,
                               .arena = arena,
                               .error = error};
-    const bool as_typed = dialect == DIALECT_TEX || dialect == DIALECT_XPP;
-    p.syntax = program_syntax(dialect);
-    bool fine = written_make(&p.written, p.scene, as_typed, error);
+    const bool computes = p.dialect < DIALECT_XPP;
+    bool fine = written_make(&p.written, p.scene, !computes, error);
     p.written.cancel = session->front.cancel;
-    fine = fine && !cancelled(p.written.cancel) && make_plan(&p);
+    fine = fine && !cancelled(p.written.cancel) && make_plan(&p) &&
+           (!computes || (refuse_pieces(&p) && refuse_method(&p) && refuse_events(&p))) &&
+           make_names(&p);
     if (fine)
-        fine = dialect == DIALECT_TEX   ? make_names(&p) && program_tex(&p)
-               : dialect == DIALECT_XPP ? make_names(&p) && program_xpp(&p)
-                                        : write_computing(&p);
+        fine = p.dialect == DIALECT_TEX   ? program_tex(&p)
+               : p.dialect == DIALECT_XPP ? program_xpp(&p)
+                                          : make_formulas(&p) && program_computes(&p);
     written_free(&p.written);
+    buffer_put(out, buffer_text(&text));
+    out->failed |= text.failed;
+    buffer_free(&text);
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "stopped: nothing was written");
-    return fine && (!out->failed || error_memory(error));
+    return (fine || out->failed) && (!out->failed || error_memory(error));
 }
 
 const struct module programs_module = {
     .row = {"programs", "", "scenes written as C, Python, Octave, LaTeX or XPPAUT", "", NULL},
-    .needs = "",
+    .needs = "documents",
     .writer =
         {
             .endings = ".c .py .m .tex .ode",

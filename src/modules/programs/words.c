@@ -1,112 +1,373 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of a scene that a program cannot have: words of its language, functions of its library, and
- * what programs use themselves. */
+/* What the words of the templates stand for: numbers, names and formulas of a scene, tables of a
+ * method. A text that is empty leaves lines of a template out. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include "modules/programs/program.h"
 
-#include <ctype.h>
+#include <math.h>
 #include <string.h>
 
-/* of variables and functions of programs */
-static const char of_programs[] =
-    " bend change choose control damping derivative derivatives double dt error error_most "
-    "error_order first fixed friction_most good h half i inside int interval inverse jacobian "
-    "keep last limited long lost main moment more now number pi power pull quadratic round_half "
-    "row rows size slopes solve square state step steps stiffness t0 t_end tol total turn v_free "
-    "v_new weight weight_inside weight_low ";
-
-/* of C and of the headers that programs include; of functions of numbers without the f and l behind
- */
-static const char of_c[] =
-    " BUFSIZ EOF FILE HUGE_VAL HUGE_VALF HUGE_VALL INFINITY L_ctermid L_tmpnam MATH_ERREXCEPT "
-    "MATH_ERRNO NAN NULL P_tmpdir acos acosh asin asinh asm atan atan2 atanh auto bcmp bcopy bool "
-    "break bzero case cbrt ceil char clearerr const continue copysign cos cosh ctermid default "
-    "div do double dprintf drem else enum erf erfc exp exp10 exp2 explicit_bzero expm1 extern "
-    "fabs false fclose fdim fdopen feof ferror fflush ffs fgetc fgetpos fgets fileno finite float "
-    "flockfile floor fma fmax fmemopen fmin fmod fopen for fprintf fputc fputs fread freopen "
-    "frexp fscanf fseek fseeko fsetpos ftell ftello ftrylockfile funlockfile fwrite gammaf gammal "
-    "getc getchar getdelim getline getw goto hypot if ilogb inline int isinf isnan j0f j0l j1f "
-    "j1l jnf jnl ldexp lgamma linux llrint llround log log10 log1p log2 logb long lrint lround "
-    "math_errhandling memccpy memchr memcmp memcpy memmove memset modf nan nearbyint nextafter "
-    "nexttoward open_memstream pclose perror popen pow pow10 printf putc putchar puts putw "
-    "register remainder remove remquo rename renameat restrict return rewind rindex rint round "
-    "scalb scalbln scalbn scanf setbuf setbuffer setlinebuf setvbuf short signed significand sin "
-    "sinh sizeof snprintf sprintf sqrt sscanf static stderr stdin stdout stpcpy stpncpy "
-    "strcasecmp strcat strchr strcmp strcoll strcpy strcspn strdup strerror strlen strncasecmp "
-    "strncat strncmp strncpy strndup strnlen strpbrk strrchr strsep strsignal strspn strstr "
-    "strtok struct strxfrm switch tan tanh tempnam tgamma tmpfile tmpnam true trunc typedef "
-    "typeof ungetc union unix unsigned va_list vdprintf vfprintf vfscanf void volatile vprintf "
-    "vscanf vsnprintf vsprintf vsscanf while y0f y0l y1f y1l ynf ynl ";
-
-/* of Python, and what programs call */
-static const char of_python[] =
-    " Adaptive False None True abs all and as assert async await bin break class continue copysign "
-    "def "
-    "del elif eliminate else enumerate except expm1 finally float for frexp from global if import "
-    "in int is log2_near exp2_near atan_near OverflowError ValueError "
-    "isfinite lambda len list max min nonlocal not or pass plt print raise range return reversed "
-    "round self str sum super sys try ulp while with yield zip ";
-
-/* of Octave and MATLAB */
-static const char of_octave[] =
-    " __FILE__ __LINE__ abs acos asin atan atan2 break case catch ceil classdef continue cos cosh "
-    "do else elseif end end_try_catch end_unwind_protect endclassdef endenumeration endevents "
-    "endfor endfunction endif endmethods endparfor endproperties endswitch endwhile enumeration "
-    "events exp expm1 floor for function global hypot if import log log10 max methods min mod "
-    "nthroot ode45 odeset otherwise parfor persistent printf properties return round sign sin "
-    "sinh spmd sqrt switch tan tanh try until unwind_protect unwind_protect_cleanup warning while "
-    "zeros ";
-
-/* Functions of C that parameters are often called as: constants behind a macro, so that formulas
- * have their own names. */
-static const char shadows[] = " gamma index j0 j1 jn signgam y0 y1 yn ";
-
-/* What such words are, or begin with before a number or an underscore; what they end with. */
-static const char *const begins[] = {"acceleration", "adaptive", "drag",  "fixed",
-                                     "force",        "function", "part",  "propagate",
-                                     "slope",        "solve",    "stage", "turning"};
-static const char *const ends[] = {"_new", "_t", "_r", "_l", "_MAX", "_MIN", "_unlocked"};
-static const char *const macros[] = {"M_", "FP_", "SEEK_"};
-
-static bool among(const char *words, const char *name, size_t len)
+static const char *unit_of(const struct scene_program *p, int i)
 {
-    for (const char *at = words; (at = strchr(at, ' ')) && at[1]; at++)
-        if (strncmp(at + 1, name, len) == 0 && at[1 + len] == ' ')
+    return quantity_unit(p->written.system.model->variable[i].quantity);
+}
+
+static void put_list(struct scene_program *p, const double *value, int count)
+{
+    for (int i = 0; i < count; i++) {
+        buffer_put(p->out, i ? TEXT(", ") : TEXT(""));
+        buffer_real(p->out, value[i]);
+    }
+}
+
+/* ---- the scene ---- */
+
+static void put_title(struct scene_program *p)
+{
+    program_title(p, p->dialect == DIALECT_C ? " * " : p->dialect == DIALECT_PYTHON ? "# " : "% ");
+}
+
+static void put_comment(struct scene_program *p, const char *unit, const char *brief)
+{
+    const bool c = p->dialect == DIALECT_C;
+    if (!unit[0] && !brief[0])
+        return;
+    buffer_put(p->out, c                              ? TEXT(" /* ")
+                       : p->dialect == DIALECT_PYTHON ? TEXT("  # ")
+                                                      : TEXT("  % "));
+    if (unit[0])
+        buffer_format(p->out, "[%s]%s", unit, brief[0] ? " " : "");
+    buffer_format(p->out, "%s%s", brief, c ? " */" : "");
+}
+
+static const char *stop(const struct scene_program *p)
+{
+    return p->dialect == DIALECT_PYTHON ? "" : ";";
+}
+
+static void put_constants(struct scene_program *p)
+{
+    const struct written *w = &p->written;
+    for (int i = w->params, count = 0; i < w->observed; i++) {
+        const struct param_row *row = param_at(p->scene, i - w->params);
+        const bool typed = strcmp(row->row.brief, "typed by the user") == 0;
+        if (!program_reads(p, i))
+            continue;
+        buffer_format(p->out, "%s%s%s = ", count++ ? "\n" : "",
+                      p->dialect == DIALECT_C ? "static const double " : "", p->name[i]);
+        buffer_real(p->out, p->scene->value[i - w->params]);
+        buffer_put(p->out, text_of(stop(p)));
+        put_comment(p, row->row.unit, typed ? "" : row->row.brief);
+    }
+}
+
+static void put_variables(struct scene_program *p)
+{
+    for (int i = 0; i < program_n(p); i++)
+        buffer_format(p->out, "%s%s", i ? ", " : "", p->written.name[1 + i]);
+}
+
+static void put_heading(struct scene_program *p)
+{
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_format(p->out, "%s%s", i ? "," : "", p->written.name[i]);
+}
+
+static void put_format(struct scene_program *p)
+{
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_put(p->out, i ? TEXT(",%.17g") : TEXT("%.17g"));
+}
+
+static void put_label(struct scene_program *p)
+{
+    const char *unit = unit_of(p, 0);
+    buffer_format(p->out, "%s%s%s%s", p->written.name[1], unit[0] ? " [" : "", unit,
+                  unit[0] ? "]" : "");
+}
+
+static void put_start(struct scene_program *p)
+{
+    for (int i = 0; i < program_n(p); i++) {
+        buffer_put(p->out, !i ? TEXT("") : p->dialect == DIALECT_OCTAVE ? TEXT("; ") : TEXT(", "));
+        buffer_real(p->out, p->written.system.start[i]);
+    }
+}
+
+static void put_unpack(struct scene_program *p)
+{
+    const bool c = p->dialect == DIALECT_C;
+    for (int i = 0; !c && i < program_n(p); i++)
+        buffer_format(p->out, "%s%s", i ? ", " : "    ", program_state(p, i));
+    if (!c)
+        buffer_put(p->out, program_n(p) == 1 ? TEXT(", = state") : TEXT(" = state"));
+    for (int i = 0, count = 0; c && i < program_n(p); i++) {
+        if (!program_reads(p, 1 + i))
+            continue;
+        buffer_format(p->out, "%s    const double %s = state[%d];", count++ ? "\n" : "",
+                      program_state(p, i), i);
+        put_comment(p, unit_of(p, i), "");
+    }
+    if (c && !program_reads(p, 0))
+        buffer_format(p->out, "%s    (void)t; /* nothing depends on the time */",
+                      p->out->data[p->out->len - 1] == ';' || p->out->data[p->out->len - 1] == '/'
+                          ? "\n"
+                          : "");
+}
+
+static bool takes_drag_apart(const struct scene_program *p)
+{
+    return p->method->splitting && p->written.system.velocity && p->drag == DRAG_EXACT;
+}
+
+/* The functions of Python's module math that the formulas call. */
+static void put_imports(struct scene_program *p)
+{
+    static const char *const functions[] = {"acos", "asin", "atan",  "atan2", "ceil", "cos",
+                                            "cosh", "exp",  "floor", "hypot", "log",  "log10",
+                                            "pow",  "sin",  "sinh",  "sqrt",  "tan",  "tanh"};
+    int count = 0;
+    for (size_t i = 0; i < COUNT_OF(functions); i++)
+        if (program_uses(p, functions[i], '('))
+            buffer_format(p->out, "%s%s", count++ ? ", " : "", functions[i]);
+    if (program_uses(p, "pi", '\0'))
+        buffer_format(p->out, "%spi", count ? ", " : "");
+}
+
+/* ---- the run ---- */
+
+static void put_absolute(struct scene_program *p)
+{
+    const struct system *system = &p->written.system;
+    double value[LIMIT_VARIABLES];
+    for (int i = 0; i < system->n; i++)
+        value[i] = system->atol[i] > 0 ? system->atol[i] : p->settings.tol * system->scale[i];
+    put_list(p, value, system->n);
+}
+
+static void put_sizes(struct scene_program *p)
+{
+    put_list(p, p->written.system.scale, program_n(p));
+}
+
+/* ---- the method ---- */
+
+/* Is the method written as its Butcher table? Libraries have their own. */
+static bool has_table(const struct scene_program *p, struct runge_kutta *table)
+{
+    const bool library = p->plan.adaptive && p->dialect != DIALECT_C;
+    return !library && method_runge_kutta(p->method, table) && table->stages > 1;
+}
+
+/* Finds the fraction with the smallest denominator below a million that is this double. */
+static bool fraction_of(double x, long *top, long *bottom)
+{
+    long p0 = 0, q0 = 1, p1 = 1, q1 = 0;
+    double rest = fabs(x);
+    for (int i = 0; i < 20; i++) {
+        const double whole = floor(rest);
+        const long p2 = (long)whole * p1 + p0, q2 = (long)whole * q1 + q0;
+        if (whole > 1e6 || p2 > 1000000 || q2 > 1000000)
+            return false;
+        if ((double)p2 / (double)q2 == fabs(x)) {
+            *top = x < 0 ? -p2 : p2;
+            *bottom = q2;
             return true;
+        }
+        p0 = p1, q0 = q1, p1 = p2, q1 = q2;
+        rest = 1 / (rest - whole);
+    }
     return false;
 }
 
-/* "y_at2" */
-static bool is_stage(const char *name)
+/* Appends weights as they stand in books, 35/384, where these are the same doubles. */
+static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
-    const char *at = strstr(name, "_at");
-    return at && isdigit((unsigned char)at[3]);
-}
-
-bool program_shadows(const char *name)
-{
-    return among(shadows, name, strlen(name));
-}
-
-bool program_takes(enum dialect dialect, const char *name)
-{
-    const char *words = dialect == DIALECT_PYTHON   ? of_python
-                        : dialect == DIALECT_OCTAVE ? of_octave
-                                                    : of_c;
-    const size_t len = strlen(name);
-    if (among(of_programs, name, len) || among(words, name, len) || is_stage(name))
-        return true;
-    for (size_t i = 0; i < COUNT_OF(begins); i++) {
-        const size_t part = strlen(begins[i]);
-        const char behind = strncmp(name, begins[i], part) == 0 ? name[part] : 'x';
-        if (behind == '\0' || behind == '_' || isdigit((unsigned char)behind))
-            return true;
+    static const size_t line_max = 64;
+    size_t start = p->out->len;
+    for (int i = 0; i < count; i++) {
+        char z[REAL_TEXT_SIZE];
+        long top, bottom;
+        const bool wraps = p->out->len - start > line_max;
+        buffer_put(p->out, !i                             ? TEXT("")
+                           : !wraps                       ? TEXT(", ")
+                           : p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ")
+                                                          : TEXT(",\n    "));
+        start = wraps ? p->out->len : start;
+        if (real_format(weight[i], z) <= 4 || !fraction_of(weight[i], &top, &bottom))
+            buffer_put(p->out, text_of(z));
+        else
+            buffer_format(p->out, "%ld%s/%ld", top, p->dialect == DIALECT_C ? ".0" : "", bottom);
     }
-    for (size_t i = 0; i < COUNT_OF(ends); i++)
-        if (len > strlen(ends[i]) && strcmp(name + len - strlen(ends[i]), ends[i]) == 0)
+}
+
+static void put_nodes(struct scene_program *p)
+{
+    struct runge_kutta table;
+    if (has_table(p, &table))
+        put_weights_of(p, table.c, table.stages);
+}
+
+static void put_matrix(struct scene_program *p)
+{
+    static const double zero[64] = {0};
+    struct runge_kutta table;
+    const bool c = p->dialect == DIALECT_C, octave = p->dialect == DIALECT_OCTAVE;
+    if (!has_table(p, &table))
+        return;
+    for (int s = 0; s < table.stages; s++) {
+        buffer_format(p->out, "%s    %s", s ? "\n" : "", c ? "{" : octave ? "" : "[");
+        put_weights_of(p, table.a + s * (s - 1) / 2, s);
+        if (octave) {
+            buffer_put(p->out, s ? TEXT(", ") : TEXT(""));
+            put_weights_of(p, zero, table.stages - s);
+        }
+        buffer_put(p->out, c && s == 0 ? TEXT("0},")
+                           : c         ? TEXT("},")
+                           : octave    ? TEXT("")
+                                       : TEXT("],"));
+    }
+}
+
+static void put_weights(struct scene_program *p)
+{
+    struct runge_kutta table;
+    double weight[SPLITTING_WEIGHTS];
+    bool kick;
+    const int count = method_splitting(p->method, weight, &kick);
+    if (has_table(p, &table))
+        put_weights_of(p, table.b, table.stages);
+    else
+        put_weights_of(p, weight, count);
+}
+
+static void put_weights_low(struct scene_program *p)
+{
+    struct runge_kutta table;
+    if (has_table(p, &table))
+        put_weights_of(p, table.b_hat, table.stages);
+}
+
+/* ---- all ---- */
+
+/* Which program of a library takes the steps. */
+static const char *solver(const struct scene_program *p)
+{
+    const int order = p->method->order;
+    const bool python = p->dialect == DIALECT_PYTHON;
+    if (p->method->flags & METHOD_IMPLICIT)
+        return python ? "Radau" : "ode15s";
+    if (!python)
+        return "ode45";
+    return order <= 3 ? "RK23" : order >= 7 ? "DOP853" : "RK45";
+}
+
+/* Appends a word that is a condition or a number. */
+static bool put_value(struct scene_program *p, struct text word)
+{
+    const double t0 = p->written.system.t0, t_end = t0 + p->duration, dt = p->settings.dt;
+    const struct oscillator *o = &p->written.system.oscillator;
+    const bool fixed = !p->plan.adaptive, partial = fixed && p->plan.partial != 0;
+    const bool rows = !fixed && p->settings.record.rule == RECORD_TIMES;
+    const bool every = !fixed && p->settings.record.rule == RECORD_EVERY;
+    const int n = program_n(p);
+    struct runge_kutta table = {0};
+    double weight[SPLITTING_WEIGHTS], most;
+    int order = 1;
+    bool kick;
+    const int parts = method_splitting(p->method, weight, &kick);
+    const bool tables = has_table(p, &table);
+    const bool euler = fixed && method_runge_kutta(p->method, &table) && table.stages == 1;
+    method_error_control(p->method, p->settings.tol, &most, &order);
+    const struct {
+        const char *name;
+        bool holds;
+    } conditions[] = {{"fixed", fixed},
+                      {"adaptive", !fixed},
+                      {"partial", partial},
+                      {"ends", partial || t0 + (double)p->plan.whole * dt != t_end},
+                      {"turns", p->turns},
+                      {"flow", takes_drag_apart(p)},
+                      /* Python raises where a function has no finite number */
+                      {"raises", strpbrk(p->rates, "(%") || strpbrk(p->observed, "(%")},
+                      {"euler", euler},
+                      {"tables", tables},
+                      {"split", parts > 0},
+                      {"implicit", fixed && method_is_backward_euler(p->method)}};
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"n", n},
+                   {"half", n / 2},
+                   {"columns", n + 1},
+                   {"t0", t0},
+                   {"dt", dt},
+                   {"t_end", t_end},
+                   {"tol", p->settings.tol},
+                   {"interval", p->settings.record.interval},
+                   {"every", (double)p->settings.record.every},
+                   {"stages", table.stages},
+                   {"order", order},
+                   {"count", parts},
+                   {"kick", !kick},
+                   {"damping", o->damping},
+                   {"quadratic", o->quadratic}};
+    for (size_t i = 0; i < COUNT_OF(conditions); i++)
+        if (text_is(word, conditions[i].name)) {
+            buffer_put(p->out, conditions[i].holds ? word : TEXT(""));
             return true;
-    for (size_t i = 0; i < COUNT_OF(macros); i++)
-        if (strncmp(name, macros[i], strlen(macros[i])) == 0)
+        }
+    for (size_t i = 0; i < COUNT_OF(numbers); i++)
+        if (text_is(word, numbers[i].name)) {
+            if (text_is(word, "interval") ? rows : !text_is(word, "every") || every)
+                buffer_real(p->out, numbers[i].value);
             return true;
-    return dialect == DIALECT_C && len > 2 && strchr("fl", name[len - 1]) &&
-           among(of_c, name, len - 1);
+        }
+    if (text_is(word, "steps"))
+        buffer_format(p->out, "%lld", (long long)p->plan.whole + partial);
+    return text_is(word, "steps");
+}
+
+static bool put_text(struct scene_program *p, struct text word)
+{
+    const bool partial = !p->plan.adaptive && p->plan.partial != 0;
+    const struct {
+        const char *name, *text;
+    } texts[] = {
+        {"method", p->method->row.name},
+        {"solver", solver(p)},
+        {"rates", p->rates},
+        {"observed", p->observed},
+        {"step", p->turns ? "turning_step" : "step"},
+        {"length", partial ? "h" : "dt"},
+        {"at_times", p->settings.record.rule == RECORD_TIMES ? ", t_eval=times" : ""},
+        {"without_drag", takes_drag_apart(p) ? " without drag, which drag_flow() knows" : ""}};
+    for (size_t i = 0; i < COUNT_OF(texts); i++)
+        if (text_is(word, texts[i].name)) {
+            buffer_put(p->out, text_of(texts[i].text));
+            return true;
+        }
+    return false;
+}
+
+bool program_word(struct scene_program *p, struct text word)
+{
+    static const struct {
+        const char *name;
+        void (*put)(struct scene_program *p);
+    } words[] = {
+        {"title", put_title},       {"constants", put_constants}, {"variables", put_variables},
+        {"heading", put_heading},   {"format", put_format},       {"label", put_label},
+        {"start", put_start},       {"unpack", put_unpack},       {"imports", put_imports},
+        {"absolute", put_absolute}, {"sizes", put_sizes},         {"nodes", put_nodes},
+        {"matrix", put_matrix},     {"weights", put_weights},     {"weights_low", put_weights_low}};
+    if (put_text(p, word) || put_value(p, word))
+        return true;
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (text_is(word, words[i].name)) {
+            words[i].put(p);
+            return true;
+        }
+    return false;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* global SIGN {CONDITION} {NAME=FORMULA;…} of .ode files */
+#include <hooke/base/statement.h>
 #include <string.h>
 
 #include "modules/xppaut/ode.h"

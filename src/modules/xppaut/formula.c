@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas of .ode files as formulas of typed scenes: functions and sums are written out. */
+#include <hooke/base/number.h>
 #include "modules/xppaut/formula.h"
 #include "modules/xppaut/net.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables of .ode files, and networks that weigh neighbours by one (`special`). */
+#include <hooke/base/number.h>
 #include "modules/xppaut/net.h"
 
 #include <string.h>

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* .ode files as typed scenes. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/safe_text.h>
 #include "modules/xppaut/net.h"
 #include "modules/xppaut/statements.h"
 

@@ -5,6 +5,8 @@
 
 #include "modules/xppaut/ode_file.h"
 
+struct cancel;
+
 #define ODE_LINES 20000            /* after arrays are written out */
 #define ODE_TEXT ((size_t)1 << 23) /* [byte] of them */
 #define ODE_SYMBOLS 1024           /* names of all kinds: scenes have fewer */

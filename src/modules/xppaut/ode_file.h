@@ -5,6 +5,8 @@
 
 #include <hooke/scene/typed.h>
 
+struct cancel;
+
 /*
  * What an .ode file says, as lines of a typed scene: parameters, initial values, right-hand sides
  * with functions written out, derived parameters, hidden and auxiliary quantities as observed ones.

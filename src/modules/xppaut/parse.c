@@ -3,6 +3,7 @@
  * XPPAUT's grammar: + - | bind loosest, then * / & and signs, then ^ and the comparisons; all from
  * the left. A sign stands at the start of a formula, of an argument and behind '(' only.
  */
+#include <hooke/base/number.h>
 #include <string.h>
 
 #include "modules/xppaut/formula.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What `@` lines and sets of .ode files say: NAME=VALUE, of which the last holds. */
+#include <hooke/base/number.h>
 #include <string.h>
 
 #include "modules/xppaut/ode.h"

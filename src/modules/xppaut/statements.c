@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
 #include "modules/xppaut/statements.h"
 #include "modules/xppaut/net.h"
 

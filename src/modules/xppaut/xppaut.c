@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The module xppaut: scenes read from XPPAUT's .ode files. */
 #include "modules/xppaut/ode_file.h"
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/command/handler.h>
 #include <hooke/module.h>
 
@@ -71,13 +76,13 @@ static bool set_record(struct settings *settings, const struct ode_scene *scene,
     else
         snprintf(every, sizeof every, "every %d", scene->every);
     return (!adapts && scene->every == 1) ||
-           ((const struct setting *)(const void *)row)->parse(settings, text_of(every), error);
+           (setting_from(row))->parse(settings, text_of(every), error);
 }
 
 static bool set_method(struct setup *setup, const struct ode_scene *scene, struct error *error)
 {
     const struct row *row = catalog_find(&method_catalog, text_of(scene->method));
-    const struct method *method = (const struct method *)(const void *)row;
+    const struct method *method = method_from(row);
     const bool adapts = (method->flags & METHOD_ADAPTIVE) && scene->adapts;
     struct settings *settings = &setup->settings;
     setup->method = method;
@@ -131,8 +136,8 @@ static bool take(struct session *session, const struct arguments *args, struct t
     if (!system)
         return error_memory(error);
     name_of(file, name);
-    const struct model *model = typed_make(session->models, text_of(name), from->line, from->lines,
-                                           session->front.cancel, error);
+    const struct model *model = typed_make(session->definitions.models, text_of(name), from->line,
+                                           from->lines, session->front.cancel, error);
     if (!model) {
         name_line(from, error);
         return false;
@@ -248,7 +253,7 @@ static bool load(struct session *session, const struct arguments *args, struct t
     }
     if (!fine)
         return false;
-    session->said_assumed = false;
+    session->execution.said_assumed = false;
     session->view.starts = 0;
     session_changed(session);
     reply_from(session, &from, file, reply);
@@ -257,7 +262,7 @@ static bool load(struct session *session, const struct arguments *args, struct t
 
 const struct module xppaut_module = {
     .row = {"xppaut", "", "scenes from XPPAUT's .ode files", "", NULL},
-    .needs = "",
+    .needs = "recording",
     .reader =
         {
             .ending = "ode",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Plots of columns that were asked for by name. */
+#include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
@@ -44,7 +45,7 @@ const char *drawing_label(const struct drawing *d, int i)
     const struct model *model = d->model ? d->model : &oscillator_model; /* a recording alone */
     if (!d->request->columns)
         return vertical_variable(model, d->request->kind)[i].name;
-    const struct run *run = d->session->run[d->request->run[0]]->run;
+    const struct run *run = d->session->runs.slot[d->request->run[0]]->run;
     return arena_text(d->arena, text_of(chosen_variable(&run->system, &d->column[i]).name));
 }
 
@@ -93,8 +94,7 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
     const struct run *run = slot->run;
     const struct figure_request *request = d->request;
     const size_t capacity = run_event_records(run) + 1;
-    const struct chosen_column time = {
-        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("t")), -1};
+    const struct chosen_column time = {observable_by_name(TEXT("t")), -1};
     double *x = arena_array(d->arena, capacity, sizeof *x);
     for (int c = 0; c < d->coordinates; c++) {
         double *y = arena_array(d->arena, capacity, sizeof *y);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers behind the curves of a session's figures. */
+#include <hooke/run.h>
+#include <hooke/base/cancel.h>
 #include <hooke/plot/curves.h>
 
 #include <hooke/base/numeric.h>
@@ -14,8 +16,6 @@
 #define ROWS_DRAWN_MAX (8 * SHARES_DRAWN) /* so many rows are drawn as they are */
 #define VISITS_A_PERIOD 256               /* a screen looks at no more of them */
 #define VISITS_MAX (1 << 17)
-#define SPECTRUM_SAMPLES 4096
-#define SAMPLES_A_PERIOD 24 /* of a spectrum: its axis goes to ten times the line */
 
 /* ---- rows ---- */
 
@@ -305,35 +305,4 @@ double run_motion(const struct run *run, double t, int derivative)
 double run_position(const struct run *run, double t)
 {
     return run_motion(run, t, 0);
-}
-
-/* ---- spectra ---- */
-
-bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
-                   struct error *error)
-{
-    if (!series_spectrum(series, arena, &curve->x, &curve->y, &curve->n))
-        return error_set(error, ERROR_COMMAND, "a spectrum needs at least 8 samples");
-    return true;
-}
-
-bool run_even_series(const struct run *run, double from, double to, double period,
-                     struct arena *arena, struct series *series, struct error *error)
-{
-    const double step =
-        isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
-    const double max = floor((to - from) / step);
-    const size_t n = max > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(max, 0);
-    double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
-    if (!t || !y)
-        return error_memory(error);
-    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel, 0};
-    for (size_t i = 0; i < n; i++) {
-        if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
-            return error_set(error, ERROR_CANCELLED, "stopped");
-        t[series->n] = to - (double)(n - i) * step;
-        y[series->n] = run_position(run, t[series->n]);
-        series->n += isfinite(y[series->n]) ? 1 : 0;
-    }
-    return true;
 }

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run.
  */
+#include <hooke/run.h>
+#include <hooke/base/cancel.h>
+#include <hooke/data.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
-#include <hooke/session/subject.h>
+#include <hooke/session/series_tools.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -12,14 +16,6 @@
 
 #define GROWING_POINTS 2 /* of velocities and energies a column, while they come */
 #define DELAY_COLUMNS 60 /* of a pane that has room for more than the delay of velocities */
-
-/* Whether the fit of the session is one of this recording. */
-static bool has_fit_of(const struct session *session, const struct recording *recording)
-{
-    char name[sizeof session->fit_of];
-    snprintf(name, sizeof name, "data %s", recording->name);
-    return session->has_fit && strcmp(name, session->fit_of) == 0;
-}
 
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
 {
@@ -32,7 +28,7 @@ int figure_recording(const struct session *session, enum plot_kind kind)
     const struct recording *recording = session_recording(session);
     const struct run *run = session_grows(session, recording) ? NULL : session_run(session);
     const struct plot_row *row = plot_row(kind);
-    if (!recording || (row->residual && !run && !has_fit_of(session, recording)))
+    if (!recording || (row->residual && !run && !series_tools()->is_fitted(session, recording)))
         return -1;
     const bool own = recording_shows(recording, run, kind);
     const bool derived =
@@ -114,7 +110,7 @@ static bool scale_values(const struct drawing *d, struct series *series)
 {
     const struct session *session = d->session;
     const struct data_distance data =
-        run_data_distance(session->run[d->request->run[0]]->run,
+        run_data_distance(session->runs.slot[d->request->run[0]]->run,
                           session->recording[d->request->recording]->recording);
     double *y = arena_array(d->arena, series->n, sizeof *y);
     if (!y)
@@ -137,7 +133,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
         return false;
     if ((kind_of(d)->recorded || kind_of(d)->residual) && !kind_of(d)->data_curve &&
         !drawing_needs_motion(d, recording) &&
-        !recording_errors(recording, &series, d->arena, &bar))
+        !series_tools()->errors(recording, &series, d->arena, &bar))
         return error_memory(d->error);
     if (d->request->runs > 0 && kind_of(d)->recorded == RECORDED_POSITION &&
         quantity_is_scaled(recording->column[recording->value].quantity)) {
@@ -157,47 +153,15 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
     return !kind_of(d)->data_curve || kind_of(d)->data_curve(d, &series, curve);
 }
 
-bool drawing_residual(struct drawing *d, const struct recording *recording)
-{
-    const bool fitted = has_fit_of(d->session, recording);
-    const struct run *run = d->request->runs ? d->session->run[d->request->run[0]]->run : NULL;
-    if (!fitted && !run)
-        return error_set(d->error, ERROR_COMMAND,
-                         "a residual needs a fit of this recording, or a run beside it");
-    if (!drawing_recording(d, recording))
-        return false;
-    struct curve *curve = &d->curve[d->curves - 1];
-    double *left = arena_array(d->arena, curve->n + 1, sizeof *left);
-    if (!left)
-        return error_memory(d->error);
-    const double shift = recording->zero - d->session->fit_zero; /* since the fit */
-    struct data_distance data = {.gain = 1};
-    if (fitted)
-        session_fit_values(d->session, curve->x, curve->n, left);
-    else
-        data = run_data_distance(run, d->session->recording[d->request->recording]->recording);
-    for (size_t i = 0; i < curve->n; i++) {
-        if (i % LOOK_EACH_ROWS == 0 && cancelled(recording->cancel))
-            return error_set(d->error, ERROR_CANCELLED, "stopped");
-        left[i] =
-            curve->y[i] -
-            (fitted ? left[i] - shift
-                    : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
-    }
-    curve->y = left;
-    curve->label = fitted ? "data - fit" : "data - run";
-    return true;
-}
-
 void drawing_put_delay(const struct drawing *d, struct buffer *text)
 {
     const struct recording *recording = recording_of(d);
     if (!kind_of(d)->of_motion || !recording || !session_grows(d->session, recording) ||
-        !(d->session->collecting->late > 0))
+        !(d->session->growing->late > 0))
         return;
     if (d->request->width < DELAY_COLUMNS)
         buffer_clear(text);
     buffer_put(text, text->len > 0 ? TEXT(", v ") : TEXT("v "));
-    buffer_quantity(text, d->session->collecting->late, QUANTITY_TIME, 2);
+    buffer_quantity(text, d->session->growing->late, QUANTITY_TIME, 2);
     buffer_put(text, TEXT(" late"));
 }

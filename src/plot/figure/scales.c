@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size:
  * a logarithmic axis where all is positive, else a second panel. */
+#include <hooke/figure/layout.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
@@ -21,23 +23,12 @@ static bool has_ends(const struct figure_range *range)
 }
 
 /* What the curves span along an axis, of what can be seen along the other. */
-static void find_extent(const struct drawing *d, bool vertical, double extent[2])
+static struct extent find_extent(const struct drawing *d, bool vertical)
 {
     const struct figure_range *across = vertical ? d->request->x : d->request->y;
-    extent[0] = HUGE_VAL;
-    extent[1] = -HUGE_VAL;
-    for (int c = 0; c < d->curves; c++) {
-        const struct curve *curve = &d->curve[c];
-        const double *value = vertical ? curve->y : curve->x,
-                     *other = vertical ? curve->x : curve->y;
-        for (size_t i = 0; curve_goes_on(curve, i); i++) {
-            if (!isfinite(value[i]) ||
-                (across && (other[i] < across->end[0] || other[i] > across->end[1])))
-                continue;
-            extent[0] = fmin(extent[0], value[i]);
-            extent[1] = fmax(extent[1], value[i]);
-        }
-    }
+    return curves_extent(
+        d->curve, d->curves,
+        &(struct extent_window){.vertical = vertical, .across = across ? across->end : NULL});
 }
 
 static bool fits_axis(const struct drawing *d, const struct figure_range *range,
@@ -58,18 +49,17 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
     const struct figure_range *range = vertical ? d->request->y : d->request->x;
     struct axis *axis = vertical ? &figure->y : &figure->x;
     const double air = axis->log || !(vertical || figure->plane) ? 0 : AIR;
-    double extent[2];
     if (!has_ends(range))
         return true;
     if (!fits_axis(d, range, axis, quantity))
         return false;
-    find_extent(d, vertical, extent);
+    const struct extent extent = find_extent(d, vertical);
     axis->from = range->end[0];
     axis->to = range->end[1];
     if (isnan(range->end[0]))
-        axis->from = extent[0] - air * (range->end[1] - extent[0]);
+        axis->from = extent.low - air * (range->end[1] - extent.low);
     if (isnan(range->end[1]))
-        axis->to = extent[1] + air * (extent[1] - range->end[0]);
+        axis->to = extent.high + air * (extent.high - range->end[0]);
     axis->fixed = true;
     if (axis->log && !(axis->from > 0))
         return error_at(d->error, range->text, "a logarithmic axis begins above zero");
@@ -87,19 +77,13 @@ bool drawing_ranges(const struct drawing *d, struct figure *figure, const enum q
 
 /* ---- curves of different size ---- */
 
-/* Of what is inside of the window of time. */
+/* Of what is inside of the window of time; 0 if nothing is. */
 static double size_of_curve(const struct drawing *d, int i, bool x)
 {
-    const struct curve *curve = &d->curve[i];
-    const bool timed = plot_is_timed(d->request->kind);
-    double max = 0;
-    for (size_t row = 0; curve_goes_on(curve, row); row++) {
-        const double value = x ? curve->x[row] : curve->y[row];
-        if (isfinite(value) &&
-            (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
-            max = fmax(max, fabs(value));
-    }
-    return max;
+    const struct extent_window window = {
+        .vertical = !x, .across = plot_is_timed(d->request->kind) && !x ? d->window : NULL};
+    const struct extent extent = curves_extent(&d->curve[i], 1, &window);
+    return extent.low <= extent.high ? fmax(fabs(extent.low), fabs(extent.high)) : 0;
 }
 
 /* Of each curve; of a plane the larger of both. NULL: no memory. */
@@ -190,9 +174,8 @@ static bool part_panels(struct drawing *d, struct figure *figure, enum quantity 
 /* An energy that seems not to vary at all does so by this much. */
 static bool note_flat(struct drawing *d, struct figure *figure)
 {
-    double extent[2];
-    find_extent(d, true, extent);
-    const double varies = (extent[1] - extent[0]) / fmax(fabs(extent[0]), fabs(extent[1]));
+    const struct extent extent = find_extent(d, true);
+    const double varies = (extent.high - extent.low) / fmax(fabs(extent.low), fabs(extent.high));
     if (d->request->follow || !(figure->y.flat > 0) ||
         !(varies > 1e-15 && varies <= figure->y.flat))
         return true;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What lies between the rows of an adaptive run, which may be far apart, for the eye. */
+#include <hooke/method.h>
+#include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/base/numeric.h>

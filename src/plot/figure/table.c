@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of a table against each other: points, a curve for each method, event or the like. */
+#include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/plot.h>
@@ -163,41 +164,4 @@ bool drawing_table(struct drawing *d, struct figure *figure)
     figure->y.log |= request->log;
     figure->x = axis_of(x, table->rows, figure->y.log ? DECADE : DECADES, request->x);
     return drawing_ranges(d, figure, (enum quantity[]){column_quantity(x), column_quantity(first)});
-}
-
-/* ---- the table of a sweep: point, the parameter, of a section event and t, what was measured ----
- */
-
-bool sweep_known(const struct session *session)
-{
-    return table_store_find(&session->found, TEXT("sweep"));
-}
-
-bool sweep_figure(struct drawing *d, struct figure *figure)
-{
-    const struct stored_table *found = table_store_find(&d->session->found, TEXT("sweep"));
-    struct figure_request *request = arena_alloc(d->arena, sizeof *request);
-    struct text *name = arena_alloc(d->arena, sizeof *name);
-    if (!found) {
-        error_set(d->error, ERROR_COMMAND, "there is no sweep to plot");
-        return error_hint(d->error, "type: sweep NAME=FROM:TO");
-    }
-    if (!request || !name)
-        return error_memory(d->error);
-    const struct table_column *column = found->table.column;
-    const bool section = text_is(text_of(column[2].name), "event");
-    *request = *d->request;
-    request->table = &found->table;
-    request->against = text_of(column[1].name);
-    *name = text_of(column[section ? 4 : 2].name);
-    if (request->columns == 0) {
-        request->column = name;
-        request->columns = 1;
-    }
-    if (!section && found->table.rows > 1 && column[1].value[0] == column[1].value[1]) {
-        error_set(d->error, ERROR_COMMAND, "a sweep over two parameters is a map");
-        return error_hint(d->error, "'plot COLUMN against COLUMN of sweep' draws its columns");
-    }
-    d->request = request;
-    return drawing_table(d, figure);
 }

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which part of the time a plot shows. */
+#include <hooke/run.h>
+#include <hooke/data.h>
+#include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 #include <hooke/session/log.h>
-#include <hooke/session/subject.h>
+#include <hooke/session/series_tools.h>
 
 #include <math.h>
 
@@ -35,7 +38,7 @@ static void span_of(const struct drawing *d, double *from, double *to)
     *from = HUGE_VAL;
     *to = -HUGE_VAL;
     for (int i = 0; i < d->request->runs; i++) {
-        const struct run *run = d->session->run[d->request->run[i]]->run;
+        const struct run *run = d->session->runs.slot[d->request->run[i]]->run;
         const double a = trace_time(run->trace, 0),
                      b = trace_time(run->trace, trace_count(run->trace) - 1);
         *from = fmin(*from, fmin(a, b));
@@ -66,7 +69,7 @@ static double longest_window(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
     const int each =
-        charset_is_plain(request->charset) ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
+        !request->charset || request->charset->plain ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns =
         request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
     const double max = kind_of(d)->periods || !request->alone ? d->period * columns / each : NAN;
@@ -112,7 +115,7 @@ bool run_goes_back(const struct run *run)
 /* The run in front, whose newest part a view shows. */
 static bool goes_back(const struct drawing *d)
 {
-    return d->request->runs > 0 && run_goes_back(d->session->run[d->request->run[0]]->run);
+    return d->request->runs > 0 && run_goes_back(d->session->runs.slot[d->request->run[0]]->run);
 }
 
 /*
@@ -143,7 +146,7 @@ static double short_above(double length)
  */
 static void growing_window(struct drawing *d, double from, double to, double max)
 {
-    const double until = d->session->collecting->until, whole = until > from ? until - from : NAN;
+    const double until = d->session->growing->until, whole = until > from ? until - from : NAN;
     const double length = d->request->span > 0 ? max : fmin(fmin(whole, max), HUGE_VAL);
     follow_window(d, from, to, to,
                   isfinite(length) ? length : short_above(fmax(to - from, GROWING_LEAST)));
@@ -198,10 +201,10 @@ static double window_rhythm(const struct drawing *d)
     struct series series;
     struct error ignored;
     if (d->request->runs > 0)
-        return run_rhythm(d->session->run[d->request->run[0]]->run);
+        return run_rhythm(d->session->runs.slot[d->request->run[0]]->run);
     if (!recording || !recording_series(recording, d->arena, 2, &series, &ignored))
         return NAN;
-    return TWO_PI / motion_frequency(d->session, recording, &series, d->arena);
+    return TWO_PI / series_tools()->frequency(d->session, recording, &series, d->arena);
 }
 
 bool session_window(const struct session *session, const struct figure_request *request,

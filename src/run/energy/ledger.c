@@ -4,11 +4,12 @@
  *
  * Where the trace has each step, nothing is done while the run advances: who asks pays for the
  * steps since somebody asked last. Where it leaves steps out, each row has a mark, the balance up
- * to it, from when somebody asks: fixed steps are then taken once more. Runs that cannot be
+ * to it, from when somebody asks: steps are then taken once more. Runs that cannot be
  * repeated step by step have marks from the start. Either way each step is seen once, by the same
  * operations in the same order: the balance does not depend on what is recorded, nor on how a run
  * is cut into calls.
  */
+#include <hooke/base/cancel.h>
 #include <hooke/scene/typed.h>
 
 #include "run/energy/work.h"
@@ -63,16 +64,15 @@ static bool settle(const struct run *run)
     return true;
 }
 
-/* ---- fixed steps once more ---- */
+/* ---- steps once more ---- */
 
 /* Returns true if the states of the run follow from its scene, its grids and its number of steps.
  */
 static bool is_repeatable(const struct run *run)
 {
     const struct run_private *p = run->private_state;
-    return !run->plan.adaptive && !run->settings.compensated && run->trace->interval == 0 &&
-           p->epochs == 1 && p->kicks == 0 && !p->is_unrepeatable &&
-           !(run->method->flags & METHOD_EXTERNAL);
+    return !run->settings.compensated && run->trace->interval == 0 && p->epochs == 1 &&
+           p->kicks == 0 && !p->is_unrepeatable && !(run->method->flags & METHOD_EXTERNAL);
 }
 
 bool ledger_waits(const struct run *run)
@@ -87,9 +87,10 @@ static bool repeat_steps(const struct run *run, struct run *again)
 {
     const struct trace *trace = run->trace;
     again->private_state->original = run;
-    for (size_t i = 1; i <= trace->grids; i++) {
+    for (size_t i = 1; trace->grid && i <= trace->grids; i++) {
         const struct time_grid *next = i < trace->grids ? &trace->grid[i] : NULL;
-        const struct run_target target = {.t = next ? next->origin : run->t,
+        const double end = next ? next->origin : run->t;
+        const struct run_target target = {.t = run->plan.adaptive ? trace->grid[i - 1].origin : end,
                                           .steps =
                                               (next ? next->first : run->steps) - again->steps};
         if (target.steps > 0)
@@ -104,7 +105,8 @@ bool ledger_demand(const struct run *run)
     struct run_settings settings = run->settings;
     struct run_private *p = run->private_state;
     struct error ignored;
-    if (ledger_known(run) || settings.unbalanced || run->system.order != 2 || !is_repeatable(run))
+    if (ledger_known(run) || settings.unbalanced || run->system.order != 2 || !is_repeatable(run) ||
+        cancelled(run->cancel)) /* room for the marks of all rows alone takes a while */
         return ledger_known(run);
     settings.record = (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
     settings.unbalanced = true;
@@ -122,6 +124,12 @@ bool ledger_demand(const struct run *run)
     }
     run_destroy(again);
     return known;
+}
+
+void ledger_will_not_repeat(struct run *run)
+{
+    ledger_demand(run);
+    run->private_state->is_unrepeatable = true;
 }
 
 /* ---- on the way ---- */
@@ -244,17 +252,18 @@ bool ledger_ready(struct run *run)
     return fine;
 }
 
-void ledger_take(struct run *run, const double *row, int64_t count)
+void ledger_take(struct run *run, const double *row, const double *time, size_t stride,
+                 int64_t count)
 {
     struct work_done done;
     const struct run *owner = run->private_state->original ? run->private_state->original : run;
     if (!trace_marked(owner->trace))
         return;
     while (count > 0) {
-        const int taken = balance_block(owner, &owner->private_state->balance, row,
-                                        run->plan.adaptive ? &run->t : NULL, (size_t)run->system.n,
+        const int taken = balance_block(owner, &owner->private_state->balance, row, time, stride,
                                         count, &done, true);
-        row += (size_t)taken * (size_t)run->system.n;
+        row += (size_t)taken * stride;
+        time = time ? time + (size_t)taken * stride : NULL;
         count -= taken;
     }
 }
@@ -429,8 +438,9 @@ static double sampled_error(const struct run *run, const struct ledger *ledger)
 
 void run_ledger_brief(const struct run *run, struct ledger *ledger)
 {
-    const int64_t steps = run->steps - run->private_state->balance.step;
-    if (!run->system.energy || trace_marked(run->trace) || ledger_is_brief(&run->plan, steps)) {
+    /* All steps count: how many of them the balance knows already follows the clock. */
+    if (!run->system.energy || trace_marked(run->trace) ||
+        ledger_is_brief(&run->plan, run->steps)) {
         run_ledger(run, ledger);
         return;
     }

@@ -36,7 +36,7 @@ struct power {
 static bool drags_only(const struct system *system)
 {
     for (int i = 0; i < system->terms; i++)
-        if (system->term[i].row->power &&
+        if (term_has_power(system->term[i].row) &&
             (system->term[i].row->flags & (TERM_TIME | TERM_VELOCITY)) != TERM_VELOCITY)
             return false;
     return true;

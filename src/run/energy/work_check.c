@@ -4,6 +4,7 @@
  * at once, accelerations that are a small difference of large forces, steps of an order above its
  * own. There the solution from where the step began tells what the work was.
  */
+#include <hooke/base/cancel.h>
 #include "run/energy/work.h"
 
 #include <float.h>

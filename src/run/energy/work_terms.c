@@ -4,26 +4,14 @@
  * the functions of terms.def, only those terms that the scene has. work.c says what is computed; so
  * do the names here.
  */
-#include "scene/model/model.h"
+#include <hooke/base/catalog.h>
+#include "scene/model/forces.h"
 #include "scene/model/params.h"
 #include "run/energy/work.h"
 
 #include <math.h>
 
-#if defined(__GNUC__)
-#define ALWAYS_INLINE static inline __attribute__((always_inline))
-#else
-#define ALWAYS_INLINE static inline
-#endif
-
 /* ---- terms ---- */
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#define TERM_BODIES
-#include "scene/model/terms.def"
-#undef TERM_BODIES
-#pragma GCC diagnostic pop
 
 enum {
 #define CONSERVATIVE_TERM(name, ...) PLACE_##name,
@@ -132,16 +120,16 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms
                                    double v)
 {
     const double y[2] = {q, v};
-    double power = 0;
+    double a = 0;
     if (terms & HAS(damping))
-        power += damping_power(line->c[PLACE_damping], 0, y);
+        damping_add(line->c[PLACE_damping], 0, y, &a);
     if (terms & HAS(drag))
-        power += drag_power(line->c[PLACE_drag], 0, y);
+        drag_add(line->c[PLACE_drag], 0, y, &a);
     if (terms & HAS(vanderpol))
-        power += vanderpol_power(line->c[PLACE_vanderpol], 0, y);
+        vanderpol_add(line->c[PLACE_vanderpol], 0, y, &a);
     if (terms & HAS(friction))
-        power += friction_power(line->c[PLACE_friction], 0, y);
-    return power;
+        a -= v != 0 ? copysign(line->c[PLACE_friction][0], v) : 0;
+    return line->mass * a * v;
 }
 
 ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *line, double q,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Adaptive solutions beside a run. */
+#include <hooke/base/cancel.h>
 #include "run/error/follower.h"
 
 #include <math.h>
@@ -68,11 +69,11 @@ void follower_state_changed(struct follower *follower)
 
 void run_sizes_add(const struct run *run, size_t from, size_t to, double *size)
 {
-    enum { ROWS_LOOKED = 4096 };
+    enum { ROWS_LOOKED = 512 };
     const size_t by = 1 + (to - from) / ROWS_LOOKED;
     for (size_t row = from; row < to; row = row + by < to || row + 1 == to ? row + by : to - 1) {
         const double *y = trace_state(run->trace, row);
         for (int i = 0; i < run->system.n; i++)
-            size[i] = fmax(size[i], fabs(y[i]));
+            size[i] = fabs(y[i]) > size[i] ? fabs(y[i]) : size[i]; /* fmax() is a call */
     }
 }

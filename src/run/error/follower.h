@@ -5,6 +5,8 @@
 
 #include "run/private.h"
 
+struct cancel;
+
 struct follower {
     const struct method *method; /* NULL before follower_begin() */
     struct step step;
@@ -29,7 +31,7 @@ enum follower_end follower_go(struct follower *follower, double t, double max_wo
 /* Tells the method that the state was changed from outside. */
 void follower_state_changed(struct follower *follower);
 
-/* Raises size [n] to the largest values in at most some 4096 rows from `from` up to `to`, without
+/* Raises size [n] to the largest values in at most some 512 rows from `from` up to `to`, without
  * it. */
 void run_sizes_add(const struct run *run, size_t from, size_t to, double *size);
 

@@ -11,6 +11,7 @@
  * state on the way; at events it has moments of its own (saltation.c). Its work is limited by
  * counts, not by the clock: the same run always gets the same opinion.
  */
+#include <hooke/base/cancel.h>
 #include <hooke/base/elementary.h>
 #include <hooke/run/opinion.h>
 
@@ -40,7 +41,7 @@
 #define CERTAIN 0.2
 /* The part of the run's work that rows of the closed form may take. */
 #define CLOSED_FORM_SHARE 0.2
-#define ERRORS_KEPT 64 /* errors that are remembered on the way */
+#define LADDER 1.4 /* the last but one is from the second half of the way, or a little before */
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
 /* Part of a run from which the growth of its error is taken: a beginning says nothing. */
@@ -62,18 +63,25 @@ struct second {
     /* Without a method it is the closed form, and nothing below `at` is used. */
     struct follower follower;
     struct distances distances;
-    int64_t at; /* step of the run that it was last compared with */
-    struct system system;
+    int64_t at;         /* step of the run that it was last compared with */
     size_t epoch, kick; /* the next ones */
     struct saltation saltation;
-    double error; /* struct opinion's, so far */
+    /* The error, as in struct opinion, at steps of the run that are apart by the factor LADDER. */
     struct {
-        int64_t step; /* the run's */
+        int64_t step;
         double error;
-    } past[ERRORS_KEPT];
-    int count, each, skipped; /* of the past: every so many comparisons */
-    int parts;                /* its steps are no longer than that part of the run, see RUN_PARTS */
+    } past[2];
+    int parts;            /* its steps are no longer than that part of the run, see RUN_PARTS */
+    struct system system; /* last: most of it is not used, and not cleared */
 };
+
+static struct second *second_create(void)
+{
+    struct second *second = malloc(sizeof *second);
+    if (second)
+        memset(second, 0, offsetof(struct second, system));
+    return second;
+}
 
 void opinion_forget(struct run *run)
 {
@@ -167,8 +175,6 @@ size_t opinion_brief_rows(const struct system *system, const struct method *meth
 /* Returns how many rows are compared with the closed form: the last one at least. */
 static size_t closed_form_rows(const struct run *run, enum opinion_effort effort)
 {
-    if (effort == OPINION_QUIET)
-        return 1;
     return effort == OPINION_BRIEF
                ? opinion_brief_rows(&run->system, run->method, run_evaluations(run))
                : ROWS;
@@ -179,7 +185,7 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
 {
     struct run_private *p = run->private_state;
     const struct trace *trace = run->trace;
-    if (!p->second && !(p->second = calloc(1, sizeof *p->second)))
+    if (!p->second && !(p->second = second_create()))
         return;
     struct second *second = p->second;
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
@@ -215,13 +221,13 @@ static const struct method *choose_method(const struct run *run, bool other)
 static bool second_begin(struct run *run, bool other, enum opinion_effort effort)
 {
     const struct epoch *epoch = run->private_state->epoch;
-    struct second *second = calloc(1, sizeof *second);
+    struct second *second = second_create();
     const struct method *method = second ? choose_method(run, other) : NULL;
     if (!method) {
         free(second);
         return false;
     }
-    second->system = epoch->system;
+    system_copy(&second->system, &epoch->system);
     system_turn_at_kinks(&second->system);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     /* a run of a higher order may be far better than its tolerance */
@@ -236,7 +242,6 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     second->distances = (struct distances){.t = epoch->t, .lost = NAN};
     second->saltation.lost = NAN;
     second->epoch = 1;
-    second->each = 1;
     second->parts = effort == OPINION_BRIEF ? (int)fmin(RUN_PARTS, (double)run->steps) : RUN_PARTS;
     run->private_state->second = second;
     run->opinion =
@@ -284,7 +289,7 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
             !saltation_enter(run, &second->saltation, &second->system, t, second->follower.y))
             return false;
         if (first) {
-            second->system = epoch->system;
+            system_copy(&second->system, &epoch->system);
             system_turn_at_kinks(&second->system);
             method_choose_kernels(second->follower.method, &second->follower.step, true);
             second->epoch++;
@@ -297,22 +302,6 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         follower_state_changed(&second->follower);
         second->follower.controller = (struct controller){.tol = second->follower.controller.tol};
     }
-}
-
-static void remember(struct second *second, int64_t step, double error)
-{
-    second->error = error;
-    if (++second->skipped < second->each)
-        return;
-    second->skipped = 0;
-    if (second->count == ERRORS_KEPT) {
-        for (int i = 0; i < ERRORS_KEPT / 2; i++)
-            second->past[i] = second->past[2 * i + 1];
-        second->count = ERRORS_KEPT / 2;
-        second->each *= 2;
-    }
-    second->past[second->count].step = step;
-    second->past[second->count++].error = error;
 }
 
 static bool is_lost(const struct run *run)
@@ -343,7 +332,11 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
         compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row),
                        second->follower.y);
-        remember(second, second->at, run->opinion.error);
+        if ((double)second->at >= LADDER * (double)second->past[1].step) {
+            second->past[0] = second->past[1];
+            second->past[1].step = second->at;
+            second->past[1].error = run->opinion.error;
+        }
         if (lost && is_lost(run))
             return false;
     }
@@ -351,21 +344,20 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
 }
 
 /*
- * Predicts the error at the end from its growth in the second half of the way that the second
- * solution came. The way is counted in steps of the run: where a stiff run's steps grow with time,
+ * Predicts the error at the end from its growth since half of the way that the second solution
+ * came, or less. The way is counted in steps of the run: where a stiff run's steps grow with time,
  * what happens in a step stays alike. Only decides whether the second solution is worth more work;
  * no user sees it.
  */
 static double extrapolated(const struct run *run, const struct second *second)
 {
-    const double way = (double)second->at, whole = (double)run->steps;
-    double half = second->error;
-    for (int i = second->count - 1; i >= 0 && (double)second->past[i].step >= way / 2; i--)
-        half = second->past[i].error;
-    const double ratio = half > 0 ? second->error / half : 1, power = log2(fmax(ratio, 1));
-    return second->error * (power > POWER_MAX
-                                ? fixed_exp(fixed_log(ratio) * (whole - way) / (way / 2))
-                                : fixed_pow(whole / way, fmax(power, 1)));
+    const double way = (double)second->at, whole = (double)run->steps, error = run->opinion.error;
+    const double since = (double)second->past[0].step, was = second->past[0].error;
+    if (!(was > 0) || !(error > was))
+        return error * whole / way;
+    const double growth = fixed_log(error / was), power = growth / fixed_log(way / since);
+    return error * (power > POWER_MAX ? fixed_exp(growth * (whole - way) / (way - since))
+                                      : fixed_pow(whole / way, fmax(power, 1)));
 }
 
 /* Returns the work that the second solution may take at first, in its own evaluations. */
@@ -440,9 +432,7 @@ void run_second_opinion(struct run *run, enum opinion_effort effort, const struc
     if (effort < OPINION_DEMANDED && run_asks_small_values(run))
         effort = OPINION_DEMANDED;
     const bool regrows = regrowth_is_likely(run);
-    if (effort == OPINION_QUIET && !regrows)
-        return;
-    against_second(run, effort == OPINION_QUIET ? OPINION_BRIEF : effort, cancel);
+    against_second(run, effort, cancel);
     run->opinion.work = p->second ? follower_work(&p->second->follower) : 0;
     if (regrows)
         regrowth_look(run, cancel);

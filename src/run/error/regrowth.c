@@ -11,6 +11,7 @@
  * second solution it bounds how well that one knows these variables. (Growth along the run itself
  * would end too early where the run has regrown from errors of its own.)
  */
+#include <hooke/base/cancel.h>
 #include <hooke/base/elementary.h>
 #include <hooke/base/numeric.h>
 
@@ -20,9 +21,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A run that goes on in small pieces is looked at again once it has grown by one part in so many.
- */
-#define RESTLESS_SHARE 16
 /* Number of rows, one after the other, in which a value has to be below the tolerance, or an error
  * large. */
 #define ROWS_LASTING 8
@@ -54,7 +52,7 @@ struct regrowth {
     double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
     double rest[LIMIT_VARIABLES];       /* and their values there, */
     double rest_width[LIMIT_VARIABLES]; /* which are that uncertain */
-    double size[LIMIT_VARIABLES];       /* the largest values of the run so far */
+    double size[LIMIT_VARIABLES];       /* the largest values of the run */
     /* initial distance of the two, in sizes along the run, and the last one that was seen */
     double displacement, before;
     /* Set where variables came to rest: they are large, and most runs need none. */
@@ -73,7 +71,7 @@ static double scale_add(struct scale_mean *mean, const struct run *run, size_t r
                  t = trace_time(run->trace, row), way = fabs(t - run->system.t0);
     if (run->system.atol[i] > 0)
         return run->system.atol[i] / run->controller.tol;
-    mean->sum += fabs(t - mean->before) * sqrt(sqrt(fmax(y / min, 1)));
+    mean->sum += fabs(t - mean->before) * (y > min ? sqrt(sqrt(y / min)) : 1);
     mean->before = t;
     const double root = mean->sum / way,
                  scale = way > 0 ? min * ((root * root) * (root * root)) : min;
@@ -103,7 +101,7 @@ static bool rest_add(struct rest *rest, const struct trace *trace, size_t row, d
 /* Returns how many rows are looked at: what takes some percent of the run's work. */
 static size_t rows_looked(const struct run *run)
 {
-    static const double evals_a_row = 64, rows_min = 64, rows_max = 4096;
+    static const double evals_a_row = 128, rows_min = 32, rows_max = 4096;
     return (size_t)fmin(rows_max, fmax(rows_min, run_evaluations(run) / evals_a_row));
 }
 
@@ -119,19 +117,19 @@ static void find_rest(struct regrowth *r, int i)
     double min = any.value, max = any.value;
     for (size_t row = first; row < rows; row += by) {
         const double y = trace_state(trace, row)[i];
-        min = fmin(min, y);
-        max = fmax(max, y);
+        min = y < min ? y : min; /* fmin() is a call */
+        max = y > max ? y : max;
         r->scale[i] = scale_add(&mean, r->run, row, i);
         const double error = r->run->controller.tol * r->scale[i],
-                     tolerance = fmin(REST_TOLERANCES * error, fmax(error, REST_MAX * r->scale[i])),
+                     rest_max = error > REST_MAX * r->scale[i] ? error : REST_MAX * r->scale[i],
+                     many = REST_TOLERANCES * error, tolerance = many < rest_max ? many : rest_max,
                      away = AWAY_TOLERANCES * error;
-        const bool small = rest_add(&zero, trace, row, fabs(y), tolerance, min_time) ||
-                           zero.count >= ROWS_LASTING,
+        const bool small = rest_add(&zero, trace, row, fabs(y), tolerance, min_time),
                    still = rest_add(&any, trace, row, fabs(y - any.value), error, min_time);
         if (any.count == 0)
             any = (struct rest){.value = y, .count = 1, .first_row = row};
-        const bool was_small = small && fmax(max, -min) > away,
-                   was_still = still && fmax(max - any.value, any.value - min) > away;
+        const bool was_small = small && (max > away || -min > away),
+                   was_still = still && (max - any.value > away || any.value - min > away);
         if (!was_small && !was_still)
             continue;
         const size_t began = was_small ? zero.first_row : any.first_row;
@@ -146,20 +144,13 @@ static void find_rest(struct regrowth *r, int i)
     }
 }
 
-/* Returns the largest distance of the resting variables, in sizes along the run. Sets *ratio to
- * what one of them is in the largest values so far. */
-static double distance(struct regrowth *r, double *ratio)
+/* Returns the largest distance of the resting variables, in the largest values of the run. */
+static double distance(const struct regrowth *r)
 {
-    double max = 0, max_of_size = 0;
-    for (int i = 0; i < r->run->system.n; i++) {
-        const double scale = r->scale[i], by = fabs(r->displaced.y[i] - r->base.y[i]);
-        r->size[i] = fmax(fmax(r->size[i], scale), fabs(r->base.y[i]));
-        if (!r->resting[i])
-            continue;
-        max = fmax(max, by / scale);
-        max_of_size = fmax(max_of_size, by / r->size[i]);
-    }
-    *ratio = max > 0 ? max_of_size / max : 1;
+    double max = 0;
+    for (int i = 0; i < r->run->system.n; i++)
+        if (r->resting[i])
+            max = fmax(max, fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i]);
     return max;
 }
 
@@ -168,7 +159,7 @@ static void displace(struct regrowth *r)
 {
     for (int i = 0; i < r->run->system.n; i++) {
         const double base = r->base.y[i], by = r->displaced.y[i] - base,
-                     min = r->displacement * r->scale[i];
+                     min = r->displacement * r->size[i];
         if (r->resting[i] && fabs(by) < min)
             r->displaced.y[i] = base + copysign(min, by != 0 ? by : base);
     }
@@ -201,7 +192,7 @@ struct growth {
 /* Returns at how many rows the Jacobian is looked at: what takes some percent of the run's work. */
 static size_t jacobians_looked(const struct run *run)
 {
-    static const double share = 0.02, count_min = 4, a_product = 60;
+    static const double share = 0.02, count_min = 2, a_product = 500;
     const double n = run->system.n,
                  own = run_evaluations(run) *
                        solver_evaluation_price(&run->system, run->method, true),
@@ -278,7 +269,7 @@ static bool rest_is_unstable(const struct regrowth *r)
     return unstable;
 }
 
-static void growth_add(struct growth *growth, double t, double change, double unit)
+static void growth_add(struct growth *growth, double t, double change, double tol)
 {
     growth->log += change;
     growth->t = t;
@@ -286,7 +277,7 @@ static void growth_add(struct growth *growth, double t, double change, double un
         growth->log = 0;
         growth->began = t;
     }
-    growth->error = growth->log > 0 ? unit * fixed_exp(growth->log) : 0;
+    growth->error = growth->log > 0 ? tol * fixed_exp(growth->log) : 0;
 }
 
 /* Returns true if the run has grown as the base has, by the variables that errors grow in. Values
@@ -295,7 +286,7 @@ static bool run_agrees(const struct regrowth *r, const double *own)
 {
     double apart = 0, grown = 0;
     for (int i = 0; i < r->run->system.n && !r->follows_jumps; i++) {
-        const double by = fabs(r->displaced.y[i] - r->base.y[i]) / r->scale[i];
+        const double by = fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i];
         if (!r->resting[i] || by < AGREEMENT * r->before)
             continue;
         apart = fmax(apart, fabs(own[i] - r->base.y[i]) / r->size[i]);
@@ -307,22 +298,22 @@ static bool run_agrees(const struct regrowth *r, const double *own)
 /* Compares the two, and goes on from `own`, which may be the base itself. */
 static void compare(struct regrowth *r, struct growth *growth, const double *own, double t)
 {
-    double ratio, now = 0, factor = 1;
+    double now = 0, factor = 1;
     const bool failed = r->base.step.t != t || r->displaced.step.t != t; /* no solution there */
     if (failed) {
         r->base.step.t = r->displaced.step.t = t;
         copy_state(r->displaced.y, r->base.y, r->run->system.n);
     } else {
-        now = distance(r, &ratio);
+        now = distance(r);
         growth_add(growth, t, now > 0 ? fixed_log(now / r->before) : -HUGE_VAL,
-                   r->base.controller.tol * ratio);
+                   r->base.controller.tol);
     }
     if (now > SPREAD * r->displacement)
         factor = r->displacement / now;
     move(r, own, factor);
     if (growth->log <= 0 || now == 0)
         displace(r);
-    r->before = distance(r, &ratio);
+    r->before = distance(r);
     follower_state_changed(&r->base);
     follower_state_changed(&r->displaced);
 }
@@ -385,12 +376,11 @@ static bool follow(struct regrowth *r, struct growth *growth, double max,
 static bool follow_both(struct regrowth *r, struct growth *growth, double max,
                         const struct cancel *cancel)
 {
-    double ratio;
     r->displacement = sqrt(r->run->controller.tol);
-    memset(r->size, 0, sizeof r->size);
-    run_sizes_add(r->run, 0, r->row, r->size);
+    copy_state(r->size, r->scale, r->run->system.n);
+    run_sizes_add(r->run, 0, trace_count(r->run->trace), r->size);
     displace(r);
-    r->before = distance(r, &ratio);
+    r->before = distance(r);
     return follow(r, growth, max, cancel);
 }
 
@@ -421,13 +411,7 @@ static bool find_resting(struct regrowth *r, struct run *run)
 bool regrowth_is_likely(struct run *run)
 {
     struct regrowth r;
-    struct run_private *p = run->private_state;
-    const size_t rows = trace_count(run->trace);
-    if (rows >= p->restless && rows - p->restless < p->restless / RESTLESS_SHARE)
-        return false;
-    const bool likely = find_resting(&r, run) && rest_is_unstable(&r);
-    p->restless = likely ? 0 : rows;
-    return likely;
+    return find_resting(&r, run) && rest_is_unstable(&r);
 }
 
 void regrowth_look(struct run *run, const struct cancel *cancel)

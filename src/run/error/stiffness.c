@@ -20,7 +20,7 @@ size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t coun
 /* Spectral radius of the Jacobian [n][n], by powers. */
 static double spectral_radius(const double *jacobian, int n)
 {
-    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 0;
+    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 1;
     /* nothing in particular */
     for (int i = 0; i < n; i++)
         v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
@@ -36,17 +36,17 @@ static double spectral_radius(const double *jacobian, int n)
         if (after == 0)
             return 0;
         if (round >= ROUNDS - COUNTED)
-            grown += fixed_log(after / before) / 2;
+            grown *= after / before;
         for (int i = 0; i < n; i++)
             v[i] = w[i] / sqrt(after);
     }
-    return fixed_exp(grown / COUNTED);
+    return fixed_exp(fixed_log(grown) / (2 * COUNTED));
 }
 
 double run_stiffness(const struct run *run)
 {
     const struct system *system = &run->system;
-    static const double evals_a_look = 256, looks_min = 4; /* a small share of the run's work */
+    static const double evals_a_look = 512, looks_min = 4; /* a small share of the run's work */
     const size_t rows = trace_count(run->trace) - 1,
                  max = (size_t)fmin(LOOKS, fmax(looks_min, (double)run->cost.evals / evals_a_look)),
                  count = rows < max ? rows : max;

@@ -191,16 +191,11 @@ static bool look_misses(void *context, double theta)
 static bool add(struct event_watch *watch, const struct event_crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
-    if (watch->count == watch->found_capacity) {
-        const size_t capacity = watch->found_capacity ? 2 * watch->found_capacity : 16;
-        struct event_crossing *found = realloc(watch->found, capacity * sizeof *found);
-        watch->found = found ? found : watch->found;
-        double *state = found ? realloc(watch->state, capacity * n * sizeof *state) : NULL;
-        watch->state = state ? state : watch->state;
-        if (!state)
-            return false;
-        watch->found_capacity = capacity;
-    }
+    size_t capacity = watch->found_capacity;
+    if (!array_reserve(&watch->found, sizeof *watch->found, watch->count, &capacity) ||
+        !array_reserve(&watch->state, n * sizeof *watch->state, watch->count,
+                       &watch->found_capacity))
+        return false;
     watch->found[watch->count++] = *crossing;
     return true;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in so short a time that no step of a run has seen it. */
+#include <hooke/base/cancel.h>
 #include <hooke/run/unresolved.h>
 #include <hooke/scene/bursts.h>
 
@@ -12,7 +13,6 @@
 #define BURSTS 16
 #define PIECES 4       /* of each part of a step that is solved again: none is passed over */
 #define SOLVE_TOL 1e-9 /* tolerance of that */
-#define EVEN_STEPS 256 /* or so many steps of each */
 #define ULPS 1000      /* of t: what is shorter is a point, as a singularity is */
 #define NEARER 4       /* times: a step across a jump is as far from either solution */
 #define SIZE_MIN 1e-6  /* of a variable's natural size: what is smaller counts as that large */
@@ -44,25 +44,6 @@ static bool is_seen(const struct trace *trace, size_t first, const struct burst 
 
 /* ---- whether a step has seen it ---- */
 
-/* By the midpoint rule in many steps: across a jump, where step control does not get on. */
-static bool solve_evenly(const struct system *system, double t, double *y, double end)
-{
-    double slope[LIMIT_VARIABLES], middle[LIMIT_VARIABLES];
-    const double h = (end - t) / EVEN_STEPS;
-    for (int i = 0; i < EVEN_STEPS; i++) {
-        system_derivative(system, t + i * h, y, slope);
-        for (int k = 0; k < system->n; k++)
-            middle[k] = y[k] + h / 2 * slope[k];
-        system_derivative(system, t + (i + 0.5) * h, middle, slope);
-        for (int k = 0; k < system->n; k++)
-            y[k] += h * slope[k];
-    }
-    bool finite = true;
-    for (int k = 0; k < system->n; k++)
-        finite = finite && isfinite(y[k]);
-    return finite;
-}
-
 /* Goes on from y at t to `end` in even pieces, each by accurate methods. */
 static bool solve_pieces(const struct run *run, double t, double *y, double end)
 {
@@ -70,8 +51,7 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
     for (int i = 1; i <= PIECES; i++) {
         const double next = i < PIECES ? t + (end - t) * i / PIECES : end,
                      from = t + (end - t) * (i - 1) / PIECES;
-        if (from != next && !run_solve_cheaply(system, from, y, next, SOLVE_TOL, y, run->cancel) &&
-            !solve_evenly(system, from, y, next))
+        if (from != next && !run_solve_cheaply(system, from, y, next, SOLVE_TOL, y, run->cancel))
             return false;
     }
     return true;

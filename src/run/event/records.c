@@ -2,24 +2,16 @@
 /* Events that have happened: which of them stop a run, and what is kept of them. */
 #include "run/event/watch.h"
 
-#include <stdlib.h>
-
 static bool keep(struct run *run, const struct event_crossing *crossing, const double *state)
 {
     struct event_records *all = &run->private_state->event_records;
     const size_t n = (size_t)run->system.n;
     if (all->count == LIMIT_EVENT_RECORDS)
         return false;
-    if (all->count == all->capacity) {
-        const size_t capacity = all->capacity ? 2 * all->capacity : 16;
-        struct event_record *at = realloc(all->at, capacity * sizeof *at);
-        all->at = at ? at : all->at;
-        double *more = at ? realloc(all->state, capacity * n * sizeof *all->state) : NULL;
-        all->state = more ? more : all->state;
-        if (!more)
-            return false;
-        all->capacity = capacity;
-    }
+    size_t capacity = all->capacity;
+    if (!array_reserve(&all->at, sizeof *all->at, all->count, &capacity) ||
+        !array_reserve(&all->state, n * sizeof *all->state, all->count, &all->capacity))
+        return false;
     all->at[all->count] =
         (struct event_record){crossing->event, crossing->direction, run->steps, crossing->t};
     memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Why a run stopped, and what to do about it. */
+#include <hooke/base/number.h>
 #include <hooke/base/elementary.h>
 
 #include "run/private.h"
@@ -40,9 +41,10 @@ static const double *sound_state(const struct run *run, double *t)
         bool sound = true;
         for (int i = 0; i < system->n && sound; i++)
             sound = fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]));
-        *t = trace_time(run->trace, row);
-        if (sound || row == 0)
+        if (sound || row == 0) {
+            *t = trace_time(run->trace, row);
             return y;
+        }
     }
     return run->y;
 }
@@ -202,8 +204,9 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
 {
     const struct oscillator *o = &run->system.oscillator;
     const char *name = run->method->row.name;
-    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth,
-           rate = fastest_rate(run);
+    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth;
+    /* Looked for where nothing else says why: it passes over rows. */
+    const double rate = isnan(limit) ? fastest_rate(run) : NAN;
     bool implicit = run->method->flags & METHOD_IMPLICIT;
     if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
         buffer_format(text, "the scene itself grows (%s < 0)", o->stiffness < 0 ? "k" : "gamma");

@@ -75,10 +75,12 @@ double solver_evaluation_price(const struct system *system, const struct method 
                                bool adaptive)
 {
     const double n = system->n, forces = evaluation_price(system);
-    if (method->rosenbrock)
-        return 90 + 50 * n + forces;
+    if (method->rosenbrock && method_step_kernel(method, system))
+        return 15 + 70 * n + forces;
     if (method->flags & METHOD_IMPLICIT)
-        return 310 + 150 * n + forces;
+        return 270 + 150 * n + 25 * n * n + forces;
+    if (adaptive && method_controlled_kernel(method, system))
+        return 50 + 18 * n + forces;
     return adaptive ? 140 + 15 * n + forces : 60 + 8 * n + forces;
 }
 

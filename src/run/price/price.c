@@ -4,6 +4,8 @@
  * counted by callgrind (x86-64, gcc -O2); tests/growth/prices.py counts them again. They are true
  * to a factor of about 1.5, which is what a decision needs.
  */
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
 #include <hooke/run/price.h>
 #include <hooke/run/unresolved.h>
 #include <hooke/scene/typed.h>
@@ -17,7 +19,7 @@
 
 /* ---- parts of a run ---- */
 
-static const double setting_up = 50e3, setting_up_typed = 160e3, summary = 25e3;
+static const double setting_up = 30e3, setting_up_typed = 160e3, summary = 25e3;
 
 /* Instructions of all steps. */
 static double steps_price(const struct run_scenario *s, const struct run_work *work)
@@ -41,40 +43,36 @@ static double steps_price(const struct run_scenario *s, const struct run_work *w
            work->evals * (4 * n + evaluation_price(s->system));
 }
 
-/* Instructions for recording: blocks of fixed steps are computed in place and their range is
- * checked; adaptive steps are recorded one by one. */
+/* Instructions for recording: blocks of steps are computed in place and their range is checked,
+ * rows of long runs are chosen among them; adaptive steps without a kernel are recorded one by one.
+ */
 static double rows_price(const struct run_scenario *s, const struct run_work *work)
 {
-    static const double in_place = 3.3, one_by_one = 135, thinned = 25;
-    if (s->plan->adaptive || s->events)
+    static const double in_place = 3.3, in_place_adaptive = 30, one_by_one = 135, thinned = 30;
+    const bool has_kernel =
+        s->settings->kernel != KERNEL_GENERAL && method_controlled_kernel(s->method, s->system);
+    if (s->events || (s->plan->adaptive && !has_kernel))
         return one_by_one * work->steps;
-    return (s->settings->record.rule == RECORD_ALL || s->plan->steps < LIMIT_SAMPLES ? in_place
-                                                                                     : thinned) *
-           (s->plan->propagates ? 0 : work->steps);
+    const bool thins = s->settings->record.rule == RECORD_AUTO && work->steps >= LIMIT_SAMPLES;
+    const double each = s->plan->adaptive ? in_place_adaptive : s->plan->propagates ? 0 : in_place;
+    return (each + (thins ? thinned : 0)) * work->steps;
 }
 
-/* Returns the number of rows that run_went_across() compares with their slopes. */
-static double rows_looked_at(const struct run_scenario *s, const struct run_work *work)
+/* Instructions for the rows that run_find_strange_steps() compares with their slopes. */
+static double strange_price(const struct run_scenario *s, const struct run_work *work)
 {
-    const bool is_safe = run_is_never_singular(s->system);
     const struct recording_rule *record = &s->settings->record;
-    if (s->plan->adaptive || is_safe || record->rule == RECORD_TIMES ||
+    const double each = 100 + 200 * (double)s->system->n, a_block = 450,
+                 a_change = 10 + 9 * (double)s->system->n;
+    if (s->plan->adaptive || run_is_never_singular(s->system) || record->rule == RECORD_TIMES ||
         (record->rule == RECORD_EVERY && record->every > 1))
         return 0;
     const double rows = fmin(work->steps, LIMIT_SAMPLES);
-    const bool picks = run_picks_rows(s->system, s->method, rows);
-    return rows /
-           (1 + floor(rows / (double)run_rows_looked_max(s->method, work->evals, rows, picks)));
-}
-
-static double singular_price(const struct run_scenario *s, const struct run_work *work)
-{
-    const double looked = rows_looked_at(s, work), each = 100 + 200 * (double)s->system->n,
-                 a_block = 450, a_change = 15 + 3.5 * (double)s->system->n;
-    const bool picks =
-        looked > 0 && looked < work->steps && run_picks_rows(s->system, s->method, work->steps);
+    bool picks;
+    const size_t max = run_rows_looked_max(s->system, s->method, work->evals, rows, &picks);
+    const double looked = rows / (1 + floor(rows / (double)max));
     return looked * (each + 3 * evaluation_price_called(s->system)) +
-           (picks ? a_block * looked + a_change * work->steps : 0);
+           (picks && looked < work->steps ? a_block * looked + a_change * work->steps : 0);
 }
 
 /* Instructions for one row of the energy balance. */
@@ -82,7 +80,7 @@ static double balance_row_price(const struct run_scenario *s)
 {
     /* Work in a long step of an adaptive run is found by solving it again. */
     static const double integrated = 3600, work_typed = 4000, solved = 20e3, solved_typed = 50e3,
-                        plain = 21, several = 65, work_linear = 55, work = 85, across_kink = 90;
+                        plain = 21, several = 65, work_linear = 55, work = 105, across_kink = 90;
     const struct system *system = s->system;
     const double forces = evaluation_price(system);
     if (typed_lines(system->model) > 0 && s->plan->ledger)
@@ -109,8 +107,8 @@ static bool has_apart_rows(const struct run_scenario *s, const struct run_work *
  * cannot be taken again. */
 static bool keeps_balance(const struct run_scenario *s, const struct run_work *work)
 {
-    return has_apart_rows(s, work) && (s->settings->record.rule == RECORD_TIMES ||
-                                       s->plan->adaptive || s->settings->compensated);
+    return has_apart_rows(s, work) &&
+           (s->settings->record.rule == RECORD_TIMES || s->settings->compensated || s->events);
 }
 
 static bool balances(const struct run_scenario *s, const struct run_work *work)
@@ -249,7 +247,7 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     list_add(list, rows_price(s, work), "rows");
     list_add(list, (typed_lines(s->system->model) > 0 ? setting_up_typed : setting_up) + summary,
              "set-up and summary");
-    list_add(list, singular_price(s, work), "look for steps across singularities");
+    list_add(list, strange_price(s, work), "look for steps across singularities");
     list_add(list, bursts_price(s, work), "look for short pulses");
     list_add(list, unresolved_price(s, work), "look for forces faster than steps");
     if (balances(s, work))
@@ -309,8 +307,7 @@ static void add_columns(const struct run_scenario *s, enum column_kind kind, dou
     struct buffer names = {0};
     int count = 0;
     for (size_t i = 0; i < observable_catalog.count; i++) {
-        const struct observable *o =
-            (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+        const struct observable *o = observable_at(i);
         if (column_kind(o) == kind && !is_state(s->system, o->row.name) &&
             !(o->needs & NEED_POWER && s->system->conservative) &&
             observable_defined(o, s->system, s->plan->exact_known))
@@ -322,11 +319,12 @@ static void add_columns(const struct run_scenario *s, enum column_kind kind, dou
     buffer_free(&names);
 }
 
-/* The dearest that a search for the end of a solution may be, see singular.c. */
-static double search_price(const struct system *system)
+/* The dearest that following the solution of a run that fails may be (diagnose.c). */
+static double follow_price(const struct run_scenario *s, const struct run_work *work)
 {
-    static const double steps = 20000, evals = 12;
-    return steps * evals * solver_evaluation_price(system, method_find("dop853"), true);
+    static const double evals = 12;
+    return (double)run_follow_steps(work->evals) * evals *
+           solver_evaluation_price(s->system, method_find("dop853"), true);
 }
 
 static double recorded_rows(const struct run_scenario *s, const struct run_work *work)
@@ -351,7 +349,7 @@ static void add_left_out(const struct run_scenario *s, const struct run_work *wo
     add_columns(s, COLUMNS_EXACT, rows * exact_state_price(s->system), "", list);
     add_columns(s, COLUMNS_PLAIN, rows * column, ", each", list);
     if (!run_is_never_singular(s->system))
-        list_add(list, search_price(s->system),
+        list_add(list, follow_price(s, work),
                  "search for a singularity (if the run fails or a step looks strange) up to");
     if (s->plan->adaptive && s->opinion == 0)
         list_add(list, NAN, "second solution (set opinion off)");

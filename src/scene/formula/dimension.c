@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/scene/dimension.h>
 
@@ -260,8 +261,8 @@ enum quantity dimension_quantity(const struct dimension *a)
         return QUANTITY_OTHER;
     for (int q = 0; q < QUANTITY_COUNT; q++) {
         bool same = q != QUANTITY_OTHER;
-        for (int i = 0; i < DIMENSION_BASES; i++)
-            same &= is_zero(shown_power(a, i) - quantity_power[q][i]);
+        for (int i = 0; i < DIMENSION_BASES && same; i++)
+            same = is_zero(shown_power(a, i) - quantity_power[q][i]);
         if (same)
             return (enum quantity)q;
     }

@@ -4,6 +4,8 @@
  * with constants folded. Nothing recurses; the stacks of the parser and of the evaluator are
  * bounded by LIMIT_EXPR_DEPTH.
  */
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
 #include <hooke/scene/unit_word.h>
 
 #include <string.h>
@@ -181,6 +183,7 @@ static bool unknown_name(struct compiler *c, struct text name)
 {
     int shown = name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME;
     error_at(c->error, name, "unknown name '%.*s'", shown, name.at);
+    c->error->unknown = "name";
     struct suggestion suggestion = {.wanted = name};
     if (c->scope && c->scope->offer)
         c->scope->offer(c->scope->context, &suggestion);

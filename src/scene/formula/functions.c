@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would
  * drop it. */
+#include <hooke/base/catalog.h>
 #include <math.h>
 
 #include "scene/formula/expr.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "scene/formula/interval.h"
+#include <hooke/scene/interval.h>
 
 #include <float.h>
 
@@ -93,7 +93,7 @@ static double power(double x, int n)
 struct interval interval_power(struct interval a, int n)
 {
     if (interval_empty(a) || n == 0)
-        return interval_empty(a) ? a : interval_point(1);
+        return n == 0 ? interval_point(1) : a;
     if (n < 0)
         return interval_div(interval_point(1), interval_power(a, -n));
     const double p = power(a.lo, n), q = power(a.hi, n), units = 2 * n;

@@ -160,7 +160,7 @@ static struct jet modulo(struct jet a, struct jet b)
 static struct jet to_number(struct jet x, double n)
 {
     if (n == 0)
-        return interval_empty(x.value) ? x : jet_number(1);
+        return jet_number(1);
     if (n != floor(n)) {
         const struct jet root = jet_one(sqrt, x);
         return jet_mul(to_number(x, floor(n)), root);
@@ -178,22 +178,26 @@ static struct jet to_number(struct jet x, double n)
 /* In general exp(n log x), for which x has to be above 0. */
 static struct jet to_power(struct jet x, struct jet n)
 {
+    const bool fixed = is_number(&n) && n.value.lo == n.value.hi;
+    if (fixed && power_is_short(n.value.lo))
+        return to_number(x, n.value.lo);
+    if (interval_empty(x.value) && interval_has(n.value, 0))
+        return jet_jump(1, 1); /* pow(NAN, 0) */
     if (interval_empty(x.value) || interval_empty(n.value))
         return jet_jump(NAN, NAN);
-    if (is_number(&n) && n.value.lo == n.value.hi && power_is_short(n.value.lo))
-        return to_number(x, n.value.lo);
-    if (!(x.value.lo > 0)) {
-        const bool whole = is_number(&n) && n.value.lo == floor(n.value.lo);
-        const double min = !whole ? 0 : -HUGE_VAL;
-        double max = HUGE_VAL;
-        if (x.value.hi < 0 && is_number(&n) && !whole)
-            return jet_jump(NAN, NAN);
-        /* it grows with x from 0 at 0 */
-        if (is_number(&n) && !whole && n.value.lo > 0)
-            max = x.value.hi > 0 ? to_power(jet_number(x.value.hi), n).value.hi : 0;
-        return jet_jump(min, max);
-    }
-    return jet_one(fixed_exp, jet_mul(n, jet_one(fixed_log, x)));
+    if (x.value.lo > 0)
+        return jet_one(fixed_exp, jet_mul(n, jet_one(fixed_log, x)));
+    /* a power that varies may be a whole number somewhere */
+    if (!fixed || n.value.lo == floor(n.value.lo))
+        return jet_jump(-HUGE_VAL, HUGE_VAL);
+    if (x.value.hi < 0)
+        return jet_jump(NAN, NAN);
+    /* it grows with x from 0 at 0 */
+    const bool grows = n.value.lo > 0;
+    const double max = !grows            ? HUGE_VAL
+                       : x.value.hi == 0 ? 0
+                                         : to_power(jet_number(x.value.hi), n).value.hi;
+    return jet_jump(0, max);
 }
 
 struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)

@@ -4,7 +4,7 @@
 #define HOOKE_SCENE_FORMULA_JET_H
 
 #include "scene/formula/expr.h"
-#include "scene/formula/interval.h"
+#include <hooke/scene/interval.h>
 
 struct jet jet_number(double number);
 struct jet jet_neg(struct jet a);

@@ -5,7 +5,7 @@
  * 1966, Interval Analysis; Hansen, Walster 2004, Global Optimization Using Interval Analysis,
  * chapter 9).
  */
-#include "scene/formula/interval.h"
+#include <hooke/scene/interval.h>
 
 #include <float.h>
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words that follow a number, where a unit would be, and are none. */
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/scene/formula.h>
 #include <hooke/scene/unit_word.h>
 
@@ -27,7 +29,7 @@ static const struct unit *spelled_unit(struct text word)
         const struct row *row = catalog_row(&unit_catalog, i);
         if (len >= 3 && !strchr(row->brief, ' ') &&
             text_starts(text_of(row->brief), (struct text){word.at, len}))
-            return (const struct unit *)(const void *)row;
+            return unit_from(row);
     }
     return NULL;
 }
@@ -64,8 +66,10 @@ bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct t
                    word.at);
     struct buffer units = {0};
     quantity_units(quantity, &units);
+    const enum hint_kind before = error->hint_kind;
     if (units.len > 0)
         error_hint(error, "units of %s are %s", quantity_name(quantity), buffer_view(&units));
+    error->hint_kind = before == HINT_NONE ? HINT_LIST : before;
     buffer_free(&units);
     return false;
 }

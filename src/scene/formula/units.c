@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Units in expressions: each binds to the number or the parenthesis before it. */
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <string.h>
 
@@ -301,11 +303,13 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
     const struct unit *meant = glued ? powered_unit(whole) : NULL;
     if (meant) {
         error_at(c->error, typed, "unknown unit '%s'", whole);
+        c->error->unknown = "unit";
         return error_hint(c->error, "the unit is written %s", meant->row.name);
     }
     if (exists)
         return error_at(c->error, typed, "the unit %s is written without blanks", whole);
     error_at(c->error, typed, "unknown unit '%s': %s is one", whole, unit->row.name);
+    c->error->unknown = "unit";
     return power ? error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
                               shown_length(operand->text), operand->text.at, unit->row.name,
                               (int)(word < 16 ? word : 16), other.at)

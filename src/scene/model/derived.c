@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Quantities that follow from the parameters, with the uncertainty that the parameters give them.
  */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include "scene/model/params.h"
 
 #include <string.h>

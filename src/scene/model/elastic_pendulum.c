@@ -4,6 +4,7 @@
  * up. With a stiff spring the fast vibration along it is what limits explicit methods, while the
  * swing is what one wants to see.
  */
+#include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 
 #define PARAMS(P)                                                                                  \
@@ -82,21 +83,11 @@ TERM_JACOBIAN(damping)
     jac[2] -= c[0];
     jac[7] -= c[0];
 }
-TERM_POWER(damping)
-{
-    return -(c[1] * c[0] * (y[2] * y[2] + y[3] * y[3]));
-}
 
-#define RATIO "(length/hypot(x,y))"
-#define PULL "k/m*(1-" RATIO ")"
-#define X "(x/hypot(x,y))"
-#define Y "(y/hypot(x,y))"
 static const struct term_row terms[] = {
     {.row = {"spring", "m/s^2", "spring from the pivot, F = -k (r - length)", "Hooke 1678", NULL},
      .flags = TERM_CONSERVATIVE,
      .equation = {"-k/m*(1-length/hypot(x,y))*x", "-k/m*(1-length/hypot(x,y))*y"},
-     .slope = {"-(" PULL "+k/m*" RATIO "*" X "*" X ")", "-(k/m*" RATIO "*" X "*" Y ")", NULL, NULL,
-               "-(k/m*" RATIO "*" X "*" Y ")", "-(" PULL "+k/m*" RATIO "*" Y "*" Y ")"},
      .bind = spring_bind,
      .add = spring_add,
      .jacobian = spring_jacobian,
@@ -112,8 +103,7 @@ static const struct term_row terms[] = {
      .equation = {"-gamma*x'", "-gamma*y'"},
      .bind = damping_bind,
      .add = damping_add,
-     .jacobian = damping_jacobian,
-     .power = damping_power},
+     .jacobian = damping_jacobian},
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 

@@ -1,10 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces of models that kernels compile in once more, as those of terms.def: one text, so both give
- * the same bits. */
+/*
+ * What terms add, once, for models and for kernels that compile it in again: one text, so both give
+ * the same bits. A FORCE of one coordinate is an expression of t, the coordinate q, its velocity v
+ * and the coefficients c0, c1, c2: terms_program() makes programs of its text, as lanes evaluate
+ * them, and derives these. SLOPES have the operations of that derivative in their order, for the
+ * same bits.
+ */
 #ifndef HOOKE_SCENE_MODEL_FORCES_H
 #define HOOKE_SCENE_MODEL_FORCES_H
 
 #include "scene/model/model.h"
+
+/* ---- programs of built-in terms of one coordinate ---- */
+
+/* Returns true if the system has one coordinate and each built-in term the text of its force. */
+bool terms_have_text(const struct system *system);
+/*
+ * Makes a program of what the built-in terms add whose flags under `mask` are `wanted`, or of its
+ * derivatives by position and velocity: the bits of their functions. Names are t, q and v; the
+ * coefficients of term i follow name `first` + TERM_COEFFICIENTS i. Returns NULL, with an error,
+ * if there is no such term or no memory.
+ */
+struct program *terms_program(const struct system *system, unsigned mask, unsigned wanted,
+                              int first, bool slopes, struct error *error);
+
+/* ---- their texts ---- */
 
 /* Which text a term's force is; 0: one that no kernel knows. */
 enum force {
@@ -20,40 +40,81 @@ enum force {
 };
 
 #define MODEL_FORCE(name)                                                                          \
-    static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
-
+    static inline void name##_add(UNUSED const double *c, UNUSED double t, UNUSED const double *y, \
+                                  double *a)
 #define MODEL_SLOPES(name)                                                                         \
-    static inline void name##_jacobian(const double *c, UNUSED double t, const double *y,          \
-                                       double *jac)
+    static inline void name##_jacobian(UNUSED const double *c, UNUSED double t,                    \
+                                       UNUSED const double *y, double *jac)
+#define FORCE_NAMES UNUSED const double q = y[0], v = y[1], c0 = c[0], c1 = c[1], c2 = c[2]
+#define FORCE(name, expression)                                                                    \
+    UNUSED static const char name##_text[] = #expression;                                          \
+    MODEL_FORCE(name)                                                                              \
+    {                                                                                              \
+        FORCE_NAMES;                                                                               \
+        a[0] += (expression);                                                                      \
+    }
+#define SLOPES(name, by_q, by_v)                                                                   \
+    MODEL_SLOPES(name)                                                                             \
+    {                                                                                              \
+        FORCE_NAMES;                                                                               \
+        jac[0] += (by_q);                                                                          \
+        jac[1] += (by_v);                                                                          \
+    }
+#define POTENTIAL(name, expression)                                                                \
+    static inline double name##_potential(const double *c, const double *y)                        \
+    {                                                                                              \
+        UNUSED const double q = y[0], c0 = c[0], c1 = c[1], c2 = c[2];                             \
+        return (expression);                                                                       \
+    }
 
-/* pendulum */
-#include "scene/model/weight.def"
+/* Functions as expressions call them. */
+#define abs(x) fabs(x)
+#define sin(x) fixed_sin(x)
+#define cos(x) fixed_cos(x)
 
-MODEL_SLOPES(weight)
+/* ---- pendulum: damping and drive are those of the oscillator ---- */
+
+FORCE(weight, -c0 *sin(q))
+SLOPES(weight, -c0 *cos(q), 0)
+/* zero at the bottom, without cancellation near it */
+POTENTIAL(weight, 2 * c1 * sin(q / 2) * sin(q / 2))
+
+/* ---- oscillator ---- */
+
+#include "scene/model/terms.def"
+
+/* What dry friction c0 [m/s^2] makes of the acceleration by all other forces: at rest as much as
+ * it takes, up to c0. */
+MODEL_FORCE(friction)
 {
-    jac[0] -= c[0] * fixed_cos(y[0]);
+    if (y[1] != 0)
+        a[0] -= copysign(c[0], y[1]);
+    else
+        a[0] = fabs(a[0]) <= c[0] ? 0 : a[0] - copysign(c[0], a[0]);
 }
 
-/* kepler */
+/* ---- kepler ---- */
+
 MODEL_FORCE(attraction)
 {
-    double square = y[0] * y[0] + y[1] * y[1], pull = c[0] / (square * sqrt(square));
+    const double square = y[0] * y[0] + y[1] * y[1], pull = c[0] / (square * sqrt(square));
     a[0] -= pull * y[0];
     a[1] -= pull * y[1];
 }
 
-/* henon-heiles */
+/* ---- henon-heiles ---- */
+
 MODEL_FORCE(well)
 {
-    (void)c;
     a[0] -= y[0] + 2 * y[0] * y[1];
     a[1] -= y[1] + (y[0] * y[0] - y[1] * y[1]);
 }
 
-/* robertson */
+/* ---- robertson ---- */
+
 MODEL_FORCE(reaction)
 {
-    double forth = c[0] * y[0], burn = c[1] * y[1] * y[1], back = c[2] * y[1] * y[2];
+    const double forth = c[0] * y[0], burn = c[1] * y[1] * y[1], back = c[2] * y[1] * y[2];
     a[0] += back - forth;
     a[1] += forth - back - burn;
     a[2] += burn;
@@ -61,10 +122,14 @@ MODEL_FORCE(reaction)
 
 MODEL_SLOPES(reaction)
 {
-    double burn = 2 * c[1] * y[1], by_b = c[2] * y[2], by_c = c[2] * y[1];
-    double change[9] = {-c[0], by_b, by_c, c[0], -by_b - burn, -by_c, 0, burn, 0};
+    const double burn = 2 * c[1] * y[1], by_b = c[2] * y[2], by_c = c[2] * y[1];
+    const double change[9] = {-c[0], by_b, by_c, c[0], -by_b - burn, -by_c, 0, burn, 0};
     for (int i = 0; i < 9; i++)
         jac[i] += change[i];
 }
+
+#undef abs
+#undef sin
+#undef cos
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Henon and Heiles' star in a galaxy: orderly at low energy, chaotic towards the escape energy 1/6.
  * No units. */
+#include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \

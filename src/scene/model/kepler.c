@@ -12,6 +12,7 @@
  * where U0 … U3 are cos, sin, … of sqrt(alpha) s over powers of sqrt(alpha), free of cancellation
  * for small alpha s^2.
  */
+#include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \
@@ -41,17 +42,11 @@ TERM_POTENTIAL(attraction)
     return -c[0] / fixed_hypot(y[0], y[1]);
 }
 
-#define RADIUS "hypot(x,y)"
-#define PULL "gm/(" RADIUS "*" RADIUS "*" RADIUS ")"
-#define X "(x/" RADIUS ")"
-#define Y "(y/" RADIUS ")"
 static const struct term_row terms[] = {
     {.row = {"attraction", "", "r'' = -gm r/|r|^3", "Newton 1687, Principia I", NULL},
      .flags = TERM_CONSERVATIVE,
      .equation = {"-gm*x/(x^2+y^2)^1.5", "-gm*y/(x^2+y^2)^1.5"},
      .ordered = {"-gm/(x^2+y^2)^1.5*x", "-gm/(x^2+y^2)^1.5*y"},
-     .slope = {"-(" PULL "*(1-3*" X "*" X "))", PULL "*3*" X "*" Y, NULL, NULL, PULL "*3*" X "*" Y,
-               "-(" PULL "*(1-3*" Y "*" Y "))"},
      .force = FORCE_attraction,
      .bind = attraction_bind,
      .add = attraction_add,

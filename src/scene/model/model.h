@@ -16,6 +16,8 @@
 #include <hooke/base/numeric.h>
 #include <hooke/scene.h>
 
+struct catalog;
+
 extern const struct model pendulum_model, elastic_pendulum_model, kepler_model, henon_heiles_model,
     prothero_robinson_model, robertson_model, orego_model;
 
@@ -65,17 +67,6 @@ bool derived_for_typed(const struct model *model, struct arena *arena, struct ca
     static void name##_jacobian(UNUSED const double *c, UNUSED double t, UNUSED const double *y,   \
                                 double *jac)
 #define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
-#define TERM_POWER(name)                                                                           \
-    static double name##_power(const double *c, UNUSED double t, const double *y)
-
-/* What dry friction f [m/s^2] makes of the acceleration by all other forces: at rest as much as it
- * takes, up to f. */
-static inline double dry_acceleration(double f, double v, double a)
-{
-    if (v != 0)
-        return a - copysign(f, v);
-    return fabs(a) <= f ? 0 : a - copysign(f, a);
-}
 
 /* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it.
  */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What there is to move. */
+#include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 
 const struct model *const scene_models[] = {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Oregonator of Field and Noyes: a chemical clock whose concentrations jump over five powers of
  * ten. */
+#include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 
 #define PARAMS(P)                                                                                  \
@@ -41,7 +42,6 @@ static const struct term_row terms[] = {
     {.row = {"reaction", "1/s", "three of the steps of the Belousov-Zhabotinskii reaction",
              "Field, Noyes 1974", NULL},
      .equation = {"s*(y2+y1*(1-q*y1-y2))", "(y3-(1+y1)*y2)/s", "w*(y1-y3)"},
-     .slope = {"s*(1-2*q*y1-y2)"},
      .bind = reaction_bind,
      .add = reaction_add,
      .jacobian = reaction_jacobian},

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The parameter table and the scene that holds its values. */
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
 #include <assert.h>
 
 #include "scene/model/params.h"
@@ -83,9 +85,7 @@ static double preset_value(const struct scene *scene, int param)
 
 void scene_init(struct scene *scene, const struct preset *preset)
 {
-    *scene = (struct scene){
-        .preset =
-            preset ? preset : (const struct preset *)(const void *)catalog_row(&preset_catalog, 0)};
+    *scene = (struct scene){.preset = preset ? preset : preset_at(0)};
     scene->model = scene->preset->model ? scene->preset->model : &oscillator_model;
     for (size_t i = 0; i < scene->model->params->count; i++)
         scene_unset(scene, (int)i);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pendulum: a bob on a rigid rod, swinging or turning over, with damping and a driving force
  * along its path. */
+#include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \
@@ -28,11 +29,6 @@ TERM_BIND(weight)
     c[1] = param[P_m] * param[P_g] * param[P_length];
     return c[0] != 0;
 }
-TERM_POTENTIAL(weight) /* zero at the bottom, without cancellation near it */
-{
-    double s = fixed_sin(y[0] / 2);
-    return 2 * c[1] * s * s;
-}
 
 TERM_BIND(damping)
 {
@@ -40,18 +36,6 @@ TERM_BIND(damping)
     c[1] = param[P_m] * param[P_length] * param[P_length];
     oscillator->damping += c[0];
     return c[0] != 0;
-}
-TERM_ADD(damping)
-{
-    a[0] -= c[0] * y[1];
-}
-TERM_JACOBIAN(damping)
-{
-    jac[1] -= c[0];
-}
-TERM_POWER(damping)
-{
-    return -(c[1] * c[0] * y[1] * y[1]);
 }
 
 TERM_BIND(drive)
@@ -62,14 +46,6 @@ TERM_BIND(drive)
     c[3] = param[P_F0] * param[P_length];
     return c[0] != 0;
 }
-TERM_ADD(drive)
-{
-    a[0] += c[0] * fixed_cos(c[1] * t + c[2]);
-}
-TERM_POWER(drive)
-{
-    return c[3] * fixed_cos(c[1] * t + c[2]) * y[1];
-}
 
 TERM_BIND(friction)
 {
@@ -77,14 +53,6 @@ TERM_BIND(friction)
     c[1] = param[P_friction] * param[P_length];
     oscillator->friction += c[0];
     return c[0] != 0;
-}
-TERM_ADD(friction)
-{
-    a[0] = dry_acceleration(c[0], y[1], a[0]);
-}
-TERM_POWER(friction)
-{
-    return -(c[1] * fabs(y[1]));
 }
 
 static const struct term_row terms[] = {
@@ -96,7 +64,8 @@ static const struct term_row terms[] = {
      .bind = weight_bind,
      .add = weight_add,
      .jacobian = weight_jacobian,
-     .potential = weight_potential},
+     .potential = weight_potential,
+     .text = weight_text},
     {.row = {"damping", "rad/s^2", "linear damping -gamma theta'", "Stokes 1851", NULL},
      .flags = TERM_LINEAR | TERM_VELOCITY,
      .equation = {"-gamma*theta'"},
@@ -104,7 +73,7 @@ static const struct term_row terms[] = {
      .bind = damping_bind,
      .add = damping_add,
      .jacobian = damping_jacobian,
-     .power = damping_power},
+     .text = damping_text},
     {.row = {"drive", "rad/s^2", "driving force F = F0 cos(omega t + phase) along the path", "",
              NULL},
      .flags = TERM_LINEAR | TERM_TIME,
@@ -112,14 +81,13 @@ static const struct term_row terms[] = {
      .force = FORCE_drive,
      .bind = drive_bind,
      .add = drive_add,
-     .power = drive_power},
+     .text = drive_text},
     {.row = {"friction", "rad/s^2", "dry friction F = -friction sign(theta') along the path",
              "Coulomb 1785", NULL},
      .flags = TERM_VELOCITY | TERM_KINK | TERM_DRY,
      .equation = {"-friction/(m*length)*sign(theta')"},
      .bind = friction_bind,
-     .add = friction_add,
-     .power = friction_power},
+     .add = friction_add},
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes by name: what differs from the parameters' defaults. The first row is where a session
  * begins. */
+#include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 
 #define UNIT_OSCILLATOR                                                                            \
@@ -165,3 +166,18 @@ static const struct preset rows[] = {
 };
 
 const struct catalog preset_catalog = CATALOG("scene", rows);
+
+const struct preset *preset_by_name(struct text name)
+{
+    return (const struct preset *)(const void *)catalog_find(&preset_catalog, name);
+}
+
+const struct preset *preset_at(size_t i)
+{
+    return (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+}
+
+const struct preset *preset_from(const struct row *row)
+{
+    return (const struct preset *)(const void *)row;
+}

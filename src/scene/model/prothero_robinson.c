@@ -2,6 +2,7 @@
 /* y' = lambda (y - cos t) - sin t: the solution is cos t however stiff the pull towards it. Order
  * reduction shows here.
  */
+#include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 
 #define PARAMS(P)                                                                                  \

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Robertson's autocatalytic reaction: rates from 0.04 to 3e7, over times from 1e-5 to 1e11. */
+#include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The functions and the table of the force terms, all from terms.def. */
+/* The table of the force terms, from terms.def. */
+#include <hooke/base/catalog.h>
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
 
@@ -9,16 +10,18 @@
 #include "scene/model/terms.def"
 #undef TERM_BODIES
 
-#define TERM_ROW(term, term_flags, text, source)                                                   \
-    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags),                        \
+/* It depends on all other forces. */
+#define friction_text NULL
+
+#define TERM_ROW(term, term_flags, description, source)                                            \
+    .row = {#term, "m/s^2", (description), (source), NULL}, .flags = (term_flags),                 \
     .equation = {term##_equation}, .force = FORCE_##term, .bind = term##_bind, .add = term##_add,  \
-    .jacobian = term##_jacobian
+    .jacobian = term##_jacobian, .text = term##_text
 
 static const struct term_row rows[] = {
 #define CONSERVATIVE_TERM(name, flags, brief, citation)                                            \
     {TERM_ROW(name, (flags) | TERM_CONSERVATIVE, brief, citation), .potential = name##_potential},
-#define POWERED_TERM(name, flags, brief, citation)                                                 \
-    {TERM_ROW(name, flags, brief, citation), .power = name##_power},
+#define POWERED_TERM(name, flags, brief, citation) {TERM_ROW(name, flags, brief, citation)},
 #include "scene/model/terms.def"
 };
 

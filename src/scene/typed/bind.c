@@ -3,6 +3,7 @@
  * Binding a typed scene. Programs are made once for each set of parameters that are 0 and kept with
  * the model; threads may bind at the same time: whoever comes second throws its own away.
  */
+#include <hooke/base/number.h>
 #include "scene/typed/typed.h"
 
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From lines to a model: state, parameters, and what each variable's expressions are. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,6 +6,8 @@
 
 #include "scene/typed/typed.h"
 
+struct suggestion;
+
 enum symbol_kind {
     SYMBOL_TIME,
     SYMBOL_VARIABLE,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The names of a typed scene: variables, their velocities, parameters, and those of the scene
  * below. */
+#include <hooke/base/unit.h>
 #include <string.h>
 
 #include "scene/typed/compile.h"
@@ -56,7 +57,7 @@ void typed_offer(const void *context, struct suggestion *suggestion)
 bool typed_explain(struct compile *c, const struct typed_line *line)
 {
     const struct text name = c->error->where;
-    if (!text_starts(text_of(c->error->text), TEXT("unknown name")))
+    if (!c->error->unknown || !text_is(text_of(c->error->unknown), "name"))
         return false;
     const struct typed_line *below = typed_line_of(c->typed, TYPED_OBSERVE, name);
     if (below == line)

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed models and their lines: each line makes a new model, which nothing changes any more. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include "scene/typed/typed.h"
 
 #include <stdio.h>

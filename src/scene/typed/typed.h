@@ -3,7 +3,12 @@
 #ifndef HOOKE_SCENE_TYPED_TYPED_H
 #define HOOKE_SCENE_TYPED_TYPED_H
 
+#include <stdatomic.h>
+
+#include <hooke/base/catalog.h>
 #include "scene/formula/program/program.h"
+
+struct cancel;
 
 #define TYPED_NAME_MAX (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
 #define TYPED_READS (TERM_VALUES - 2)     /* parameters that expressions may read */

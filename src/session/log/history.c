@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log of the session: lines and statements as they came, what they did; `history`, the file of
  * `record`, labels of undo and the script of the report are read from it. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 
@@ -255,9 +258,9 @@ bool record_open(struct session *session, const char *path, struct error *error)
         free(copy);
         return false;
     }
-    session->record_fd = fd;
-    session->record_path = copy;
-    session->record_synced = 0;
+    session->transcript.fd = fd;
+    session->transcript.path = copy;
+    session->transcript.synced = 0;
     return true;
 }
 
@@ -265,7 +268,7 @@ static bool cannot_append(const struct session *session, const struct error *why
                           const char *before, struct error *error)
 {
     struct buffer path = {0};
-    safe_text(&path, text_of(session->record_path), false);
+    safe_text(&path, text_of(session->transcript.path), false);
     error_set(error, ERROR_IO, "cannot append to %.200s: %s%s%s", buffer_view(&path), why->text,
               *before ? "; the recording of commands ends before: " : "", before);
     buffer_free(&path);
@@ -276,33 +279,34 @@ bool record_close(struct session *session, struct error *error)
 {
     struct error why = {0};
     bool ok = true;
-    if (session->record_owed && !append_lines(session->record_fd, TEXT(""), true, &why))
+    if (session->transcript.owed && !append_lines(session->transcript.fd, TEXT(""), true, &why))
         ok = cannot_append(session, &why, "", error);
-    if (session->record_fd >= 0)
-        close(session->record_fd);
-    free(session->record_path);
-    session->record_fd = -1;
-    session->record_path = NULL;
-    session->record_owed = false;
+    if (session->transcript.fd >= 0)
+        close(session->transcript.fd);
+    free(session->transcript.path);
+    session->transcript.fd = -1;
+    session->transcript.path = NULL;
+    session->transcript.owed = false;
     return ok;
 }
 
 bool record_append(struct session *session, size_t first, struct error *error)
 {
-    if (session->record_fd < 0)
+    if (session->transcript.fd < 0)
         return true;
     struct buffer text = {0};
     struct error why = {0};
     history_put(session, first, HISTORY_RECORD, &text);
     bool ok = !text.failed || error_memory(&why);
     if (ok && text.len > 0) {
-        const bool locked = file_lock(session->record_fd, true);
-        const bool sync = !session->record_synced || clock_seconds(session->record_synced) >= 1;
-        ok = append_lines(session->record_fd, buffer_text(&text), sync, &why);
+        const bool locked = file_lock(session->transcript.fd, true);
+        const bool sync =
+            !session->transcript.synced || clock_seconds(session->transcript.synced) >= 1;
+        ok = append_lines(session->transcript.fd, buffer_text(&text), sync, &why);
         if (locked)
-            file_unlock(session->record_fd);
-        session->record_owed = !sync;
-        session->record_synced = sync ? clock_ns() : session->record_synced;
+            file_unlock(session->transcript.fd);
+        session->transcript.owed = !sync;
+        session->transcript.synced = sync ? clock_ns() : session->transcript.synced;
     }
     buffer_free(&text);
     if (!ok) {

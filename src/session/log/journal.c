@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -10,25 +11,22 @@
 
 /* ---- the list ---- */
 
-/* so many changed parameters are gone through where the scene in force is asked for */
-#define SCENE_EVERY 16
-
 static bool is_set(const struct request *request, bool by_events)
 {
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
 }
 
-static const struct request *last_set(const struct request *last, bool by_events)
-{
-    return !last || is_set(last, by_events) ? last : last->set[by_events].before;
-}
-
 int journal_changes(const struct request *last, double *t, int max)
 {
-    const struct request *request = last_set(last, false);
-    const int all = request ? request->set[false].count : 0, count = all < max ? all : max;
-    for (int i = count; i-- > 0; request = request->set[false].before)
-        t[i] = request->from_t;
+    int count = 0;
+    for (; last && count < max; last = last->before)
+        if (is_set(last, false))
+            t[count++] = last->from_t;
+    for (int i = 0; i < count / 2; i++) {
+        const double later = t[i];
+        t[i] = t[count - 1 - i];
+        t[count - 1 - i] = later;
+    }
     return count;
 }
 
@@ -49,8 +47,6 @@ void journal_release(struct request *last)
     for (struct request *before; last && --last->references == 0; last = before) {
         before = last->before;
         free(last->condition);
-        free(last->set[0].scene);
-        free(last->set[1].scene);
         free(last);
     }
 }
@@ -63,25 +59,6 @@ static void link_request(struct request *request, struct request *before)
     request->count = journal_count(before) + 1;
     request->backs = request->kind == REQUEST_BACK || (before && before->backs);
     request->go = before && before->kind == REQUEST_GO ? before : before ? before->go : NULL;
-    for (int i = 0; i < 2; i++) {
-        request->set[i].before = last_set(before, i);
-        request->set[i].count = (before ? before->set[i].count : 0) + is_set(request, i);
-        request->set[i].scene = NULL;
-    }
-}
-
-/* From time to time a request keeps the whole scene. False: no memory. */
-static bool keep_scene(struct run_slot *slot, bool by_events)
-{
-    struct request *request = slot->last;
-    struct scene scene, *copy;
-    if (!is_set(request, by_events) || request->set[by_events].count % SCENE_EVERY != 0)
-        return true;
-    journal_scene(slot, by_events, &scene);
-    if ((copy = malloc(sizeof *copy)))
-        *copy = scene;
-    request->set[by_events].scene = copy;
-    return copy != NULL;
 }
 
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
@@ -99,12 +76,10 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
     made->condition = NULL;
     link_request(made, slot->last);
     slot->last = made;
-    const bool ok =
-        (condition.len == 0 || (made->condition = strndup(condition.at, condition.len))) &&
-        keep_scene(slot, false) && keep_scene(slot, true);
-    if (!ok)
-        journal_drop(slot);
-    return ok || error_memory(error);
+    if (condition.len == 0 || (made->condition = strndup(condition.at, condition.len)))
+        return true;
+    journal_drop(slot);
+    return error_memory(error);
 }
 
 void journal_drop(struct run_slot *slot)
@@ -201,17 +176,20 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
     return true;
 }
 
+/* Of each parameter the last change holds: in any order each is a value that the scene had. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
-    struct error ignored;
-    const struct request *set[SCENE_EVERY], *request = last_set(slot->last, by_events);
-    int count = 0;
-    for (; request && !request->set[by_events].scene; request = request->set[by_events].before)
-        set[count++] = request;
-    *scene = request ? *request->set[by_events].scene : slot->run->scene;
-    /* was accepted then */
-    while (count-- > 0)
-        scene_set(scene, set[count]->param, set[count]->value, &ignored);
+    bool is_known[PARAM_MAX] = {false};
+    *scene = slot->run->scene;
+    for (const struct request *request = slot->last; request; request = request->before) {
+        const int param = request->param;
+        if (!is_set(request, by_events) || is_known[param])
+            continue;
+        is_known[param] = scene->chosen[param] = true;
+        scene->value[param] = request->value.value;
+        scene->uncertainty[param] =
+            isnan(request->value.uncertainty) ? 0 : request->value.uncertainty;
+    }
 }
 
 bool journal_changed(const struct run_slot *slot, int first)

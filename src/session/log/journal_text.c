@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run's journal as commands. */
+#include <hooke/run.h>
+#include <hooke/result.h>
+#include <hooke/base/number.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/formula.h>

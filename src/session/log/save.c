@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The set-up as commands: only what differs from a new session, numbers that read back to the same
  * doubles. */
+#include <hooke/method.h>
+#include <hooke/base/file.h>
+#include <hooke/data.h>
+#include <hooke/result.h>
+#include <hooke/base/number.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,15 +67,24 @@ static void save_setting(const struct setting *setting, const struct settings *s
     buffer_char(text, '\n');
 }
 
-/* motion: only those by which trajectories are what they are. */
-static void save_settings(const struct settings *settings, bool motion, struct buffer *text)
+/* For whom the commands are. */
+enum save_extent {
+    SAVE_MOTION,  /* only that by which trajectories are what they are */
+    SAVE_FILE,    /* what a person saves */
+    SAVE_SESSION, /* also how results look, and scenes that are not the present one */
+};
+
+static void save_settings(const struct settings *settings, enum save_extent extent,
+                          struct buffer *text)
 {
     struct settings defaults;
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
-        const bool chosen = setting_is_chosen(setting, settings);
-        if (!setting->display && chosen && (!motion || setting->of_run || setting->chosen) &&
+        const bool wanted = extent == SAVE_SESSION ? !setting->typed
+                            : extent == SAVE_FILE  ? !setting->display
+                                                   : setting->of_run || setting->chosen;
+        if (wanted && setting_is_chosen(setting, settings) &&
             (setting->chosen || !setting_same(setting, settings, &defaults)))
             save_setting(setting, settings, text);
     }
@@ -82,7 +97,7 @@ static const struct row *scene_without(struct text name)
     for (size_t i = 0; i < preset_catalog.count; i++) {
         struct scene scene;
         const struct row *row = catalog_row(&preset_catalog, i);
-        scene_init(&scene, (const struct preset *)(const void *)row);
+        scene_init(&scene, preset_from(row));
         if (!scene_has_name(&scene, name, &kind))
             return row;
     }
@@ -144,10 +159,13 @@ static void save_mass(const struct recording *recording, struct buffer *text)
     buffer_char(text, '\n');
 }
 
-#define FIELD(name) #name, offsetof(struct recording, name), sizeof((struct recording *)0)->name
+#define IN_RECORDING(member, least, most) FIELD_IN(struct recording, member, least, most)
 const struct recording_field recording_fields[RECORDING_FIELDS] = {
-    {FIELD(cleaned), save_cleaned}, {FIELD(window), save_window}, {FIELD(zero), save_zero},
-    {FIELD(mass), save_mass},       {FIELD(velocity), NULL},
+    {IN_RECORDING(cleaned, 0, 0), save_cleaned},
+    {IN_RECORDING(window, -DBL_MAX, DBL_MAX), save_window},
+    {IN_RECORDING(zero, -DBL_MAX, DBL_MAX), save_zero},
+    {FIELD_CALLED_AS("mass", struct recording, mass, FIELD_REALS, 0, DBL_MAX), save_mass},
+    {IN_RECORDING(velocity, 0, 0), NULL},
 };
 
 static void save_recording(const struct recording_slot *slot, struct buffer *text)
@@ -230,29 +248,51 @@ static void save_current_recording(const struct session *session, struct buffer 
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 
-static void save_setup(const struct session *session, bool motion, struct buffer *text)
+static void save_owns(const struct setup *setup, struct buffer *text)
 {
-    const bool elsewhere = save_let(&session->setup, text);
-    save_scene(&session->setup.scene, elsewhere, text);
-    events_save(session->setup.events, false, text);
-    save_method(&session->setup, text);
-    save_settings(&session->setup.settings, motion, text);
-    if (session->setup.calibration.known && !motion) {
+    for (int i = 0; i < setup->owns; i++) {
+        struct scene scene;
+        scene_init(&scene, setup->own[i]);
+        scene_kind_script(&scene, text);
+    }
+}
+
+static void save_setup(const struct session *session, enum save_extent extent, struct buffer *text)
+{
+    const struct setup *setup = &session->setup;
+    const struct calibration *calibration = &setup->calibration;
+    bool elsewhere = save_let(setup, text);
+    if (extent == SAVE_SESSION && setup->owns > 0) {
+        save_owns(setup, text);
+        elsewhere = true;
+    }
+    save_scene(&setup->scene, elsewhere, text);
+    events_save(setup->events, false, text);
+    save_method(setup, text);
+    save_settings(&setup->settings, extent, text);
+    if (extent != SAVE_MOTION && calibration->known) {
         buffer_put(text, TEXT("calibrate y "));
-        calibration_put(&session->setup.calibration, text);
+        calibration_put(calibration, text);
         buffer_char(text, '\n');
+    } else if (extent == SAVE_SESSION && calibration->decided) {
+        buffer_put(text, TEXT("calibrate off\n"));
     }
 }
 
 void session_save_motion(const struct session *session, struct buffer *text)
 {
-    save_setup(session, true, text);
+    save_setup(session, SAVE_MOTION, text);
+}
+
+void session_save_setup(const struct session *session, struct buffer *text)
+{
+    save_setup(session, SAVE_SESSION, text);
 }
 
 void session_save(const struct session *session, struct buffer *text)
 {
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
-    save_setup(session, false, text);
+    save_setup(session, SAVE_FILE, text);
     save_recordings(session, text);
     save_current_recording(session, text);
     if (!session->view.focus) /* other panes show runs, which are not saved */

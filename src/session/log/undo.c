@@ -4,6 +4,9 @@
  * were. A run that has gone on since is taken back to its step by dropping rows; one that was taken
  * back is advanced again, which gives the same bits.
  */
+#include <hooke/method.h>
+#include <hooke/run.h>
+#include <hooke/data.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 
@@ -112,7 +115,7 @@ static void release_setup(struct shared_setup *setup)
 static struct shared_setup *share_setup(const struct session *session)
 {
     struct shared_setup *setup =
-        session->undos > 0 ? session->state[session->undos - 1]->setup : NULL;
+        session->undo.undos > 0 ? session->undo.state[session->undo.undos - 1]->setup : NULL;
     if (setup && memcmp(&setup->setup, &session->setup, sizeof setup->setup) == 0) {
         setup->references++;
         return setup;
@@ -126,9 +129,10 @@ static struct shared_setup *share_setup(const struct session *session)
 
 static void copy_fields(const struct recording *from, struct recording *to)
 {
-    for (int i = 0; i < RECORDING_FIELDS; i++)
-        memcpy((char *)to + recording_fields[i].offset,
-               (const char *)from + recording_fields[i].offset, recording_fields[i].bytes);
+    for (int i = 0; i < RECORDING_FIELDS; i++) {
+        const struct field *field = &recording_fields[i].field;
+        memcpy((char *)to + field->offset, (const char *)from + field->offset, field->bytes);
+    }
 }
 
 struct snapshot *snapshot_take(const struct session *session, const char *label)
@@ -136,25 +140,25 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
     struct snapshot *snapshot = calloc(1, sizeof *snapshot);
     if (!snapshot)
         return NULL;
-    snapshot->run = calloc((size_t)session->runs + 1, sizeof *snapshot->run);
+    snapshot->run = calloc((size_t)session->runs.count + 1, sizeof *snapshot->run);
     snapshot->recording = calloc((size_t)session->recordings + 1, sizeof *snapshot->recording);
     if (!snapshot->run || !snapshot->recording || !(snapshot->setup = share_setup(session))) {
         snapshot_free(snapshot);
         return NULL;
     }
     snprintf(snapshot->label, sizeof snapshot->label, "%s", label);
-    snapshot->current_run = session->current_run;
+    snapshot->current_run = session->runs.current;
     snapshot->current_recording = session->current_recording;
-    snapshot->next_run = session->next_run;
+    snapshot->next_run = session->runs.next_number;
     snapshot->data_is_latest = session->data_is_latest;
-    for (int i = 0; i < session->runs; i++) {
-        struct run_mark *mark = mark_run(session->run[i]);
+    for (int i = 0; i < session->runs.count; i++) {
+        struct run_mark *mark = mark_run(session->runs.slot[i]);
         if (!mark) {
             snapshot_free(snapshot);
             return NULL;
         }
-        session->run[i]->references++;
-        snapshot->run[snapshot->runs++] = (struct marked_run){session->run[i], mark};
+        session->runs.slot[i]->references++;
+        snapshot->run[snapshot->runs++] = (struct marked_run){session->runs.slot[i], mark};
     }
     for (int i = 0; i < session->recordings; i++) {
         struct recording_mark *mark = &snapshot->recording[snapshot->recordings++];
@@ -190,11 +194,6 @@ bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
     return uses;
 }
 
-const char *snapshot_label(const struct snapshot *snapshot)
-{
-    return snapshot->label;
-}
-
 /* Without memory for its journal a run stays where it is. */
 static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
@@ -209,23 +208,24 @@ static void return_run(struct session *session, struct run_slot *slot, const str
 static bool same_recording(const struct recording_slot *slot, const struct recording_mark *mark)
 {
     bool same = slot == mark->slot;
-    for (int i = 0; i < RECORDING_FIELDS; i++)
-        same &= memcmp((const char *)slot->recording + recording_fields[i].offset,
-                       (const char *)&mark->then + recording_fields[i].offset,
-                       recording_fields[i].bytes) == 0;
+    for (int i = 0; i < RECORDING_FIELDS; i++) {
+        const struct field *field = &recording_fields[i].field;
+        same &= memcmp((const char *)slot->recording + field->offset,
+                       (const char *)&mark->then + field->offset, field->bytes) == 0;
+    }
     return same;
 }
 
 bool undo_matters(const struct session *session, const struct snapshot *before)
 {
-    if (session->runs != before->runs || session->recordings != before->recordings ||
-        session->current_run != before->current_run ||
+    if (session->runs.count != before->runs || session->recordings != before->recordings ||
+        session->runs.current != before->current_run ||
         session->current_recording != before->current_recording ||
         session->data_is_latest != before->data_is_latest)
         return true;
-    for (int i = 0; i < session->runs; i++)
-        if (session->run[i] != before->run[i].slot ||
-            !same_run(session->run[i]->run, session->run[i]->last, before->run[i].mark))
+    for (int i = 0; i < session->runs.count; i++)
+        if (session->runs.slot[i] != before->run[i].slot ||
+            !same_run(session->runs.slot[i]->run, session->runs.slot[i]->last, before->run[i].mark))
             return true;
     for (int i = 0; i < session->recordings; i++)
         if (!same_recording(session->recording[i], &before->recording[i]))
@@ -245,23 +245,23 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
         snapshot->run[i].slot->references++;
     for (int i = 0; i < snapshot->recordings; i++)
         snapshot->recording[i].slot->references++;
-    while (session->runs > 0)
-        session_drop_run(session, session->runs - 1);
+    while (session->runs.count > 0)
+        session_drop_run(session, session->runs.count - 1);
     while (session->recordings > 0)
         session_drop_recording(session, session->recordings - 1);
     for (int i = 0; i < snapshot->runs; i++) {
-        session->run[i] = snapshot->run[i].slot;
+        session->runs.slot[i] = snapshot->run[i].slot;
     }
     for (int i = 0; i < snapshot->recordings; i++) {
         const struct recording_mark *mark = &snapshot->recording[i];
         session->recording[i] = mark->slot;
         copy_fields(&mark->then, mark->slot->recording);
     }
-    session->runs = snapshot->runs;
+    session->runs.count = snapshot->runs;
     session->recordings = snapshot->recordings;
-    session->current_run = snapshot->current_run;
+    session->runs.current = snapshot->current_run;
     session->current_recording = snapshot->current_recording;
-    session->next_run = snapshot->next_run;
+    session->runs.next_number = snapshot->next_run;
     session->data_is_latest = snapshot->data_is_latest;
     /* What the front end was told (form of results, characters) is not part of the experiment. */
     const struct settings now = session->setup.settings;
@@ -275,45 +275,46 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
 static void clear(struct session *session, int from, int count)
 {
     for (int i = 0; i < count; i++)
-        snapshot_free(session->state[from + i]);
+        snapshot_free(session->undo.state[from + i]);
 }
 
 void undo_push(struct session *session, struct snapshot *before, size_t statement)
 {
-    clear(session, session->undos, session->redos);
-    if (session->undos == LIMIT_UNDO) {
+    clear(session, session->undo.undos, session->undo.redos);
+    if (session->undo.undos == LIMIT_UNDO) {
         clear(session, 0, 1);
-        session->undos--;
-        memmove(session->state, session->state + 1, (LIMIT_UNDO - 1) * sizeof(session->state[0]));
+        session->undo.undos--;
+        memmove(session->undo.state, session->undo.state + 1,
+                (LIMIT_UNDO - 1) * sizeof(session->undo.state[0]));
     }
     before->statement = statement;
-    session->state[session->undos++] = before;
-    session->redos = 0;
+    session->undo.state[session->undo.undos++] = before;
+    session->undo.redos = 0;
 }
 
 void undo_clear(struct session *session)
 {
-    clear(session, 0, session->undos + session->redos);
-    session->undos = session->redos = 0;
+    clear(session, 0, session->undo.undos + session->undo.redos);
+    session->undo.undos = session->undo.redos = 0;
 }
 
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
 {
-    if ((back ? session->undos : session->redos) == 0) {
+    if ((back ? session->undo.undos : session->undo.redos) == 0) {
         error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
         return error_hint(
             error, "settings that only show are not undone: 'unset NAME' gives one its default");
     }
     /* The present state takes the place of that one. */
-    struct snapshot **at = &session->state[session->undos - back], *target = *at;
+    struct snapshot **at = &session->undo.state[session->undo.undos - back], *target = *at;
     struct snapshot *now = snapshot_take(session, "");
     if (!now)
         return error_memory(error);
     history_label(session, target->statement, label);
     now->statement = target->statement;
     *at = now;
-    session->undos += back ? -1 : 1;
-    session->redos += back ? 1 : -1;
+    session->undo.undos += back ? -1 : 1;
+    session->undo.redos += back ? 1 : -1;
     go_to(session, target);
     snapshot_free(target);
     return true;
@@ -322,7 +323,8 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
 bool checkpoint_make(struct session *session, const char *name, struct error *error)
 {
     int index = 0;
-    while (index < session->checkpoints && strcmp(session->checkpoint[index]->label, name) != 0)
+    while (index < session->undo.checkpoints &&
+           strcmp(session->undo.checkpoint[index]->label, name) != 0)
         index++;
     if (index == LIMIT_CHECKPOINTS)
         return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already",
@@ -330,26 +332,27 @@ bool checkpoint_make(struct session *session, const char *name, struct error *er
     struct snapshot *snapshot = snapshot_take(session, name);
     if (!snapshot)
         return error_memory(error);
-    if (index < session->checkpoints) {
-        snapshot_free(session->checkpoint[index]);
-        memmove(&session->checkpoint[index], &session->checkpoint[index + 1],
-                (size_t)(session->checkpoints - index - 1) * sizeof(session->checkpoint[0]));
-        session->checkpoints--;
+    if (index < session->undo.checkpoints) {
+        snapshot_free(session->undo.checkpoint[index]);
+        memmove(&session->undo.checkpoint[index], &session->undo.checkpoint[index + 1],
+                (size_t)(session->undo.checkpoints - index - 1) *
+                    sizeof(session->undo.checkpoint[0]));
+        session->undo.checkpoints--;
     }
-    session->checkpoint[session->checkpoints++] = snapshot; /* the latest is the last */
+    session->undo.checkpoint[session->undo.checkpoints++] = snapshot; /* the latest is the last */
     return true;
 }
 
 bool checkpoint_restore(struct session *session, struct text name, const char **label,
                         struct error *error)
 {
-    if (session->checkpoints == 0) {
+    if (session->undo.checkpoints == 0) {
         error_set(error, ERROR_COMMAND, "there is no checkpoint");
         return error_hint(error, "type: checkpoint [NAME]");
     }
     struct suggestion near = {.wanted = name};
-    for (int i = session->checkpoints - 1; i >= 0; i--) {
-        const struct snapshot *snapshot = session->checkpoint[i];
+    for (int i = session->undo.checkpoints - 1; i >= 0; i--) {
+        const struct snapshot *snapshot = session->undo.checkpoint[i];
         if (name.len == 0 || text_is(name, snapshot->label)) {
             go_to(session, snapshot);
             *label = snapshot->label;

@@ -5,7 +5,7 @@
  * static program only; as POSIX.1-2017 says of each function. */
 #undef _FORTIFY_SOURCE /* its inline forms would stand for the functions defined here */
 #define _GNU_SOURCE    /* strcasestr, wcwidth */
-#include <hooke/base.h>
+#include <hooke/base/safe_text.h>
 
 #include <errno.h>
 #include <langinfo.h>

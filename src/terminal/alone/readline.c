@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The functions of readline before which ours stand (edit.c, line.c), by name: the archive that the
+/* The functions of readline before which ours stand (line.c), by name: the archive that the
  * static program is linked with has them once more, as own_NAME (see `make static`). */
 #include <dlfcn.h>
 #include <string.h>
 
-void own__rl_abort_internal(void);
-void own__rl_dispatch(void);
-void own__rl_forward_char_internal(void);
 void own_rl_add_undo(void);
 void own_rl_insert_text(void);
 void own_rl_newline(void);
-void own_rl_redisplay(void);
 
 #define OWN(name)                                                                                  \
     {                                                                                              \
@@ -24,9 +20,7 @@ void *__wrap_dlsym(void *handle, const char *name)
     static const struct {
         const char *name;
         void (*function)(void);
-    } own[] = {OWN(_rl_abort_internal), OWN(_rl_dispatch),   OWN(_rl_forward_char_internal),
-               OWN(rl_add_undo),        OWN(rl_insert_text), OWN(rl_newline),
-               OWN(rl_redisplay)};
+    } own[] = {OWN(rl_add_undo), OWN(rl_insert_text), OWN(rl_newline)};
     void *found = NULL;
     (void)handle;
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)

@@ -4,6 +4,8 @@
  * formulas: correct digits of the worst parameter (log relative error against the certified
  * values), and standard deviations. HOOKE_NIST says where the files are.
  */
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,7 +13,8 @@
 
 #include <cmocka.h>
 
-#include <hooke/analysis.h>
+#include "modules/recording/series/analysis.h"
+#include "modules/recording/table/load.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
  * uncertainty is the largest of formal error, disagreement of methods and drift between halves).
  * The files are other people's and not part of the project: HOOKE_DATA says where they are.
  */
+#include <hooke/base/unit.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,7 +12,8 @@
 
 #include <cmocka.h>
 
-#include <hooke/analysis.h>
+#include "modules/recording/series/analysis.h"
+#include "modules/recording/table/load.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -329,8 +331,7 @@ static struct recording *read_series(const struct reference *r, const char *path
 static bool fit_series(const char *model, const struct series *series, struct arena *arena,
                        struct fit *fit, struct error *error)
 {
-    const struct fit_model *row =
-        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
+    const struct fit_model *row = fit_model_by_name(text_of(model));
     return row && row->fit(series, arena, NULL, fit, error);
 }
 
@@ -547,8 +548,7 @@ static void long_recordings_show_the_law(void **state)
         struct fit fit;
         const struct reference any = {.time = "", .value = ""};
         struct recording *recording = read_series(&any, path, &arena, &series, &error);
-        const struct fit_model *row =
-            (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("law"));
+        const struct fit_model *row = fit_model_by_name(TEXT("law"));
         if (!recording || !row->fit(&series, &arena, NULL, &fit, &error)) {
             fail_msg("%s: %s", cases[i].file, error.text);
         }

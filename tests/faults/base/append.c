@@ -11,7 +11,8 @@
 #include <cmocka.h>
 
 #include "faults/failing_calls.h"
-#include "hooke/base.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
 
 #include <stdlib.h>
 #include <sys/wait.h>

@@ -9,7 +9,11 @@
 #include <cmocka.h>
 
 #include "faults/failing_malloc.h"
-#include "hooke/base.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -11,7 +11,8 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "hooke/base.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
 
 #include <dirent.h>
 #include <fcntl.h>

@@ -12,7 +12,8 @@
 
 #include "long_form.h"
 #include "faults/failing_calls.h"
-#include "hooke/base.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
 
 #include <stdlib.h>
 #include <sys/wait.h>

@@ -13,7 +13,7 @@
 
 #include "long_form.h"
 #include "faults/failing_calls.h"
-#include "hooke/base.h"
+#include <hooke/base/file.h>
 
 #include <dirent.h>
 #include <errno.h>

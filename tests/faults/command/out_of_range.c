@@ -8,9 +8,10 @@
 #include <cmocka.h>
 
 #include "fuzz/mend.h"
-#include "unit/command/testing.h"
+#include "modules/resume/testing.h"
 
 #include <math.h>
+#include <unistd.h>
 
 static const char lines[] = "m = 200 +- 0.3 g; method verlet dt=10ms; run 4 s; "
                             "let A = 4 cm; measure period; change gamma 0.3; continue 0.2 s";
@@ -47,8 +48,8 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
         size_t bytes;
         const char *named; /* in the notes */
     } cases[] = {
-        {"setup.drag", 0, &seven, sizeof seven, "some values are left out"},
-        {"live.speed", 0, &none, sizeof none, "some values are left out"},
+        {"current_run", 0, &seven, sizeof seven, "some values are left out"},
+        {"speed", 0, &none, sizeof none, "some values are left out"},
         {"steps", 0, &minus, sizeof minus, "run 1"},
         {"stop", 0, &seven, sizeof seven, "run 1"},
         {"settings", 0, &none, sizeof none, "run 1"},
@@ -60,7 +61,8 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
         {"drag", 0, &seven, sizeof seven, "run 1"},
         {"value", 0, &negative, sizeof negative, "no scene can have"},
         {"layout", 0, &seven, sizeof seven, "the view is left out"},
-        {"cursors", offsetof(struct cursors, quantity), &seven, sizeof seven, "the view"},
+        {"cursors.snap", 0, &seven, sizeof seven, "the view"},
+        {"kind", 0, &seven, sizeof seven, "what was asked of it is damaged"},
     };
     (void)state;
     struct bench b;
@@ -90,8 +92,58 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
     buffer_free(&whole);
 }
 
+/* The set-up is there as commands: others are not executed, and what is left is restored. */
+static void only_what_makes_a_session_is_executed(void **state)
+{
+    (void)state;
+    static const char line[] = "let A = 4 cm\n";
+    static const struct {
+        const char *instead, *named;
+    } cases[] = {
+        {"export x.csv", "does not belong"},
+        {"source x.hks", "does not belong"},
+        {"plot y > x.p", "does not belong"},
+        {"k=20;quit   ", "does not belong"},
+        {"set gama 3  ", "gama"},
+        {"m = \033[2J   ", "\\x1b[2J"},
+    };
+    struct bench b;
+    struct stored stored = {0};
+    struct buffer whole = {0};
+    bench_open(&b, false);
+    type_ok(&b, lines);
+    bench_store(b.session, &stored, &whole);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer file = {0}, notes = {0};
+        struct bench again;
+        buffer_put(&file, buffer_text(&whole));
+        char *at = NULL;
+        for (size_t k = 0; k + sizeof line < file.len; k++) /* the last one is read */
+            if (memcmp(file.data + k, line, sizeof line - 1) == 0)
+                at = file.data + k;
+        assert_non_null(at);
+        memcpy(at, cases[i].instead, sizeof line - 2);
+        mend((uint8_t *)file.data, file.len);
+        assert_true(bench_restore(&again, buffer_text(&file), &notes));
+        if (!strstr(said(&notes), cases[i].named))
+            fail_msg("%s: '%s' does not name it", cases[i].instead, said(&notes));
+        assert_false(again.session->execution.quit);
+        type_ok(&again, "use 1; print y");
+        bench_close(&again);
+        buffer_free(&file);
+        buffer_free(&notes);
+    }
+    assert_int_not_equal(access("x.csv", F_OK), 0);
+    bench_close(&b);
+    stored_free(&stored);
+    buffer_free(&whole);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_out_of_range_are_left_out_by_name)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_out_of_range_are_left_out_by_name),
+        cmocka_unit_test(only_what_makes_a_session_is_executed),
+    };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -96,17 +96,13 @@ static void test_evaluation(void **state)
         equations, expr_compile(text_of(source), &scope, &arena, &used, &error), &error));
     struct program *program = program_create(equations, 0, 1, NULL, NULL, false, &error);
     assert_non_null(program);
-    double *frame = malloc(program_frame_lanes(program) * sizeof *frame),
-           input[NAMES * PROGRAM_LANES], output[PROGRAM_LANES];
+    double *frame = malloc(program_frame(program) * sizeof *frame), input[NAMES], output[1];
     assert_non_null(frame);
-    assert_true(program_frame(program) <= program_frame_lanes(program));
     malloc_calls = 0;
     for (size_t i = 0; i < COUNT_OF(input); i++)
         input[i] = 0.5;
     program_prepare(program, frame);
     program_eval(program, input, output, frame);
-    program_prepare_lanes(program, input, NULL, frame);
-    program_eval_lanes(program, output, frame);
     assert_int_equal(malloc_calls, 0);
     free(frame);
     program_destroy(program);

@@ -13,7 +13,7 @@
 
 #include "long_form.h"
 #include "faults/failing_calls.h"
-#include "terminal/terminal.h"
+#include "modules/resume/terminal/autosave.h"
 #include "terminal/folder.h"
 #include "unit/command/testing.h"
 
@@ -93,7 +93,7 @@ static bool can_resume(bool killed)
         struct error error = {0};
         const bool resumed = autosave_resume(&bench.session, NULL, &messages, &error);
         if (resumed)
-            _exit(killed || bench.session->runs == 2 ? 0 : 1);
+            _exit(killed || bench.session->runs.count == 2 ? 0 : 1);
         _exit(strstr(error.text, "no saved session") ? 0 : 2);
     }
     assert_int_equal(waitpid(child, &status, 0), child);

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "modules/recording/fits.h"
 #include "long_form.h"
 #include "unit/command/random_session.h"
 
@@ -253,17 +254,19 @@ static void the_oldest_goes(void **state)
         session_store_fit(b.session,
                           &(struct stored_fit){.fit = {.model = "sine", .rms = i},
                                                .of = {(char)(1 + i / 100), (char)(1 + i % 100)}});
-    assert_int_equal(b.session->stored_fits, (int)limit_of("fits"));
-    assert_true(b.session->stored_fit[0].fit.rms == 1);
+    assert_int_equal(fits_of(b.session)->stored_fits, (int)limit_of("fits"));
+    assert_true(fits_of(b.session)->stored_fit[0].fit.rms == 1);
     const int results = (int)limit_of("results");
-    for (int i = b.session->results; i <= results; i++) {
-        assert_int_equal(b.session->results, i); /* up to there nothing has gone */
-        const struct named_value oldest = b.session->result[0], next = b.session->result[1];
+    for (int i = b.session->results.count; i <= results; i++) {
+        assert_int_equal(b.session->results.count, i); /* up to there nothing has gone */
+        const struct named_value oldest = b.session->results.value[0],
+                                 next = b.session->results.value[1];
         snprintf(line, sizeof line, "fit_of_%d", i);
         session_set_result(b.session, line, (struct measured){i, 0}, QUANTITY_NUMBER);
-        assert_string_equal(b.session->result[0].name, i < results ? oldest.name : next.name);
+        assert_string_equal(b.session->results.value[0].name,
+                            i < results ? oldest.name : next.name);
     }
-    assert_int_equal(b.session->results, results);
+    assert_int_equal(b.session->results.count, results);
     snprintf(line, sizeof line, "print fit_of_%d", results);
     type_ok(&b, line);
     assert_says(&b.out, "128");

@@ -120,7 +120,7 @@ static bool begin(struct session **session, struct reply *reply)
     reply_init(reply, (struct sink){swallow, swallow, NULL});
     *session = session_create(&front);
     if (*session)
-        (*session)->keep_going = true;
+        (*session)->options.keep_going = true;
     return *session;
 }
 

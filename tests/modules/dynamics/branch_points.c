@@ -9,13 +9,13 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/dynamics.h"
 
 #include "unit/scene/typing.h"
 
 #include <hooke/base/numeric.h>
-#include <hooke/study/verdict.h>
+#include "modules/dynamics/branches/verdict.h"
 
 enum { LINE_MAX = 400 };
 

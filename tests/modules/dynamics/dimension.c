@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/dynamics.h"
 
 #include <hooke/base/numeric.h>

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/dynamics.h"
 
 #include "unit/scene/typing.h"

@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/dynamics.h"
 
 #include "unit/scene/typing.h"

@@ -7,7 +7,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "unit/command/testing.h"
+#include "modules/resume/testing.h"
+#include "modules/solving/compute/start.h"
 #include "modules/dynamics/dynamics.h"
 
 #include "modules/dynamics/kept.h"
@@ -187,7 +188,7 @@ static void built_in_scenes_start_there(void **state)
         struct error error = {0};
         const struct row *row = catalog_find(&preset_catalog, text_of(scenes[i]));
         const double start[] = {0.21, -0.34};
-        scene_init(&scene, (const struct preset *)(const void *)row);
+        scene_init(&scene, preset_from(row));
         if (!scene_start_at(&scene, start, &error))
             fail_msg("%s: %s", scenes[i], error.text);
         assert_true(scene_bind(&scene, &system, &error));

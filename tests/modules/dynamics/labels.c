@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/dynamics.h"
 
 #include "unit/scene/typing.h"
@@ -155,8 +155,7 @@ static void test_published(void **state)
     close_to(re, 0.097000856088481103, 1e-14);
     close_to(im, 0.99519349102995343, 1e-14);
     equilibria_free(&found);
-    const struct preset *stars =
-        (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("henon-heiles"));
+    const struct preset *stars = preset_by_name(TEXT("henon-heiles"));
     scene_init(&scene, stars);
     const struct equilibria_request henon = {.scene = &scene,
                                              .box = {{-2, 2}, {-2, 2}, {-1, 1}, {-1, 1}}};

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "unit/study/testing.h"
+#include "modules/solving/testing.h"
 #include "modules/dynamics/portrait.h"
 
 #include "unit/scene/typing.h"
@@ -174,8 +174,7 @@ static void test_energy(void **state)
     assert_true(portrait.line[PORTRAIT_ENERGY].n > 200);
     assert_true(level_spread(&portrait.line[PORTRAIT_ENERGY]) < 1e-11);
     portrait_free(&portrait);
-    const struct preset *driven =
-        (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("duffing-driven"));
+    const struct preset *driven = preset_by_name(TEXT("duffing-driven"));
     scene_init(&spring, driven);
     portrait = make(&spring, -2, 2, -2, 2, false);
     assert_int_equal(portrait.found.count, 3);

@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-static char *drawn(const struct session *session, struct arena *arena, enum charset charset,
-                   struct figure *figure)
+static char *drawn(const struct session *session, struct arena *arena,
+                   const struct charset *charset, struct figure *figure)
 {
     const struct figure_request request = {
         .kind = (enum plot_kind)catalog_index(&plot_catalog,
@@ -52,8 +52,8 @@ static void symbols_stand_where_they_belong(void **state)
         struct arena arena = {0};
         struct figure figure;
         struct figure_layout layout;
-        char *text = drawn(session, &arena, CHARSET_ASCII, &figure);
-        figure_layout(&figure, 80, 24, CHARSET_ASCII, &layout);
+        char *text = drawn(session, &arena, &charset_ascii, &figure);
+        figure_layout(&figure, 80, 24, &charset_ascii, &layout);
         for (int k = 0; k < 3 && cases[c].symbol[k]; k++) {
             int column, row;
             assert_true(figure_cell(&layout, cases[c].at[k][0], cases[c].at[k][1], &column, &row));
@@ -73,7 +73,7 @@ static void arrows_point_along_the_flow(void **state)
     struct session *session = begin(false, "scene vanderpol");
     struct arena arena = {0};
     struct figure figure;
-    free(drawn(session, &arena, CHARSET_ASCII, &figure));
+    free(drawn(session, &arena, &charset_ascii, &figure));
     const struct curve *arrows = &figure.curve[figure.curves - 1];
     assert_true(arrows->arrows && arrows->n > 60);
     for (size_t i = 0; i + 5 < arrows->n; i += 6) {

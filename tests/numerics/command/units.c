@@ -3,6 +3,7 @@
  * Units in expressions: random ones with units, numbers and names against an evaluator of this
  * file's own, which knows each tree's value and dimension before it is written down.
  */
+#include <hooke/base/number.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -314,8 +314,7 @@ static void test_starts_where_companions_do(void **state)
     (void)state;
     int compared = 0;
     for (size_t i = 0; i < preset_catalog.count; i++) {
-        const struct preset *preset =
-            (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        const struct preset *preset = preset_at(i);
         struct scene scene;
         struct system system;
         struct error error;

@@ -4,23 +4,20 @@
 #define TESTS_METHOD_TESTING_H
 
 #include <float.h>
+#include <hooke/base/catalog.h>
 #include <hooke/method.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORK_CAPACITY = 8192 };
+struct measured;
 
-static inline const struct method *method_at(size_t i)
-{
-    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
-}
+enum { WORK_CAPACITY = 8192 };
 
 static inline const struct method *method_named(const char *name)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    const struct method *method = method_by_name(text_of(name));
     assert_non_null(method);
     return method;
 }

@@ -161,8 +161,7 @@ static void test_oscillators(void **state)
             print_message("%s %g: %.17g known to %.2g\n", o->name, o->parameter, answer.y[0],
                           answer.known[0]);
         for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *method =
-                (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *method = method_at(m);
             enum drag drag = DRAG_DEFAULT;
             if (!(method->flags & METHOD_ADAPTIVE) ||
                 !method_applies(method, &system, &drag, &error))

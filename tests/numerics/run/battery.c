@@ -71,8 +71,7 @@ static void test_pendulums(void **state)
                 if (m == 1 && k > 1 && !is_long())
                     continue;
                 struct scene scene;
-                scene_init(&scene, (const struct preset *)(const void *)catalog_find(
-                                       &preset_catalog, TEXT("pendulum")));
+                scene_init(&scene, preset_by_name(TEXT("pendulum")));
                 const double theta0 = 0.1 + 3.0 * i / 60;
                 scene.value[scene_param(&scene, "length")] = 9.81;
                 scene.value[scene_param(&scene, "theta0")] = theta0;

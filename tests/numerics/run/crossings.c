@@ -13,6 +13,7 @@
 
 #include "long_form.h"
 #include "unit/scene/typing.h"
+#include <hooke/base/catalog.h>
 #include <hooke/run.h>
 
 #include <math.h>
@@ -297,8 +298,7 @@ static void test_random_functions(void **state)
     struct fixture *f = *state;
     const int each = is_long() ? 60 : 2;
     for (size_t k = 0; k < method_catalog.count; k++) {
-        const struct method *method =
-            (const struct method *)(const void *)catalog_row(&method_catalog, k);
+        const struct method *method = method_at(k);
         if (method->flags & METHOD_EXTERNAL)
             continue;
         for (int i = 0; i < each; i++)
@@ -317,8 +317,7 @@ static void test_random_functions(void **state)
 static void test_short_dips(void **state)
 {
     struct fixture *f = *state;
-    const struct method *exact =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
+    const struct method *exact = method_by_name(TEXT("exact"));
     const int count = is_long() ? 2000 : 100;
     for (int i = 0; i < count; i++) {
         /* steps of whole periods begin, end and have their middle at the same state */

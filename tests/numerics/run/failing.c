@@ -29,8 +29,7 @@ static struct scene preset_with(const char *preset, const char *name, double val
 {
     struct scene scene;
     struct error error;
-    scene_init(&scene,
-               (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(preset)));
+    scene_init(&scene, preset_by_name(text_of(preset)));
     assert_true(scene_set(&scene, scene_param(&scene, name), (struct measured){value, 0}, &error));
     return scene;
 }
@@ -140,8 +139,7 @@ static int check_methods(const struct case_of *c, double dt)
     };
     int checked = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *method =
-            (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *method = method_at(i);
         for (size_t way = 0; way < COUNT_OF(ways); way++) {
             if (ways[way].tol > 0 ? !(method->flags & METHOD_ADAPTIVE)
                                   : (method->flags & METHOD_EXTERNAL) != 0)

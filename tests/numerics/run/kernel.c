@@ -7,16 +7,6 @@
 
 #define STEPS 1500
 
-static const struct preset *preset_at(size_t i)
-{
-    return (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
-}
-
-static const struct method *method_at(size_t i)
-{
-    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
-}
-
 /* NULL: this method, drag or step is refused there. */
 static struct run *run_of(const struct scene *scene, const struct method *method, enum drag drag,
                           enum kernel kernel, double dt)
@@ -116,8 +106,7 @@ static void test_kernels_of_models(void **state)
     }
     assert_int_equal(special, COUNT_OF(with_kernels));
     struct scene driven;
-    scene_init(&driven, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                          TEXT("pendulum")));
+    scene_init(&driven, preset_by_name(TEXT("pendulum")));
     set(&driven, "gamma", 0.3);
     set(&driven, "F0", 0.4);
     assert_true(compare_kernels(&driven) >= 20);

@@ -25,11 +25,6 @@ static struct scene drag_scene(double c)
     return scene;
 }
 
-static const struct method *method_at(size_t i)
-{
-    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
-}
-
 static struct run *solve(const struct scene *scene, const char *method,
                          struct run_settings settings, double t)
 {

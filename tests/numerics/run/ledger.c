@@ -143,8 +143,7 @@ static void test_a_jump_is_the_solvers(void **state)
         double tol;
     } row[] = {{"dopri5", 1e-6}, {"radau5", 1e-6}, {"radau5", 1e-8}, {"rodas5p", 1e-6}};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                         TEXT("stiff-vanderpol")));
+    scene_init(&scene, preset_by_name(TEXT("stiff-vanderpol")));
     for (size_t r = 0; r < COUNT_OF(row); r++) {
         struct run *run =
             start(&scene, row[r].method, (struct run_settings){.tol = row[r].tol, .dt = 1e-4}, 808);

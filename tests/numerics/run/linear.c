@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "unit/scene/typing.h"
+#include <hooke/base/catalog.h>
 #include <hooke/run.h>
 
 #include <float.h>
@@ -15,7 +16,7 @@
 
 static const struct method *method(const char *name)
 {
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_by_name(text_of(name));
 }
 
 static void set(struct scene *scene, const char *name, double value)
@@ -87,8 +88,7 @@ static void test_runs_are_the_same(void **state)
     bool fine = true;
     int runs = 0;
     for (size_t i = 0; i < COUNT_OF(pairs) * method_catalog.count; i++) {
-        const struct method *by =
-            (const struct method *)(const void *)catalog_row(&method_catalog, i / COUNT_OF(pairs));
+        const struct method *by = method_at(i / COUNT_OF(pairs));
         struct scene scene[2];
         make(&pairs[i % COUNT_OF(pairs)], models, &scene[0], &scene[1]);
         for (int way = 0; way < 12; way++) {
@@ -188,8 +188,7 @@ static void test_first_order_propagates(void **state)
     assert_true(type_scene(
         models, &scene, LINES("var a = 1", "var b = 2", "a' = -3*a + 2*b + 0.25", "b' = a - 2*b")));
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *by =
-            (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *by = method_at(i);
         double end[2][2];
         bool applies = true;
         for (int k = 0; k < 2 && applies; k++) {

@@ -203,8 +203,7 @@ static void test_what_it_can_afford(void **state)
     for (size_t i = 0; i < (is_long() ? COUNT_OF(presets) : 1); i++)
         for (int full = 0; full < 2; full++) {
             struct scene scene;
-            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
-                                   &preset_catalog, text_of(presets[i])));
+            scene_init(&scene, preset_by_name(text_of(presets[i])));
             struct run *run = reach(&scene, "dop853", 1e-6, 1e-3, is_long() ? 100000 : 20000);
             run_second_opinion(run, full ? OPINION_WHOLE : OPINION_DEMANDED, NULL);
             const double own = (double)run->cost.evals, n = run->system.n;
@@ -391,30 +390,6 @@ static void test_slow_passages(void **state)
     assert_true(lost > count / 10 && right > count / 10 && alarms <= count / 20);
 }
 
-/* Where no error is shown a second solution is taken only of what rests and may grow again. */
-static void test_quiet_opinions(void **state)
-{
-    (void)state;
-    static const struct passage passage = {30, 30, 5, 0, false, 0};
-    static const char *const quick[] = {"dop853", "radau5", "rodas5p"};
-    struct typed_models *models = typed_create(&(struct error){0});
-    char lines[800];
-    passage_lines(&passage, lines, sizeof lines);
-    const struct scene lost = typed_scene(models, lines),
-                       rests = typed_scene(models, "var x = 1;var y = 1;x' = -x;y' = -2*y");
-    for (size_t i = 0; i < COUNT_OF(quick); i++) {
-        struct run *run = reach(&lost, quick[i], 1e-3, 1e-3, 66);
-        run_second_opinion(run, OPINION_QUIET, NULL);
-        assert_true(isfinite(run->opinion.lost) != 0);
-        run_destroy(run);
-        run = reach(&rests, quick[i], 1e-6, 1e-3, 100);
-        run_second_opinion(run, OPINION_QUIET, NULL);
-        assert_true(run->opinion.work == 0 || isnan(run->opinion.work));
-        run_destroy(run);
-    }
-    typed_destroy(models);
-}
-
 /* What ends before the second solution does is not known: no number stands for the rest. */
 static void test_no_extrapolation(void **state)
 {
@@ -435,8 +410,7 @@ static void test_closed_form_on_the_way(void **state)
 {
     (void)state;
     struct scene scene;
-    scene_init(&scene,
-               (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    scene_init(&scene, preset_by_name(TEXT("damped")));
     struct run *whole = reach(&scene, "dopri5", 1e-5, 1e-3, 3), *parts;
     struct error error;
     const struct run_settings settings = {.dt = 1e-3, .tol = 1e-5};
@@ -463,7 +437,7 @@ int main(void)
         cmocka_unit_test(test_estimates_are_true),     cmocka_unit_test(test_what_it_can_afford),
         cmocka_unit_test(test_jumps_are_no_growth),    cmocka_unit_test(test_what_sinks_beyond_it),
         cmocka_unit_test(test_closed_form_on_the_way), cmocka_unit_test(test_slow_passages),
-        cmocka_unit_test(test_quiet_opinions),         cmocka_unit_test(test_no_extrapolation),
+        cmocka_unit_test(test_no_extrapolation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

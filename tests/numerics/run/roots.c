@@ -35,8 +35,7 @@ static void test_concentrations_stay_positive(void **state)
                                           "tr-bdf2",        "sdirk2", "radau3", "radau5"};
     static const double steps[] = {1e-3, 2e-3, 5e-3, 7e-3, 1e-2, 2e-2, 5e-2, 0.1};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                         TEXT("robertson")));
+    scene_init(&scene, preset_by_name(TEXT("robertson")));
     double y[LIMIT_VARIABLES], min;
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (size_t i = 0; i < COUNT_OF(steps); i++) {
@@ -57,8 +56,7 @@ static void test_there_is_a_solution(void **state)
     static const char *const methods[] = {"trapezoid", "implicit-midpoint", "gauss4", "gauss6"};
     static const double steps[] = {1e-3, 1e-2, 2e-2, 5e-2, 0.1};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                         TEXT("robertson")));
+    scene_init(&scene, preset_by_name(TEXT("robertson")));
     double y[LIMIT_VARIABLES], min;
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (size_t i = 0; i < COUNT_OF(steps); i++) {
@@ -238,8 +236,7 @@ static void test_no_jump_before_its_time(void **state)
         "backward-euler", "bdf2",    "trapezoid", "tr-bdf2",
         "radau5",         "newmark", "hht",       "generalised-alpha"};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                         TEXT("stiff-vanderpol")));
+    scene_init(&scene, preset_by_name(TEXT("stiff-vanderpol")));
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         struct run *run = start(&scene, methods[m], (struct run_settings){.dt = 1}, 1000);
         go_to(run, 1000);

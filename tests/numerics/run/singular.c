@@ -18,7 +18,7 @@
 
 static const struct method *method(const char *name)
 {
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_by_name(text_of(name));
 }
 
 static void typed_scene(struct typed_models *models, struct scene *scene, const char *lines)
@@ -151,7 +151,9 @@ static void test_late(void **state)
     typed_scene(models, &scene, "var x = 1e-2;var c = 1;var s = 0;c' = -100*s;s' = 100*c;x' = x^2");
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         struct run *run = ended(&scene, methods[m], 1e-2, 1e-7, 110);
-        if (run->stop != STOP_SINGULAR || fabs(run->singular.t - 100) > 1e-3)
+        /* of fixed steps the end is that of what they have made of the solution */
+        if (run->stop != STOP_SINGULAR ||
+            fabs(run->singular.t - 100) > (run->plan.adaptive ? 1e-3 : 1e-2))
             fail_msg("%s: %s at %.9g, %.9g", methods[m], stop_name(run->stop), run->t,
                      run->singular.t);
         run_destroy(run);
@@ -285,8 +287,7 @@ static void test_unsound_steps(void **state)
         if (cases[i].lines)
             typed_scene(models, &scene, cases[i].lines);
         else
-            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
-                                   &preset_catalog, text_of(cases[i].preset)));
+            scene_init(&scene, preset_by_name(text_of(cases[i].preset)));
         struct run *run = ended(&scene, cases[i].by, cases[i].dt, 0, cases[i].span);
         if (run->stop != STOP_END || (run->unsound.times > 0) != cases[i].unsound)
             fail_msg("%s by %s, dt = %g: %s, %g in place of %g at %g s",
@@ -358,8 +359,7 @@ static void test_others(void **state)
         if (cases[i].lines)
             typed_scene(models, &scene, cases[i].lines);
         else
-            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
-                                   &preset_catalog, text_of(cases[i].preset)));
+            scene_init(&scene, preset_by_name(text_of(cases[i].preset)));
         struct run *run = ended(&scene, cases[i].by, cases[i].dt, cases[i].tol, cases[i].span);
         if (run->stop != cases[i].stop)
             fail_msg("%s, %s: %s at t = %g", cases[i].lines ? cases[i].lines : cases[i].preset,

@@ -5,11 +5,6 @@
 
 enum { ROOM = 8192 };
 
-static const struct method *method_at(size_t i)
-{
-    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
-}
-
 struct walker {
     double y[LIMIT_VARIABLES], error[LIMIT_VARIABLES], work[ROOM];
     struct step step;
@@ -111,9 +106,7 @@ static void test_same_bits(void **state)
         struct system system;
         struct error error;
         const bool own = i >= preset_catalog.count;
-        scene_init(&scene,
-                   own ? NULL
-                       : (const struct preset *)(const void *)catalog_row(&preset_catalog, i));
+        scene_init(&scene, own ? NULL : preset_at(i));
         for (size_t k = 0; own && k < COUNT_OF(terms); k++)
             if ((i - preset_catalog.count) >> k & 1)
                 set(&scene, terms[k].name, terms[k].value);

@@ -114,11 +114,6 @@ static double order_of(struct typed_models *models, const struct problem *proble
     return error[DOUBLINGS] < 1e-11 ? HUGE_VAL : log2(error[0] / error[DOUBLINGS]) / DOUBLINGS;
 }
 
-static const struct method *method_at(size_t i)
-{
-    return (const struct method *)(const void *)catalog_row(&method_catalog, i);
-}
-
 /* Each method on one of the problems; LONG=1: on all of them. */
 static void test_methods_keep_their_order(void **state)
 {
@@ -145,7 +140,7 @@ static void test_methods_keep_their_order(void **state)
 
 static const struct method *method_of(const char *name)
 {
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_by_name(text_of(name));
 }
 
 /* Across the jump they are of the first order at best. */

@@ -9,13 +9,14 @@
 
 #include "unit/cpu_time.h"
 #include "unit/scene/typing.h"
+#include <hooke/base/catalog.h>
 #include <hooke/run.h>
 
 #include <stdlib.h>
 
 static const struct method *method(const char *name)
 {
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_by_name(text_of(name));
 }
 
 static bool type_lines(struct typed_models *models, struct scene *scene, const char *lines)
@@ -56,15 +57,13 @@ static void test_symplectic(void **state)
     int count = 0;
     bool fine = true;
     scene_init(&typed, NULL);
-    scene_init(&built_in, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                            TEXT("henon-heiles")));
+    scene_init(&built_in, preset_by_name(TEXT("henon-heiles")));
     assert_true(type_lines(models, &typed,
                            "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);"
                            "y'' = -(y + (x^2 - y^2));"
                            "potential (x^2 + y^2)/2 + (x^2 - y^2/3)*y"));
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *by =
-            (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *by = method_at(i);
         if (!(by->flags & METHOD_SYMPLECTIC) || by->flags & METHOD_IMPLICIT)
             continue;
         struct run *one = typed_run(&typed, by, DRAG_DEFAULT),
@@ -126,8 +125,7 @@ static void test_ledger(void **state)
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct scene scene;
-    scene_init(&scene,
-               (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    scene_init(&scene, preset_by_name(TEXT("damped")));
     assert_true(type_lines(models, &scene, "force -40*y^3 + 0.1*cos(2*t)"));
     const struct run_settings settings = {.dt = 0.001};
     struct run *run = run_create(&scene, method("rk4"), &settings, 10, &error);

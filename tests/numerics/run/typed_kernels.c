@@ -80,9 +80,7 @@ static void type_case(const struct typed_case *c, struct typed_models *models, s
 {
     struct text rest = text_of(c->lines), line;
     struct error error = {0};
-    scene_init(scene, c->preset ? (const struct preset *)(const void *)catalog_find(
-                                      &preset_catalog, text_of(c->preset))
-                                : NULL);
+    scene_init(scene, c->preset ? preset_by_name(text_of(c->preset)) : NULL);
     while (text_split(&rest, ';', &line)) {
         const struct typed_line typed = typing_line(text_trim(line));
         const struct model *model = typed_add(models, scene->model, &typed, &error);
@@ -161,8 +159,7 @@ static void test_fixed_steps(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         int here = 0;
         for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *by =
-                (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *by = method_at(m);
             for (enum drag drag = DRAG_DEFAULT; (by->tableau || by->splitting) && drag < DRAG_COUNT;
                  drag++) {
                 const bool there = same_ways(&cases[i], by, drag, 0);
@@ -183,8 +180,7 @@ static void test_adaptive_steps(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *by =
-                (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *by = method_at(m);
             if (by->tableau && by->flags & METHOD_ADAPTIVE)
                 if (!same_ways(&cases[i], by, DRAG_DEFAULT, 1e-7))
                     fail_msg("%s: no kernel for %s", cases[i].lines, by->row.name);

@@ -3,6 +3,7 @@
  * Exact solutions against the reference table (60-digit closed forms), against an integration by
  * Taylor series in long double that knows nothing of roots, and against what any flow must satisfy.
  */
+#include <hooke/base/number.h>
 #include "long_form.h"
 #include "unit/scene/testing.h"
 

@@ -4,6 +4,12 @@
 #include "numerics/scene/trees.h"
 #include "scene/formula/program/program.h"
 
+/* Evaluates the same program on many lanes at once: defined by tests of the module that has them.
+ */
+#ifndef GIVEN_LANES
+#define GIVEN_LANES(program, input, first, steady, wanted)
+#endif
+
 enum { OUTPUTS = 4, GIVEN = 3 * NAMES, UNUSED_PLACES = 2 };
 
 static struct program *given_program(const struct equations *equations, int count, int first,
@@ -34,19 +40,7 @@ static void compare(const struct program *program, const double *input, int firs
             fail_msg("%s: output %d from name %d on given: %.17g, wanted %.17g", text, i, first,
                      output[i], wanted[i]);
     free(frame);
-    double *in = room_of((size_t)program->names * PROGRAM_LANES),
-           *lanes = room_of(program_frame_lanes(program));
-    double *row = room_of(OUTPUTS * PROGRAM_LANES);
-    for (int i = 0; i < program->names; i++)
-        for (int k = 0; k < PROGRAM_LANES; k++)
-            in[i * PROGRAM_LANES + k] = i < first ? input[i] : steady[i - first];
-    program_prepare_lanes(program, in, NULL, lanes);
-    program_eval_lanes(program, row, lanes);
-    for (int i = 0; i < program->outputs; i++)
-        assert_true(same(row[i * PROGRAM_LANES + 7], wanted[i]));
-    free(in);
-    free(row);
-    free(lanes);
+    GIVEN_LANES(program, input, first, steady, wanted);
 }
 
 static double any_value(struct forest *f)

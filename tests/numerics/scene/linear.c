@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What typed equations are recognised as, and exact solutions of linear systems against closed
  * forms. */
+#include <hooke/base/catalog.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

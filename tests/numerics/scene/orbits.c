@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The closed forms that models bring with them: they solve the equation, and known places of known
  * orbits. */
+#include <hooke/base/catalog.h>
 #include "unit/scene/testing.h"
 
 #include <math.h>
 #include <string.h>
-
-static const struct preset *preset_at(size_t i)
-{
-    return (const struct preset *)catalog_row(&preset_catalog, i);
-}
 
 static struct scene scene_of(const struct preset *preset)
 {

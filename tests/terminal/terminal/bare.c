@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The static program at a terminal, in a root that holds nothing but it and a recording: panes and
  * prompt without terminfo, locales or a list of users. */
+#include <hooke/base/file.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>

@@ -165,7 +165,7 @@ static void test_nobody_notices(void **state)
     enter(&p, "save /tmp/hooke-outside.hk");
     expect(&p, "--safe");
     quit(&p);
-    assert_true(is_kept("history") && is_kept(AUTOSAVE_PREFIX));
+    assert_true(is_kept("history") && is_kept("session-"));
     begin(&p, (struct start){0});
     expect_prompt(&p, EMPTY_PROMPT);
     assert_false(is_confined(p.program));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Locales: numbers never follow them, and text that does not fit them harms nothing. */
+#include <hooke/base/file.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -182,6 +183,7 @@ static void test_invalid_bytes(void **state)
     /* and found again in the history */
     type(&p, "\x12"
              "ab");
+    expect(&p, "reverse-i-search"); /* the log shows the line already */
     expect(&p, "echo ab(");
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);

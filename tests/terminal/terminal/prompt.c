@@ -7,6 +7,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/base/cancel.h>
+
 #include <errno.h>
 #include <poll.h>
 #include <pty.h>

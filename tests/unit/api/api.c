@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* hooke/api.h as other programs use it: nothing of the other layers is looked at here. */
 #include <hooke/api.h>
+#include <hooke/module.h>
 
 #include <math.h>
 #include <pthread.h>
@@ -131,8 +132,11 @@ static void test_tables(void **state)
 
 static void test_results(void **state)
 {
+    struct error error;
     bool compared = false;
     (void)state;
+    if (!module_is_in("compare", TEXT("compare"), &error))
+        skip();
     struct hooke *hooke = opened(0);
     assert_null(hooke_result(hooke, 0));
     run_ok(hooke, "set format json; duration = 2 s; compare euler rk4");

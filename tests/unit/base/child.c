@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include <hooke/base/cancel.h>
 #include <hooke/base/child.h>
 
 #include <errno.h>

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "hooke/base.h"
+#include <hooke/base/file.h>
 
 #include <errno.h>
 #include <fcntl.h>

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "long_form.h"
-#include "hooke/base.h"
+#include <hooke/base/number.h>
 
 #include <math.h>
 #include <stdio.h>

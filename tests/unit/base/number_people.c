@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "hooke/base.h"
+#include <hooke/base/number.h>
 
 #include <ftw.h>
 #include <locale.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "hooke/base.h"
+#include <hooke/base/safe_text.h>
 
 #include <locale.h>
 #include <stdio.h>

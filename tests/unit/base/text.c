@@ -7,7 +7,10 @@
 
 #include <cmocka.h>
 
-#include "hooke/base.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/limit.h>
+#include <hooke/base/safe_text.h>
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,8 @@
 
 #include <cmocka.h>
 
-#include "hooke/base.h"
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +19,7 @@ static void every_unit_is_found_and_fits_its_quantity(void **state)
 {
     (void)state;
     for (size_t i = 0; i < unit_catalog.count; i++) {
-        const struct unit *unit = (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
+        const struct unit *unit = unit_at(i);
         assert_ptr_equal(unit_find(text_of(unit->row.name)), unit);
         assert_ptr_equal(unit_match(text_of(unit->row.name)), unit);
         assert_string_equal(unit->row.unit, quantity_unit(unit->quantity));

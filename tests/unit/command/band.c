@@ -3,18 +3,14 @@
  * plot position --band: the band of an adopted fit against runs with parameters drawn from the
  * fit's covariance, the picture that holds it, and what has no band.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cmocka_testing.h"
 
-#include <cmocka.h>
-
-#include "unit/svg_testing.h"
+#include "modules/pictures/svg_testing.h"
 #include "long_form.h"
 #include "unit/command/testing.h"
 
-#include <hooke/study.h>
+#include "modules/recording/fits.h"
+#include "modules/solving/compute/solve.h"
 #include <hooke/plot.h>
 
 #define DT 0.02 /* [s] of the recordings and the runs */
@@ -101,7 +97,7 @@ static int by_size(const void *a, const void *b)
 static void draw(const struct session *session, const struct run *run, int variable,
                  double *values[DRAWS], size_t n)
 {
-    const struct adopted_fit *adopted = &session->adopted;
+    const struct adopted_fit *adopted = &fits_of(session)->adopted;
     double l[MOST][MOST] = {{0}};
     uint64_t seed = 7;
     struct error error;
@@ -150,7 +146,7 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
 static void draw_kind(struct bench *bench, enum plot_kind kind, bool kept, struct arena *arena,
                       struct figure *figure)
 {
-    const int index = bench->session->current_run;
+    const int index = bench->session->runs.current;
     const struct figure_request request = {.kind = kind,
                                            .run = &index,
                                            .runs = 1,
@@ -182,7 +178,7 @@ static void check_draws(const char *line, enum plot_kind kind)
     type_ok(&bench, line);
     type_ok(&bench, "adopt; run 12 s");
     draw_kind(&bench, kind, false, &arena, &figure);
-    const struct run *run = bench.session->run[bench.session->current_run]->run;
+    const struct run *run = bench.session->runs.slot[bench.session->runs.current]->run;
     const size_t n = trace_count(run->trace) / 10;
     assert_int_equal(figure.curve[0].n, trace_count(run->trace));
     for (int d = 0; d < DRAWS; d++) {
@@ -456,17 +452,17 @@ static void test_panes_keep_the_band(void **state)
     record("rub.csv", 0, 0, 0.08, 1e-3, 4);
     const struct session *session = bench.session;
     type_ok(&bench, "m = 200 g; method rk4 dt=20ms; set band on; run 4 s");
-    assert_null(session->band.half); /* nothing was adopted: nothing is found */
+    assert_null(fits_of(session)->band.half); /* nothing was adopted: nothing is found */
     type_ok(&bench, "set band off; load damped.csv; fit drag; adopt; run 8 s");
-    assert_null(session->band.half);
+    assert_null(fits_of(session)->band.half);
     type_ok(&bench, "set band on");
     check_kept(&bench, PLOT_POSITION);
     check_kept(&bench, PLOT_VELOCITY);
-    const double *before = session->band.half;
+    const double *before = fits_of(session)->band.half;
     type_ok(&bench, "print y; plot position");
-    assert_ptr_equal(session->band.half, before); /* found once */
+    assert_ptr_equal(fits_of(session)->band.half, before); /* found once */
     type_ok(&bench, "y0 = 3 cm; run 8 s");
-    assert_null(session->band.half); /* it is no run of the fit */
+    assert_null(fits_of(session)->band.half); /* it is no run of the fit */
     type_ok(&bench, "load rub.csv; fit drag; adopt; method dop853; run 8 s");
     check_kept(&bench, PLOT_POSITION);
     bench_close(&bench);

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every command: described, explained, refusing what it does not know, completed. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
+#include <hooke/base/unit.h>
 #include <hooke/scene/formula.h>
-#include <hooke/module.h>
 #include "unit/command/testing.h"
 
 static const struct command *command_number(size_t i)
@@ -28,15 +24,6 @@ static void collect(void *context, const char *candidate, const char *brief)
     found->count++;
 }
 
-/* A command of a module that this build is without. */
-static bool left_out(struct text word)
-{
-    char name[LIMIT_NAME + 1];
-    struct error error;
-    snprintf(name, sizeof name, "%.*s", (int)word.len, word.at);
-    return !module_is_in(name, word, &error);
-}
-
 static void every_command_is_described(void **state)
 {
     (void)state;
@@ -55,7 +42,7 @@ static void every_command_is_described(void **state)
             fail_msg("%s has not two examples", c->row.name);
         struct text see = text_of(c->see), word;
         while (text_split(&see, ' ', &word))
-            if (!catalog_find(&command_catalog, word) && !left_out(word))
+            if (!catalog_find(&command_catalog, word) && !is_left_out(word.at))
                 fail_msg("%s: see also '%.*s'", c->row.name, (int)word.len, word.at);
         for (size_t j = i + 1; j < command_catalog.count; j++)
             assert_string_not_equal(c->row.name, command_number(j)->row.name);
@@ -94,7 +81,7 @@ static void every_command_refuses_nonsense(void **state)
         assert_false(type(&b, line));
         assert_says(&b.err, "has no end");
     }
-    assert_int_equal(b.session->undos, 0);
+    assert_int_equal(b.session->undo.undos, 0);
     bench_close(&b);
 }
 
@@ -115,9 +102,9 @@ static void every_command_is_suggested_and_completed(void **state)
                  name + strlen(name) - 1);
         snprintf(wanted, sizeof wanted, "'%s'", name);
         buffer_clear(&b.err);
-        b.session->status = 0;
+        b.session->execution.status = 0;
         assert_false(command_exec(b.session, text_of(line), &script, &b.reply));
-        assert_int_equal(b.session->status, 1);
+        assert_int_equal(b.session->execution.status, 1);
         assert_says(&b.err, "s.hk:7:1: error: ");
         assert_says(&b.err, "did you mean ");
         assert_says(&b.err, wanted);
@@ -188,6 +175,9 @@ static void help_is_about_the_cursor(void **state)
         struct buffer line = {0};
         char typed[64];
         const size_t cursor = strcspn(cases[i][0], "|");
+        const char *about = strchr(cases[i][1], ' ');
+        if (about && is_left_out(about))
+            continue;
         snprintf(typed, sizeof typed, "%.*s%s", (int)cursor, cases[i][0], cases[i][0] + cursor + 1);
         help_line(text_of(typed), cursor, &line);
         if (strcmp(buffer_view(&line), cases[i][1]) != 0)
@@ -242,8 +232,8 @@ static void completion_follows_the_type(void **state)
         bool file;
     } cases[] = {
         {"", " run ", " euler ", 0, false},
-        {"co", " compare ", " run ", 0, false},
-        {"echo a; me", " measure ", " m ", 8, false},
+        {"co", " continue ", " run ", 0, false},
+        {"echo a; me", " method ", " m ", 8, false},
         {"ga", " gamma ", " y0 ", 0, false},
         {"set ", " gamma ", " run ", 4, false},
         {"set m 5 ", " kg ", " cm ", 8, false},
@@ -280,10 +270,10 @@ static void completion_follows_the_type(void **state)
         {"plot position title=\"my f", "", " run ", 0, false},
         {"export x.csv ", " energy ", " m ", 13, false},
         {"export x.csv table ", " of ", " compare ", 19, false},
-        {"export x.csv table of ", " precision ", " of ", 22, false},
+        {"export x.csv table of ", " measurements ", " of ", 22, false},
         {"compare euler > ", "", " rk4 ", 16, true},
         {"sweep k=1:2 > ", "", " measure= ", 14, true},
-        {"plot error against dt of ", " stability ", " position ", 25, false},
+        {"plot error against dt of ", " events ", " position ", 25, false},
         {"print sq", " sqrt ", " y ", 6, false},
         {"scene ", " damped ", " euler ", 6, false},
         {"echo 'a; ", "", " run ", 0, false},
@@ -305,6 +295,8 @@ static void completion_follows_the_type(void **state)
         struct found found;
         size_t start = 0;
         bool file;
+        if (is_left_out(cases[i].line))
+            continue;
         complete(&b, cases[i].line, &found, &start, &file);
         if (!strstr(found.names.data, cases[i].with) ||
             strstr(found.names.data, cases[i].without) || start != cases[i].start ||
@@ -314,9 +306,12 @@ static void completion_follows_the_type(void **state)
     }
     size_t start;
     struct found none = {.count = 0};
-    assert_string_equal(command_complete(b.session, TEXT("load "), 5, &start, collect, &none), "");
-    assert_string_equal(
-        command_complete(b.session, TEXT("load scene 'a"), 13, &start, collect, &none), ".ode");
+    if (!is_left_out("load")) {
+        assert_string_equal(command_complete(b.session, TEXT("load "), 5, &start, collect, &none),
+                            "");
+        assert_string_equal(
+            command_complete(b.session, TEXT("load scene 'a"), 13, &start, collect, &none), ".ode");
+    }
     buffer_free(&none.names);
     bench_close(&b);
 }

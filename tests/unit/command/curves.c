@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Curves of very different size in one figure: each is drawn over all of its time, or the frame
  * says where it leaves. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/language.h>
 #include <hooke/plot.h>
-#include "unit/svg_testing.h"
+#include "modules/pictures/svg_testing.h"
 #include "unit/command/testing.h"
 
 #define EDGE 0.0111 /* [axis lengths] that a curve may stick out without a word */
@@ -39,7 +34,7 @@ static bool is_ink(const struct canvas *canvas, int x, int y)
 }
 
 static void look_at_panel(const struct figure_panel *panel, const struct canvas *canvas,
-                          enum charset charset, struct seen *seen)
+                          const struct charset *charset, struct seen *seen)
 {
     const struct figure *figure = &panel->figure;
     struct figure_layout layout;
@@ -63,7 +58,8 @@ static void look_at_panel(const struct figure_panel *panel, const struct canvas 
     }
 }
 
-static struct seen look_at(const struct figure *figure, int width, int height, enum charset charset)
+static struct seen look_at(const struct figure *figure, int width, int height,
+                           const struct charset *charset)
 {
     struct seen seen = {0};
     struct figure_panel panel[PANELS_MAX];
@@ -81,15 +77,16 @@ static struct seen look_at(const struct figure *figure, int width, int height, e
     return seen;
 }
 
-static struct figure figure_of(struct bench *bench, enum plot_kind kind, enum charset charset,
-                               int width, const struct figure_range *y, struct arena *arena)
+static struct figure figure_of(struct bench *bench, enum plot_kind kind,
+                               const struct charset *charset, int width,
+                               const struct figure_range *y, struct arena *arena)
 {
     static const int runs[] = {0, 1, 2, 3};
     struct figure figure;
     struct error error = {0};
     const struct figure_request request = {.kind = kind,
                                            .run = runs,
-                                           .runs = bench->session->runs,
+                                           .runs = bench->session->runs.count,
                                            .recording = -1,
                                            .window = {0, NAN},
                                            .width = width,
@@ -113,6 +110,8 @@ static const char *const setups[] = {
 static void curves_of_different_size_are_whole(void **state)
 {
     static const int sizes[][2] = {{80, 24}, {40, 12}, {100, 30}, {120, 16}, {51, 15}};
+    static const struct charset *const charsets[] = {&charset_ascii, &charset_block,
+                                                     &charset_braille};
     (void)state;
     for (size_t s = 0; s < COUNT_OF(setups); s++) {
         struct bench bench;
@@ -121,7 +120,7 @@ static void curves_of_different_size_are_whole(void **state)
         for (size_t k = 0; k < COUNT_OF(kinds) * COUNT_OF(sizes) * 3; k++) {
             const enum plot_kind kind = kinds[k % COUNT_OF(kinds)];
             const int *size = sizes[k / COUNT_OF(kinds) % COUNT_OF(sizes)];
-            const enum charset charset = (enum charset)(k / COUNT_OF(kinds) / COUNT_OF(sizes));
+            const struct charset *charset = charsets[k / COUNT_OF(kinds) / COUNT_OF(sizes)];
             struct arena arena = {0};
             const struct figure figure = figure_of(&bench, kind, charset, size[0], NULL, &arena);
             const struct seen seen = look_at(&figure, size[0], size[1], charset);
@@ -149,8 +148,8 @@ static void what_leaves_is_said(void **state)
         const double top = pow(10, -2.5 + 0.1 * i);
         const struct figure_range range = {.end = {-top, top}, .quantity = QUANTITY_OTHER};
         struct arena arena = {0};
-        const struct figure figure = figure_of(&bench, kind, CHARSET_ASCII, 80, &range, &arena);
-        const struct seen seen = look_at(&figure, 80, 24, CHARSET_ASCII);
+        const struct figure figure = figure_of(&bench, kind, &charset_ascii, 80, &range, &arena);
+        const struct seen seen = look_at(&figure, 80, 24, &charset_ascii);
         if (seen.panels != 1 || seen.log || seen.said != (seen.outside > 0))
             fail_msg("kind %d up to %g: %zu samples outside, said: %d", kind, top, seen.outside,
                      seen.said);
@@ -237,9 +236,9 @@ static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
     for (int asked = 0; asked < 2; asked++) {
         struct arena arena = {0};
         const struct figure figure =
-            figure_of(&bench, PLOT_ENERGY, CHARSET_BRAILLE, 80, asked ? &narrow : NULL, &arena);
+            figure_of(&bench, PLOT_ENERGY, &charset_braille, 80, asked ? &narrow : NULL, &arena);
         struct figure_layout layout;
-        figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
+        figure_layout(&figure, 80, 24, &charset_braille, &layout);
         const struct curve *curve = &figure.curve[0];
         const double from = scale_fraction(&layout.y, curve->y[0]),
                      to = scale_fraction(&layout.y, curve->y[curve->n - 1]);
@@ -276,7 +275,7 @@ static void adaptive_runs_are_smooth_between_jumps(void **state)
     type_ok(&bench,
             "scene new; var y = 1 m; param r = 0.8; y'' = -9.81; "
             "event bounce when y falling do \"y' = -r*y'; continue\"; method dop853; run 1.1 s");
-    struct figure figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    struct figure figure = figure_of(&bench, PLOT_POSITION, &charset_braille, 80, NULL, &arena);
     const double fall = sqrt(2 / 9.81), speed = 0.8 * 9.81 * fall;
     for (double t = 0; t < 1.1; t += 0.05) { /* 0.02 s at 5 m/s */
         const double later = t - fall,
@@ -289,7 +288,7 @@ static void adaptive_runs_are_smooth_between_jumps(void **state)
     bench_open(&bench, false);
     type_ok(&bench,
             "m = 1 kg; k = 1 N/m; y0 = 1 m; method dop853; run 1 s; change k 0; continue 1 s");
-    figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
+    figure = figure_of(&bench, PLOT_POSITION, &charset_braille, 80, NULL, &arena);
     for (double t = 0; t < 2; t += 0.1)
         assert_passes(&figure.curve[0], t, t < 1 ? cos(t) : cos(1) - sin(1) * (t - 1), 0.02);
     arena_reset(&arena);

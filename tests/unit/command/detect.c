@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One detector of oscillation: what one command refuses, all do, for the same reason; what one
  * accepts, all do. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"

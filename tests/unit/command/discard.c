@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A fit that leaves out more than a fifth of the samples describes none: no kind of fit says of it
  * that it converged. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
-#include "unit/analysis/testing.h"
+#include "modules/recording/analysis/testing.h"
 
 enum { SAMPLES = 600 };
 

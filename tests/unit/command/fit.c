@@ -3,13 +3,9 @@
  * fit through the command: the NIST data sets typed as formulas, the lab's recordings by the
  * scene's equation, what stays in the session. HOOKE_NIST and HOOKE_DATA say where the files are.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
+#include "cmocka_testing.h"
 
-#include <cmocka.h>
-
+#include "modules/recording/fits.h"
 #include "unit/command/testing.h"
 
 static char home[4096]; /* where the test was started: relative folders count from there */
@@ -29,9 +25,9 @@ static bool find_file(const char *variable, const char *usual, const char *name,
 
 static double value_named(const struct bench *bench, const char *name)
 {
-    for (int i = 0; i < bench->session->results; i++)
-        if (strcmp(bench->session->result[i].name, name) == 0)
-            return bench->session->result[i].value;
+    for (int i = 0; i < bench->session->results.count; i++)
+        if (strcmp(bench->session->results.value[i].name, name) == 0)
+            return bench->session->results.value[i].value;
     fail_msg("there is no %s", name);
     return NAN;
 }
@@ -226,8 +222,8 @@ static void what_does_not_converge_says_so(void **state)
     assert_false(type(&bench, "fit scene free=m,k,gamma,y0,v0"));
     assert_says(&bench.err, "m and k change the curve alike");
     assert_says(&bench.err, "did not converge");
-    assert_int_equal(bench.session->status, ERROR_NUMERICAL);
-    assert_false(bench.session->has_fit);
+    assert_int_equal(bench.session->execution.status, ERROR_NUMERICAL);
+    assert_false(fits_of(bench.session)->has_fit);
     bench_close(&bench);
 }
 

@@ -4,17 +4,12 @@
  * and the run with it lies on the data. The recordings are noisy runs of the scene itself, known to
  * rounding by steps of high order.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
 
-#include <hooke/study.h>
+#include "modules/solving/compute/solve.h"
 
 static double noise(uint64_t *seed) /* standard normal, by Box and Muller */
 {
@@ -45,9 +40,7 @@ static void record(const char *name, double gamma, double C, double friction, do
     set(&scene, "friction", friction);
     set(&scene, "y0", 0.08);
     const struct run_settings settings = {.dt = 0.02};
-    struct run *run = run_create(
-        &scene, (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853")),
-        &settings, 25, &error);
+    struct run *run = run_create(&scene, method_by_name(TEXT("dop853")), &settings, 25, &error);
     assert_non_null(run);
     const struct run_target target = {.t = 25, .steps = -1};
     run_advance(run, &target, 0, NULL);

@@ -2,14 +2,13 @@
 /* Runs that a person watches: pace, pauses, what may be typed meanwhile, and that the samples are
  * those of a batch run.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
+#include "cmocka_testing.h"
 #include <time.h>
-#include <cmocka.h>
 
-#include "unit/command/testing.h"
+#include <hooke/base/file.h>
+#include <hooke/base/cancel.h>
+
+#include "modules/resume/testing.h"
 
 /* A front end whose slice executes a line at some of its calls, or once the run has got so far. */
 struct watcher {
@@ -38,7 +37,7 @@ static bool watch(void *context, struct session *session, int64_t until)
     if (w->calls == w->cancel_at)
         atomic_store(&w->cancel.requested, 1);
     for (int i = 0; i < w->lines; i++) {
-        const struct run *run = session->run[session->current_run]->run;
+        const struct run *run = session->runs.slot[session->runs.current]->run;
         const bool due = w->script[i].at ? w->script[i].at == w->calls
                                          : !w->script[i].done && run->steps >= w->script[i].step;
         if (!due)
@@ -121,7 +120,7 @@ static void watched_run_exports_the_same_bytes(void **state)
     assert_says(&w.bench.out, "paused at t = ");
     assert_int_equal(w.seen, LIVE_RUNNING);
     assert_int_equal(w.bench.session->live.state, LIVE_PAUSED);
-    const struct run *run = w.bench.session->run[0]->run;
+    const struct run *run = w.bench.session->runs.slot[0]->run;
     assert_true(run->steps >= 200 && run->t < 20);
     from_step(&w, run->steps + 100, "pause");
     type_ok(&w.bench, "continue");
@@ -181,14 +180,14 @@ static void follows_the_clock(void **state)
         type_ok(&w.bench, "run 0.3 s");
         const double took = (double)(clock_ns() - begin) * 1e-9;
         assert_true(took > 0.14);
-        assert_true(session->run[session->runs - 1]->run->t == 0.3);
+        assert_true(session->runs.slot[session->runs.count - 1]->run->t == 0.3);
         calls = w.calls - before;
     }
     assert_true(calls > 20);
     /* A file is not waited for. */
     write_file("quick.hk", "run 1000 s\n", 11);
     type_ok(&w.bench, "source quick.hk");
-    assert_true(session->run[session->runs - 1]->run->t == 1000);
+    assert_true(session->runs.slot[session->runs.count - 1]->run->t == 1000);
     bench_close(&w.bench);
 }
 
@@ -202,7 +201,7 @@ static void says_what_it_achieves(void **state)
     at(&w, 25, "pause");
     type_ok(&w.bench, "run 1000 s");
     const struct live *live = &w.bench.session->live;
-    const struct run *run = w.bench.session->run[0]->run;
+    const struct run *run = w.bench.session->runs.slot[0]->run;
     assert_true(run->t < 100);
     assert_true(live->achieved > 0 && live->achieved < 100);
     assert_true(live->fraction > 0 && live->fraction < 0.1);
@@ -219,13 +218,15 @@ static void refuses_what_would_disturb(void **state)
         "drop 1",  "drop all",      "use 1",         "plain"};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         struct watcher w;
+        if (is_left_out(refused[i]))
+            continue;
         watcher_open(&w);
         at(&w, 1, refused[i]);
         at(&w, 2, "pause");
         type_ok(&w.bench, ENDLESS);
         assert_true(w.failed);
         assert_says(&w.bench.err, "run 1 goes on");
-        assert_int_equal(w.bench.session->runs, 1);
+        assert_int_equal(w.bench.session->runs.count, 1);
         bench_close(&w.bench);
     }
 }
@@ -272,7 +273,7 @@ static void cursor_and_quit_pause(void **state)
         assert_false(w.failed);
         assert_int_equal(w.calls, 5);
         assert_int_equal(w.bench.session->live.state, LIVE_PAUSED);
-        assert_true(w.bench.session->quit == (i == 1));
+        assert_true(w.bench.session->execution.quit == (i == 1));
         bench_close(&w.bench);
     }
 }
@@ -286,7 +287,7 @@ static void cancel_pauses(void **state)
     type_ok(&w.bench, ENDLESS);
     assert_int_equal(w.calls, 2);
     assert_int_equal(w.bench.session->live.state, LIVE_PAUSED);
-    assert_int_equal(w.bench.session->status, 0);
+    assert_int_equal(w.bench.session->execution.status, 0);
     atomic_store(&w.cancel.requested, 0);
     at(&w, 1, "pause");
     type_ok(&w.bench, "continue");
@@ -320,11 +321,11 @@ static void a_typed_scene_changes_on_the_way(void **state)
     type(&w.bench, "change c 2");
     assert_says(&w.bench.err, "run 1 has no c: that came later");
     type_ok(&w.bench, "continue");
-    const struct run *run = w.bench.session->run[0]->run;
+    const struct run *run = w.bench.session->runs.slot[0]->run;
     assert_true(run->t == 5 && run_event_records(run) > 1);
     struct bench b;
     bench_resume(&w.bench, &b);
-    const struct run *again = b.session->run[0]->run;
+    const struct run *again = b.session->runs.slot[0]->run;
     assert_true(again->steps == run->steps && again->t == run->t && again->y[0] == run->y[0] &&
                 again->y[1] == run->y[1]);
     bench_close(&b);
@@ -355,7 +356,7 @@ static void pause_ends_line_and_file(void **state)
     assert_says(&w.bench.err, "stopped at line 1");
     assert_says(&w.bench.err, "not executed, because the run was paused: let last = 1");
     assert_int_equal(w.bench.session->setup.lets, 1);
-    assert_int_equal(w.bench.session->status, 0);
+    assert_int_equal(w.bench.session->execution.status, 0);
     type_ok(&w.bench, "let again = 1"); /* the next line is a new one */
     bench_close(&w.bench);
 }
@@ -372,19 +373,19 @@ static void parameter_changes_on_the_way(void **state)
     from_step(&w, 100, "gamma = 0.5");
     from_step(&w, 200, "set dt 1ms");
     from_step(&w, 300, NULL);
-    const int undos = w.bench.session->undos;
+    const int undos = w.bench.session->undo.undos;
     type_ok(&w.bench, "run 5 s");
     assert_false(w.failed);
-    assert_int_equal(w.bench.session->undos, undos + 1);
+    assert_int_equal(w.bench.session->undo.undos, undos + 1);
     assert_says(&w.bench.out, "gamma = 0.5 1/s from t = ");
     const struct session *session = w.bench.session;
     assert_int_equal(session->live.mark_count, 1);
     assert_true(session->live.marks[0] > 0 && session->live.marks[0] < 5);
     type_ok(&w.bench, "k = 20; speed max; continue"); /* a paused run follows too */
-    assert_true(session->run[0]->run->t == 5);
+    assert_true(session->runs.slot[0]->run->t == 5);
     assert_int_equal(session->live.mark_count, 2);
-    assert_true(session->run[0]->run->system.oscillator.damping == 0.5);
-    assert_true(session->run[0]->run->system.oscillator.stiffness == 100);
+    assert_true(session->runs.slot[0]->run->system.oscillator.damping == 0.5);
+    assert_true(session->runs.slot[0]->run->system.oscillator.stiffness == 100);
     type_ok(&w.bench, "export changed.csv y,v,energy,work --force; record off");
     assert_true(file_read("changed.csv", 1 << 28, &file, &error));
     assert_says(&file, "# changed = gamma 0.5 1/s at t = ");
@@ -396,7 +397,7 @@ static void parameter_changes_on_the_way(void **state)
     /* One undo takes the run back, and what was changed while it went on. */
     type_ok(&w.bench, "k = 30; undo");
     type_ok(&w.bench, "undo 3");
-    assert_int_equal(session->runs, 0);
+    assert_int_equal(session->runs.count, 0);
     type_ok(&w.bench, "redo 3");
     type_ok(&w.bench, "export changed.csv y,v,energy,work --force");
     assert_same_files("changed.csv", "again.csv");

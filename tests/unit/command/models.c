@@ -1,19 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every scene under the names of its own model. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
 #include <hooke/language.h>
 #include <hooke/plot.h>
-#include "unit/command/testing.h"
-
-static const struct preset *preset_at(size_t i)
-{
-    return (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
-}
+#include "modules/resume/testing.h"
 
 static void collect(void *context, const char *candidate, const char *brief)
 {
@@ -102,7 +95,7 @@ static void every_run_can_be_looked_at(void **state)
         char line[200], wanted[80], value[REAL_TEXT_SIZE];
         snprintf(line, sizeof line, "scene %s; run --steps 200", preset_at(p)->row.name);
         type_ok(&b, line);
-        const struct run *run = b.session->run[b.session->current_run]->run;
+        const struct run *run = b.session->runs.slot[b.session->runs.current]->run;
         const struct model *model = run->system.model;
         struct buffer names = {0};
         for (int i = 0; i < model->n; i++) {
@@ -212,7 +205,7 @@ static void long_runs_keep_every_envelope(void **state)
     struct error error;
     bench_open(&b, false);
     type_ok(&b, "scene kepler; method verlet dt=1ms; run 500 s");
-    const struct run *run = b.session->run[0]->run;
+    const struct run *run = b.session->runs.slot[0]->run;
     const int index = 0;
     const struct figure_request request = {.kind = PLOT_POSITION,
                                            .run = &index,
@@ -220,7 +213,7 @@ static void long_runs_keep_every_envelope(void **state)
                                            .recording = -1,
                                            .window = {0, 500},
                                            .width = 80,
-                                           .charset = CHARSET_ASCII,
+                                           .charset = &charset_ascii,
                                            .follow = true};
     assert_true(session_figure(b.session, &request, &arena, &figure, &error));
     assert_int_equal(figure.curves, 2);

@@ -6,10 +6,13 @@
 #include "unit/command/testing.h"
 #include "unit/random_testing.h"
 
+#include <hooke/data.h>
 #include <hooke/session/events.h>
 #include <hooke/language.h>
 #include <hooke/plot.h>
 #include <hooke/session/log.h>
+
+struct row;
 
 enum { LINES = 40 }; /* of a session, of at most 4 statements */
 
@@ -126,12 +129,12 @@ static inline void describe(const struct session *session, unsigned parts, struc
         put_settings(&session->setup.settings, true, text);
     for (int i = 0; i < session->recordings && (parts & PART_RECORDINGS); i++)
         put_recording(session->recording[i], text);
-    for (int i = 0; i < session->runs && (parts & PART_RUNS); i++)
-        put_run(session->run[i], parts, text);
+    for (int i = 0; i < session->runs.count && (parts & PART_RUNS); i++)
+        put_run(session->runs.slot[i], parts, text);
     if (parts & PART_VIEW)
         put_view(&session->view, text);
     if (parts & PART_CURRENT)
-        buffer_format(text, "current run %d recording %d%s\n", session->current_run,
+        buffer_format(text, "current run %d recording %d%s\n", session->runs.current,
                       session->current_recording, session->data_is_latest ? " (latest)" : "");
     assert_false(text->failed);
 }
@@ -208,8 +211,7 @@ static void random_scene(char *line, size_t size)
 
 static void random_setting(char *line, size_t size)
 {
-    const struct setting *setting = (const struct setting *)(const void *)catalog_row(
-        &setting_catalog, (size_t)dice((int)setting_catalog.count));
+    const struct setting *setting = setting_at((size_t)dice((int)setting_catalog.count));
     switch (dice(6)) {
     case 0:
         snprintf(line, size, "unset %s", setting->row.name);
@@ -238,7 +240,8 @@ static void random_setting(char *line, size_t size)
 
 static void random_run(const struct session *session, char *line, size_t size)
 {
-    const int run = session->runs > 0 ? session->run[dice(session->runs)]->run->number : 1;
+    const int run =
+        session->runs.count > 0 ? session->runs.slot[dice(session->runs.count)]->run->number : 1;
     switch (dice(9)) {
     case 0:
         snprintf(line, size, "continue %.3f s", random_uniform());
@@ -320,13 +323,13 @@ static bool play_statement(struct bench *b, struct buffer *typed)
 {
     char line[160];
     random_statement(b->session, line, sizeof line);
-    const int runs = b->session->next_run;
+    const int runs = b->session->runs.next_number;
     const bool ok = type(b, line);
     if (ok)
         buffer_format(typed, "%s\n", line);
     else
         buffer_format(typed, "%s # fails\n", line);
-    return ok || runs == b->session->next_run;
+    return ok || runs == b->session->runs.next_number;
 }
 
 static inline void play(struct bench *b, uint64_t seed, struct buffer *typed)

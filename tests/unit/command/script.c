@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scripts, exit statuses, refused output, records. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/data.h>
 #include <sys/stat.h>
 
 #include "unit/command/testing.h"
@@ -31,7 +30,7 @@ static void dialects_of_text_files(void **state)
     assert_says(&b.out, "\n300 g\n5 ms\n");
     assert_true(SCRIPT(&b, ""));
     assert_true(SCRIPT(&b, "\n\n#\n"));
-    assert_int_equal(b.session->status, 0);
+    assert_int_equal(b.session->execution.status, 0);
     bench_close(&b);
 }
 
@@ -46,7 +45,7 @@ static void a_script_stops_at_its_first_error(void **state)
     assert_says(&b.err, "s.hk: stopped at line 4 (2 commands run, run 1 kept)\n");
     assert_null(strstr(said(&b.out), "no\n"));
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.3);
-    assert_int_equal(b.session->status, 1);
+    assert_int_equal(b.session->execution.status, 1);
     bench_close(&b);
 }
 
@@ -96,10 +95,10 @@ static void keep_going_goes_on(void **state)
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    b.session->keep_going = true;
+    b.session->options.keep_going = true;
     assert_false(SCRIPT(&b, "m = -1\nload nofile\nm = 400 g\n"));
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.4);
-    assert_int_equal(b.session->status, 1);
+    assert_int_equal(b.session->execution.status, 1);
     assert_null(strstr(said(&b.err), "stopped"));
     bench_close(&b);
 }
@@ -125,11 +124,13 @@ static void the_status_says_what_failed(void **state)
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct bench b;
+        if (is_left_out(cases[i].line))
+            continue;
         bench_open(&b, false);
         unlink("s.hk");
         type(&b, cases[i].line);
-        if (b.session->status != cases[i].status)
-            fail_msg("'%s': status %d, not %d: %s", cases[i].line, b.session->status,
+        if (b.session->execution.status != cases[i].status)
+            fail_msg("'%s': status %d, not %d: %s", cases[i].line, b.session->execution.status,
                      cases[i].status, said(&b.err));
         bench_close(&b);
     }
@@ -144,9 +145,9 @@ static void a_diverged_run_is_kept_and_explained(void **state)
     assert_says(&b.err, "diverged at t =");
     assert_says(&b.err, "above the stability limit");
     assert_says(&b.err, "try dt <=");
-    assert_int_equal(b.session->runs, 1);
+    assert_int_equal(b.session->runs.count, 1);
     type_ok(&b, "undo");
-    assert_int_equal(b.session->runs, 0);
+    assert_int_equal(b.session->runs.count, 0);
     bench_close(&b);
 }
 
@@ -157,7 +158,7 @@ static void nul_bytes_and_long_lines_are_errors(void **state)
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun\0 1 s\n"));
     assert_says(&b.err, "NUL byte in line 2");
-    assert_int_equal(b.session->status, 2);
+    assert_int_equal(b.session->execution.status, 2);
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.2);
     assert_false(command_exec(b.session, (struct text){"echo a\0b", 8}, NULL, &b.reply));
     assert_says(&b.err, "a NUL byte");
@@ -260,9 +261,9 @@ static void quit_ends_a_script_without_error(void **state)
     struct bench b;
     bench_open(&b, false);
     assert_true(SCRIPT(&b, "m = 1 kg\nquit; m = 2 kg\nfoo\n"));
-    assert_true(b.session->quit);
+    assert_true(b.session->execution.quit);
     assert_true(b.session->setup.scene.value[param_index("m")] == 1);
-    assert_int_equal(b.session->status, 0);
+    assert_int_equal(b.session->execution.status, 0);
     bench_close(&b);
 }
 
@@ -273,7 +274,7 @@ static void a_full_output_ends_with_status_4(void **state)
     bench_open(&b, false);
     b.full = true;
     assert_false(SCRIPT(&b, "echo one\nm = 300 g\n"));
-    assert_int_equal(b.session->status, 4);
+    assert_int_equal(b.session->execution.status, 4);
     assert_says(&b.err, "could not be written");
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.2);
     bench_close(&b);
@@ -287,7 +288,7 @@ static void cancelling_stops_a_run_and_the_script(void **state)
     bench_open(&b, false);
     b.session->front.cancel = &cancel;
     assert_false(type(&b, "m = 300 g"));
-    assert_int_equal(b.session->status, 130);
+    assert_int_equal(b.session->execution.status, 130);
     bench_close(&b);
 }
 
@@ -346,7 +347,7 @@ static void lines_are_shown_where_it_is_asked_for(void **state)
     struct bench b;
     bench_open(&b, false);
     write_file("inner.hk", "let two = 2\n", 12);
-    b.session->verbose = true;
+    b.session->options.verbose = true;
     assert_true(SCRIPT(&b, "let one = 1\nsource inner.hk"));
     assert_string_equal(said(&b.err), "+ let one = 1\n+ source inner.hk\n+ let two = 2\n");
     bench_close(&b);

@@ -11,8 +11,11 @@
  * A line without `# error:` has to succeed, on a small stack.
  * Every line starts where the one before left the session. Files are written in a folder of their
  * own. A file with the line `# needs: NAME` is skipped where the build is without that method or
- * module. The scenarios of modules stand in tests/modules/MODULE/cli.
+ * module. tests/stories holds what people do from start to end, tests/modules/MODULE/cli the
+ * scenarios of modules. TESTS names another folder than tests.
  */
+#include <hooke/method.h>
+#include <hooke/base/file.h>
 #include <hooke/command.h>
 #include <hooke/module.h>
 
@@ -230,15 +233,16 @@ static bool run_file(const char *folder, const char *name, int number)
     reply_init(&s.reply, (struct sink){take_out, take_err, &s.capture});
     s.session = session_create(&(struct front){.width = 80, .height = 24});
     struct text missing = {NULL, 0};
+    const char *kind = strrchr(folder, '/') + 1;
     if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
         s.failed = true;
     else if (!(missing = missing_name(buffer_text(&content))).at)
         run_lines(&s, buffer_text(&content));
     if (missing.at)
-        printf("ok %d - cli/%s # SKIP built without %.*s\n", number, name, (int)missing.len,
+        printf("ok %d - %s/%s # SKIP built without %.*s\n", number, kind, name, (int)missing.len,
                missing.at);
     else
-        printf("%s %d - cli/%s\n", s.failed ? "not ok" : "ok", number, name);
+        printf("%s %d - %s/%s\n", s.failed ? "not ok" : "ok", number, kind, name);
     session_destroy(s.session);
     reply_free(&s.reply);
     buffer_free(&s.capture.out);
@@ -267,33 +271,35 @@ static void remove_folder(const char *path)
         rmdir(path);
 }
 
-/* Folders of scenarios: cli, then that of each module that is in. */
-static int folders_of(const char *tests, char *path[LIMIT_MODULES + 1])
+enum { FOLDERS_MAX = LIMIT_MODULES + 2 };
+
+/* Folders of scenarios: cli and stories, then that of each module that is in. */
+static int folders_of(const char *tests, char *path[FOLDERS_MAX])
 {
+    static const char *const own[] = {"cli", "stories"};
+    const size_t owns = COUNT_OF(own);
     int folders = 0;
-    for (size_t i = 0; i == 0 || module_list[i - 1]; i++) {
+    for (size_t i = 0; i < owns || module_list[i - owns]; i++) {
         struct buffer name = {0};
-        if (i == 0)
-            buffer_format(&name, "%s/cli", tests);
+        if (i < owns)
+            buffer_format(&name, "%s/%s", tests, own[i]);
         else
-            buffer_format(&name, "%s/modules/%s/cli", tests, module_list[i - 1]->row.name);
+            buffer_format(&name, "%s/modules/%s/cli", tests, module_list[i - owns]->row.name);
         if ((path[folders] = realpath(buffer_view(&name), NULL)))
             folders++;
-        else if (i == 0)
-            printf("1..1\nnot ok 1 - the folder %s\n", buffer_view(&name));
         buffer_free(&name);
-        if (folders == 0)
-            return 0;
     }
+    if (folders == 0)
+        printf("1..1\nnot ok 1 - scenarios below the folder %s\n", tests);
     return folders;
 }
 
 int main(void)
 {
-    char *path[LIMIT_MODULES + 1], work[] = "/tmp/hooke-cli-XXXXXX";
+    char *path[FOLDERS_MAX], work[] = "/tmp/hooke-cli-XXXXXX";
     const char *tests = getenv("TESTS");
-    struct dirent **entries[LIMIT_MODULES + 1];
-    int failures = 0, files = 0, count[LIMIT_MODULES + 1] = {0};
+    struct dirent **entries[FOLDERS_MAX];
+    int failures = 0, files = 0, count[FOLDERS_MAX] = {0};
     const int folders = folders_of(tests ? tests : "tests", path);
     if (folders == 0 || !mkdtemp(work) || chdir(work) != 0)
         return 1;

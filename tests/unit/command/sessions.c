@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random sessions: what is saved comes back, what is undone is as it was, what was recorded does it
  * again. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
 
 #include "long_form.h"
+#include "modules/resume/testing.h"
 #include "unit/command/random_session.h"
 
 static int sessions(void)
@@ -86,15 +86,15 @@ static void a_resumed_session_is_the_same(void **state)
         struct bench b, again;
         bench_open(&b, false);
         play(&b, 2000 + (uint64_t)i, &typed);
-        const unsigned view = b.session->runs > 0 || !b.session->view.focus ? PART_VIEW : 0;
+        const unsigned view = b.session->runs.count > 0 || !b.session->view.focus ? PART_VIEW : 0;
         bench_resume(&b, &again);
         describe(b.session, parts | view, &wanted);
         describe(again.session, parts | view, &got);
         assert_same(&wanted, &got, "resumed", &typed);
-        for (int r = 0; r < b.session->runs; r++)
-            if (stop_is_pause(b.session->run[r]->run->stop) &&
-                !stop_is_pause(again.session->run[r]->run->stop))
-                fail_msg("run %d was paused", b.session->run[r]->run->number);
+        for (int r = 0; r < b.session->runs.count; r++)
+            if (stop_is_pause(b.session->runs.slot[r]->run->stop) &&
+                !stop_is_pause(again.session->runs.slot[r]->run->stop))
+                fail_msg("run %d was paused", b.session->runs.slot[r]->run->number);
         bench_close(&again);
         bench_close(&b);
     }
@@ -120,9 +120,9 @@ static void undo_and_redo_go_through_the_same_states(void **state)
         describe(b.session, parts, &at[0]);
         for (int s = 0; s < LINES; s++) {
             play_statement(&b, &typed);
-            describe(b.session, parts, &at[b.session->undos]);
+            describe(b.session, parts, &at[b.session->undo.undos]);
         }
-        const int steps = b.session->undos;
+        const int steps = b.session->undo.undos;
         for (int s = steps; s > 0; s--)
             assert_step(&b, "undo", parts, &at[s - 1], &typed);
         for (int s = 1; s <= steps; s++)
@@ -243,7 +243,7 @@ static void what_is_unset_is_recorded_so(void **state)
     bench_open(&b, true);
     type_ok(&b, "record kept.hk");
     type_ok(&b, "k = 20; event at when t > 0.3 do stop; run 1 s; step 1");
-    assert_true(stop_is_pause(b.session->run[0]->run->stop));
+    assert_true(stop_is_pause(b.session->runs.slot[0]->run->stop));
     type_ok(&b, "unset k");
     type_ok(&b, "continue 0.1 s; record off");
     bench_open(&again, false);
@@ -276,7 +276,7 @@ static void an_interrupted_run_is_recorded(void **state)
     type_ok(&b, "record off");
     bench_open(&again, false);
     type_ok(&again, "source kept.hk");
-    assert_int_equal(again.session->run[0]->run->steps, b.session->run[0]->run->steps);
+    assert_int_equal(again.session->runs.slot[0]->run->steps, b.session->runs.slot[0]->run->steps);
     bench_close(&again);
     bench_close(&b);
 }

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Undo, redo, checkpoints, save and continue give back exactly what was there. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/command/testing.h"
 
@@ -16,7 +12,7 @@ struct end {
 
 static struct end end_of(const struct bench *bench)
 {
-    const struct run *run = bench->session->run[bench->session->current_run]->run;
+    const struct run *run = bench->session->runs.slot[bench->session->runs.current]->run;
     return (struct end){run->t, {run->y[0], run->y[1]}, run->steps, trace_count(run->trace)};
 }
 
@@ -58,7 +54,7 @@ static void undo_and_redo_keep_bits(void **state)
         type_ok(&b, "redo");
         assert_same_end(end_of(&b), three);
         type_ok(&b, "undo 3");
-        assert_int_equal(b.session->runs, 0);
+        assert_int_equal(b.session->runs.count, 0);
         type_ok(&b, "redo 3");
         assert_same_end(end_of(&b), three);
         bench_close(&b);
@@ -224,7 +220,7 @@ static void failed_statements_change_nothing(void **state)
     type_ok(&b, "m = 0.3; method verlet; run 1 s; checkpoint");
     for (size_t i = 0; i < COUNT_OF(failing); i++) {
         const struct setup before = b.session->setup;
-        const int runs = b.session->runs, undos = b.session->undos;
+        const int runs = b.session->runs.count, undos = b.session->undo.undos;
         const struct end end = end_of(&b);
         const char *last = strrchr(failing[i], ';');
         if (type(&b, failing[i]))
@@ -232,8 +228,8 @@ static void failed_statements_change_nothing(void **state)
         if (last) /* the statement before it may have changed something: take that back */
             type_ok(&b, "undo");
         assert_same_setup(&before, &b.session->setup);
-        assert_int_equal(b.session->runs, runs);
-        assert_int_equal(b.session->undos, undos);
+        assert_int_equal(b.session->runs.count, runs);
+        assert_int_equal(b.session->undo.undos, undos);
         assert_same_end(end_of(&b), end);
     }
     bench_close(&b);
@@ -249,7 +245,7 @@ static void undo_keeps_the_last_levels(void **state)
         snprintf(line, sizeof line, "k = %d", i);
         type_ok(&b, line);
     }
-    assert_int_equal(b.session->undos, LIMIT_UNDO);
+    assert_int_equal(b.session->undo.undos, LIMIT_UNDO);
     type_ok(&b, "undo 1000");
     assert_says(&b.err, "warning");
     assert_true(b.session->setup.scene.value[param_index("k")] == 5);
@@ -314,9 +310,9 @@ static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
     bench_open(&b, false);
     type_ok(&b,
             "method verlet; run 1 s; checkpoint x; run 2 s; rename 2 two; note hello; drop all");
-    assert_int_equal(b.session->runs, 0);
+    assert_int_equal(b.session->runs.count, 0);
     type_ok(&b, "restore x");
-    assert_int_equal(b.session->runs, 1);
+    assert_int_equal(b.session->runs.count, 1);
     type_ok(&b, "undo; undo; runs");
     assert_says(&b.out, "two");
     assert_says(&b.out, "hello");
@@ -390,10 +386,10 @@ static void what_changes_nothing_is_no_step_of_undo(void **state)
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method euler; k = 20; set duration 10; run 1 s");
-    const int undos = b.session->undos;
+    const int undos = b.session->undo.undos;
     for (size_t i = 0; i < COUNT_OF(lines); i++) {
         type_ok(&b, lines[i]);
-        if (b.session->undos != undos)
+        if (b.session->undo.undos != undos)
             fail_msg("'%s' made an entry", lines[i]);
     }
     bench_close(&b);

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* An argument given to the wrong command: the message names one that takes it. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/method.h>
 #include <hooke/scene/formula.h>
@@ -179,6 +175,8 @@ static void says_it_of_these(void **state)
     struct bench b;
     bench_open(&b, false);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        if (is_left_out(cases[i].line))
+            continue;
         assert_false(type(&b, cases[i].line));
         assert_says(&b.err, cases[i].says);
     }

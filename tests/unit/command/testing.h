@@ -3,10 +3,11 @@
 #ifndef HOOKE_TESTS_UNIT_COMMAND_TESTING_H
 #define HOOKE_TESTS_UNIT_COMMAND_TESTING_H
 
+#include <hooke/base/statement.h>
 #include <hooke/command.h>
+#include <hooke/module.h>
 #include <hooke/plot.h>
 #include <hooke/report.h>
-#include <hooke/session/store.h>
 
 #include <dirent.h>
 #include <math.h>
@@ -66,6 +67,23 @@ static inline void type_ok(struct bench *bench, const char *line)
         fail_msg("'%s' failed: %s", line, bench->err.data ? bench->err.data : "");
 }
 
+/* Returns true if a statement of the line begins with the command of a module that this build is
+ * without. */
+static inline bool is_left_out(const char *line)
+{
+    struct text rest = text_of(line), statement;
+    bool is_out = false;
+    while (text_split(&rest, ';', &statement)) {
+        char name[LIMIT_NAME + 1];
+        struct error error;
+        text_skip_blanks(&statement);
+        const struct text word = peek_name(statement);
+        snprintf(name, sizeof name, "%.*s", (int)word.len, word.at);
+        is_out |= !module_is_in(name, word, &error);
+    }
+    return is_out;
+}
+
 static inline const char *said(const struct buffer *buffer)
 {
     return buffer->data ? buffer->data : "";
@@ -107,57 +125,5 @@ static inline void write_file(const char *name, const char *bytes, size_t len)
 }
 
 /* ---- the file of a session, in memory ---- */
-
-static inline bool bench_add(void *context, struct text record, struct error *error)
-{
-    (void)error;
-    buffer_put(context, record);
-    return true;
-}
-
-/* Appends what has changed since the last time. */
-static inline void bench_store(struct session *session, struct stored *stored, struct buffer *file)
-{
-    struct error error = {0};
-    if (file->len == 0)
-        buffer_put(file, TEXT(STORE_HEADER));
-    if (!session_store(session, stored, &(struct store_sink){file, bench_add, NULL, 0}, &error))
-        fail_msg("it is not stored: %s", error.text);
-    assert_false(file->failed);
-}
-
-static inline bool bench_execute(void *context, struct session *session, struct text commands,
-                                 struct error *error)
-{
-    struct bench *b = context;
-    struct text line;
-    while (text_split(&commands, '\n', &line))
-        if (!command_exec(session, line, NULL, &b->reply))
-            return error_set(error, ERROR_COMMAND, "%.*s: %s", (int)line.len, line.at,
-                             said(&b->err));
-    return true;
-}
-
-/* In a new session. False: nothing could be restored. */
-static inline bool bench_restore(struct bench *again, struct text file, struct buffer *notes)
-{
-    struct error error;
-    bench_open(again, false);
-    const struct restorer restorer = {again, &plot_catalog, &result_catalog, bench_execute, NULL};
-    return store_recognise(file) && session_restore(again->session, file, &restorer, notes, &error);
-}
-
-/* The session as --resume finds it, all of it. */
-static inline void bench_resume(const struct bench *b, struct bench *again)
-{
-    struct stored stored = {0};
-    struct buffer file = {0}, notes = {0};
-    bench_store(b->session, &stored, &file);
-    if (!bench_restore(again, buffer_text(&file), &notes) || notes.len > 0)
-        fail_msg("it does not come back: %s", said(&notes));
-    stored_free(&stored);
-    buffer_free(&file);
-    buffer_free(&notes);
-}
 
 #endif

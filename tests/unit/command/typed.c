@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes and events that a user types: what defines them can be saved, undone, replayed and
  * completed. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/plot.h>
-#include "unit/command/testing.h"
+#include "modules/resume/testing.h"
 
 #include <hooke/session/log.h>
 #include "unit/cpu_time.h"
@@ -37,7 +33,8 @@ static void start(struct bench *b, const char *system)
 
 static void assert_same_state(const struct session *a, const struct session *b, const char *what)
 {
-    const struct run *one = a->run[a->current_run]->run, *other = b->run[b->current_run]->run;
+    const struct run *one = a->runs.slot[a->runs.current]->run,
+                     *other = b->runs.slot[b->runs.current]->run;
     if (one->steps != other->steps || one->t != other->t ||
         memcmp(one->y, other->y, (size_t)one->system.n * sizeof *one->y) != 0)
         fail_msg("%s: step %lld at %.17g, y[0] = %.17g; other: step %lld at %.17g, %.17g", what,
@@ -87,10 +84,11 @@ static void autosaves_bring_back_runs(void **state)
     type_ok(&b, "event half when t - 0.5 do 'print t'; event more when t > 0.7 do stop; run 1 s; "
                 "continue; continue");
     bench_resume(&b, &other);
-    assert_int_equal(other.session->runs, b.session->runs);
-    for (int r = 0; r < b.session->runs; r++) {
-        const struct run *one = b.session->run[r]->run, *two = other.session->run[r]->run;
-        b.session->current_run = other.session->current_run = r;
+    assert_int_equal(other.session->runs.count, b.session->runs.count);
+    for (int r = 0; r < b.session->runs.count; r++) {
+        const struct run *one = b.session->runs.slot[r]->run,
+                         *two = other.session->runs.slot[r]->run;
+        b.session->runs.current = other.session->runs.current = r;
         assert_same_state(b.session, other.session, one->scene.preset->row.name);
         assert_true(run_event_records(one) > 0);
         assert_int_equal(run_event_records(one), run_event_records(two));
@@ -134,13 +132,13 @@ static void jumps_are_done_again(void **state)
         bench_resume(&b, &other);
         bench_open(&told, false);
         type_ok(&told, "source scene.hk; source told.hk");
-        for (int r = 0; r < b.session->runs; r++) {
-            b.session->current_run = other.session->current_run = told.session->current_run = r;
+        for (int r = 0; r < b.session->runs.count; r++) {
+            b.session->runs.current = other.session->runs.current = told.session->runs.current = r;
             assert_same_state(b.session, other.session, scenes[i % COUNT_OF(scenes)]);
             assert_same_state(b.session, told.session, scenes[i % COUNT_OF(scenes)]);
         }
         type_ok(&b, "undo 2");
-        assert_int_equal(b.session->runs, 1);
+        assert_int_equal(b.session->runs.count, 1);
         type_ok(&b, "undo 2; redo 4");
         run = session_run(b.session);
         if (run->steps != steps || run->y[0] != y || run->t != t)
@@ -247,9 +245,11 @@ static void names_are_completed(void **state)
     assert_offers(&b, "print spr", " spread ", 6);
     assert_offers(&b, "param stiffness o", " off ", 16);
     assert_offers(&b, "var angle of", " off ", 10);
-    assert_offers(&b, "sweep stiffness=1:2 measure=mi", " min ", 28);
-    assert_offers(&b, "sweep stiffness=1:2 measure=max(spr", " spread ", 32);
-    assert_offers(&b, "sweep stiffness=1:2 measure=min,max(vang", " vangle ", 36);
+    if (!is_left_out("sweep")) {
+        assert_offers(&b, "sweep stiffness=1:2 measure=mi", " min ", 28);
+        assert_offers(&b, "sweep stiffness=1:2 measure=max(spr", " spread ", 32);
+        assert_offers(&b, "sweep stiffness=1:2 measure=min,max(vang", " vangle ", 36);
+    }
     assert_offers(&b, "run until angl", " angle ", 10);
     type_ok(&b, "method rk4; run 1 s");
     assert_offers(&b, "export f.csv spr", " spread ", 13);
@@ -410,7 +410,7 @@ static void recorded_sessions_are_the_same(void **state)
     type_ok(&b, "record off");
     bench_open(&other, false);
     type_ok(&other, "source kept.hk");
-    assert_int_equal(other.session->runs, 1);
+    assert_int_equal(other.session->runs.count, 1);
     assert_same_state(b.session, other.session, "recorded");
     struct buffer script = {0};
     history_put(b.session, 0, HISTORY_SCRIPT, &script);

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log, and the commands that say what the screen shows. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
+#include <hooke/base/file.h>
 #include <hooke/plot.h>
 #include "unit/command/testing.h"
 
@@ -148,7 +145,7 @@ static void ranges_zoom_and_pan(void **state)
     assert_says(&b.err, "no time axis");
     type_ok(&b, "set view scroll");
     assert_false(view->paging);
-    assert_true(b.session->undos == 1); /* run: the screen is not undone */
+    assert_true(b.session->undo.undos == 1); /* run: the screen is not undone */
     bench_close(&b);
 }
 
@@ -165,9 +162,12 @@ static void offered_panes(void **state)
                  {"load swing.txt; cursor off", "peuvxrsanT"},
                  {"data window 2:4", "peuvxsanT"},
                  {"drop all", "peuvsnT"}}; /* velocity and energy of a recording */
-    /* position energy phase velocity error residual spectrum orbit acceleration envelope period
-     * precision */
-    static const char letters[] = "peuvxrsoanTq";
+    static const struct {
+        char letter;
+        const char *name;
+    } panes[] = {{'p', "position"},     {'e', "energy"},   {'u', "phase"},    {'v', "velocity"},
+                 {'x', "error"},        {'r', "residual"}, {'s', "spectrum"}, {'o', "orbit"},
+                 {'a', "acceleration"}, {'n', "envelope"}, {'T', "period"},   {'q', "precision"}};
     struct buffer text = {0};
     buffer_put(&text, TEXT("t\ty\ns\tcm\n"));
     for (int i = 0; i < 200; i++)
@@ -178,9 +178,11 @@ static void offered_panes(void **state)
         char now[16];
         size_t n = 0;
         type_ok(&b, steps[i].line);
-        for (size_t p = 0; p < sizeof letters - 1; p++)
-            if (plot_offered(b.session, (enum plot_kind)p))
-                now[n++] = letters[p];
+        for (size_t p = 0; p < COUNT_OF(panes); p++) {
+            const struct row *row = catalog_find(&plot_catalog, text_of(panes[p].name));
+            if (row && plot_offered(b.session, (enum plot_kind)catalog_index(&plot_catalog, row)))
+                now[n++] = panes[p].letter;
+        }
         now[n] = 0;
         assert_string_equal(now, steps[i].offered);
     }
@@ -258,7 +260,7 @@ static void front_end_requests(void **state)
     front->change = change_front;
     assert_false(type(&d.bench, "screenshot x.txt"));
     assert_says(&d.bench.err, "x.txt exists");
-    assert_int_equal(d.bench.session->status, ERROR_COMMAND); /* of the first refusal */
+    assert_int_equal(d.bench.session->execution.status, ERROR_COMMAND); /* of the first refusal */
     type_ok(&d.bench, "screenshot 'a b.txt' --force");
     assert_string_equal(d.path, "a b.txt");
     assert_true(d.policy.force && !d.policy.confine);

@@ -4,16 +4,11 @@
  * window announces the one of 'data clean', for the same reason, and nothing where there is nothing
  * to say.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
-#include "unit/analysis/testing.h"
+#include "modules/recording/analysis/testing.h"
 
 enum { SAMPLES = 1500, SAMPLES_SHORT = 750 };
 

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures as they look: small drawings compared exactly. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/figure.h>
 
@@ -252,8 +247,8 @@ static const char drawn_noted[] = "┌─ y [cm] ──────────�
                                   "│        0             5            10 │\n"
                                   "└─ 14 periods: envelope ─────── t [s] ─┘\n";
 
-static void expect(const struct figure *figure, int width, int height, enum charset charset,
-                   const char *drawing)
+static void expect(const struct figure *figure, int width, int height,
+                   const struct charset *charset, const char *drawing)
 {
     struct buffer out = {0};
     assert_true(figure_print(figure, width, height, charset, false, &out));
@@ -290,9 +285,9 @@ static void test_sine(void **state)
     struct figure figure = of(&curve, 1);
     (void)state;
     swing(&s, 1000);
-    expect(&figure, 40, 12, CHARSET_ASCII, drawn_sine_ascii);
-    expect(&figure, 40, 12, CHARSET_BRAILLE, drawn_sine_braille);
-    expect(&figure, 40, 12, CHARSET_BLOCK, drawn_sine_block);
+    expect(&figure, 40, 12, &charset_ascii, drawn_sine_ascii);
+    expect(&figure, 40, 12, &charset_braille, drawn_sine_braille);
+    expect(&figure, 40, 12, &charset_block, drawn_sine_block);
 }
 
 static void test_overlays_have_their_own_marks(void **state)
@@ -312,8 +307,8 @@ static void test_overlays_have_their_own_marks(void **state)
         wide.y[i] *= 1 + 0.07 * wide.x[i];
     figure.title = "1";
     figure.zero_line = true;
-    expect(&figure, 50, 14, CHARSET_ASCII, drawn_overlay_ascii);
-    expect(&figure, 50, 14, CHARSET_BRAILLE, drawn_overlay_braille);
+    expect(&figure, 50, 14, &charset_ascii, drawn_overlay_ascii);
+    expect(&figure, 50, 14, &charset_braille, drawn_overlay_braille);
 }
 
 /* Each point of a cloud is a dot of its own: nothing lies between them. */
@@ -324,13 +319,15 @@ static void test_clouds(void **state)
         .label = "section", .x = x, .y = y, .n = 5, .points = true, .cloud = true};
     const struct figure figure = of(&curve, 1);
     (void)state;
-    for (int charset = CHARSET_ASCII; charset <= CHARSET_BRAILLE; charset++) {
+    static const struct charset *const charsets[] = {&charset_ascii, &charset_block,
+                                                     &charset_braille};
+    for (size_t set = 0; set < COUNT_OF(charsets); set++) {
         struct canvas canvas;
         struct figure_layout layout;
         int dots = 0;
         assert_true(canvas_init(&canvas, 60, 20));
-        assert_true(figure_draw(&figure, &canvas, 0, 0, 60, 20, (enum charset)charset));
-        figure_layout(&figure, 60, 20, (enum charset)charset, &layout);
+        assert_true(figure_draw(&figure, &canvas, 0, 0, 60, 20, charsets[set]));
+        figure_layout(&figure, 60, 20, charsets[set], &layout);
         for (int row = 0; row < layout.rows; row++)
             for (int column = 0; column < layout.columns; column++) {
                 const struct cell *cell =
@@ -349,15 +346,15 @@ static void test_constant_and_few_samples(void **state)
     struct curve curve = {.x = x, .y = constant, .n = 5};
     struct figure figure = of(&curve, 1);
     (void)state;
-    expect(&figure, 26, 9, CHARSET_ASCII, drawn_constant);
+    expect(&figure, 26, 9, &charset_ascii, drawn_constant);
     curve.y = gap;
-    expect(&figure, 26, 9, CHARSET_ASCII, drawn_gap);
+    expect(&figure, 26, 9, &charset_ascii, drawn_gap);
     curve.n = 2;
-    expect(&figure, 26, 9, CHARSET_ASCII, drawn_two);
+    expect(&figure, 26, 9, &charset_ascii, drawn_two);
     curve.n = 1;
-    expect(&figure, 26, 9, CHARSET_ASCII, drawn_one);
+    expect(&figure, 26, 9, &charset_ascii, drawn_one);
     curve.n = 0;
-    expect(&figure, 26, 9, CHARSET_ASCII, drawn_none);
+    expect(&figure, 26, 9, &charset_ascii, drawn_none);
 }
 
 static void test_phase(void **state)
@@ -376,8 +373,8 @@ static void test_phase(void **state)
     figure.y = (struct axis){.label = "v", .unit = "cm/s", .factor = 0.01};
     figure.equal = figure.has_point = true;
     figure.point[0] = 0.04;
-    expect(&figure, 32, 14, CHARSET_BRAILLE, drawn_phase_braille);
-    expect(&figure, 32, 14, CHARSET_ASCII, drawn_phase_ascii);
+    expect(&figure, 32, 14, &charset_braille, drawn_phase_braille);
+    expect(&figure, 32, 14, &charset_ascii, drawn_phase_ascii);
 }
 
 static void test_log_axes(void **state)
@@ -391,7 +388,7 @@ static void test_log_axes(void **state)
         .curves = 1,
     };
     (void)state;
-    expect(&figure, 44, 12, CHARSET_ASCII, drawn_log);
+    expect(&figure, 44, 12, &charset_ascii, drawn_log);
 }
 
 static void test_a_curve_that_leaves_is_said_in_the_frame(void **state)
@@ -407,7 +404,7 @@ static void test_a_curve_that_leaves_is_said_in_the_frame(void **state)
     swing(&wild, 1000);
     for (int i = 0; i < 1000; i++)
         wild.y[i] *= exp(0.3 * wild.x[i] * wild.x[i]);
-    expect(&figure, 44, 12, CHARSET_BRAILLE, drawn_leaving);
+    expect(&figure, 44, 12, &charset_braille, drawn_leaving);
 }
 
 static void test_extreme_values(void **state)
@@ -420,9 +417,9 @@ static void test_extreme_values(void **state)
                             .curve = &curve,
                             .curves = 1};
     (void)state;
-    expect(&figure, 30, 10, CHARSET_ASCII, drawn_huge);
+    expect(&figure, 30, 10, &charset_ascii, drawn_huge);
     curve.y = small;
-    expect(&figure, 30, 10, CHARSET_ASCII, drawn_tiny);
+    expect(&figure, 30, 10, &charset_ascii, drawn_tiny);
 }
 
 /* Tick labels go first, then the frame; a single cell still shows the curve. */
@@ -433,11 +430,11 @@ static void test_shrinking(void **state)
     struct figure figure = of(&curve, 1);
     (void)state;
     swing(&s, 1000);
-    expect(&figure, 24, 8, CHARSET_ASCII, drawn_shrunk_8);
-    expect(&figure, 24, 5, CHARSET_ASCII, drawn_shrunk_5);
-    expect(&figure, 24, 3, CHARSET_ASCII, drawn_shrunk_3);
-    expect(&figure, 12, 8, CHARSET_ASCII, drawn_shrunk_narrow);
-    expect(&figure, 1, 1, CHARSET_ASCII, "\\\n");
+    expect(&figure, 24, 8, &charset_ascii, drawn_shrunk_8);
+    expect(&figure, 24, 5, &charset_ascii, drawn_shrunk_5);
+    expect(&figure, 24, 3, &charset_ascii, drawn_shrunk_3);
+    expect(&figure, 12, 8, &charset_ascii, drawn_shrunk_narrow);
+    expect(&figure, 1, 1, &charset_ascii, "\\\n");
 }
 
 static void test_notes_and_gutter(void **state)
@@ -449,7 +446,7 @@ static void test_notes_and_gutter(void **state)
     swing(&s, 1000);
     figure.note = "14 periods: envelope";
     figure.gutter = 6;
-    expect(&figure, 40, 8, CHARSET_BRAILLE, drawn_noted);
+    expect(&figure, 40, 8, &charset_braille, drawn_noted);
 }
 
 int main(void)

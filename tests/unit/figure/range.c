@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures as promises: no peak lost, circles round, labels apart, any size, any magnitude. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/figure.h>
 
@@ -15,6 +10,8 @@
 
 #define PI 3.14159265358979323846
 #define MANY 1000000
+
+static const struct charset *const charsets[] = {&charset_ascii, &charset_block, &charset_braille};
 
 static uint64_t random_state = 88172645463325252U;
 
@@ -36,7 +33,7 @@ static bool dot_lit(const struct canvas *canvas, int column, int row)
 
 /* A figure on a canvas of its own, and where everything is. */
 static void draw(const struct figure *figure, struct canvas *canvas, int width, int height,
-                 enum charset charset, struct figure_layout *layout)
+                 const struct charset *charset, struct figure_layout *layout)
 {
     assert_true(canvas_init(canvas, width, height));
     figure_layout(figure, width, height, charset, layout);
@@ -46,7 +43,6 @@ static void draw(const struct figure *figure, struct canvas *canvas, int width, 
 static void test_spike_of_one_sample(void **state)
 {
     static double x[MANY], y[MANY];
-    static const enum charset charsets[] = {CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE};
     struct curve curve = {.x = x, .y = y, .n = MANY};
     struct figure figure = {.x = {.label = "t"}, .y = {.label = "y"}, .curve = &curve, .curves = 1};
     (void)state;
@@ -82,7 +78,7 @@ static void test_extremes_of_each_column(void **state)
         x[i] = i;
         y[i] = sin(i * 0.0007) + 0.3 * uniform();
     }
-    draw(&figure, &canvas, COLUMNS, ROWS, CHARSET_BRAILLE, &layout);
+    draw(&figure, &canvas, COLUMNS, ROWS, &charset_braille, &layout);
     int across = 2 * layout.columns - 1, down = 4 * layout.rows - 1;
     double low[2 * COLUMNS], high[2 * COLUMNS];
     for (int c = 0; c <= across; c++) {
@@ -125,7 +121,7 @@ static void check_circle(int width, int height, double aspect, double factor, in
         x[i] = 3 + 0.04 * cos(2 * PI * i / (n - 1));
         y[i] = factor * (-1 + 0.04 * sin(2 * PI * i / (n - 1)));
     }
-    draw(&figure, &canvas, width, height, CHARSET_BRAILLE, &layout);
+    draw(&figure, &canvas, width, height, &charset_braille, &layout);
     center_x = scale_fraction(&layout.x, 3) * (2 * layout.columns - 1);
     center_y = (1 - scale_fraction(&layout.y, -factor)) * (4 * layout.rows - 1);
     int dots = 0;
@@ -160,7 +156,7 @@ static void check_labels(const struct figure *figure, int width, int height)
 {
     struct figure_layout layout;
     struct canvas canvas;
-    draw(figure, &canvas, width, height, CHARSET_BRAILLE, &layout);
+    draw(figure, &canvas, width, height, &charset_braille, &layout);
     if (layout.x_labels) {
         const struct cell *row = &canvas.cell[(height - 2) * width];
         int labels = 0, blanks = 2;
@@ -250,8 +246,7 @@ static void test_every_size(void **state)
                 for (int i = 0; i < canvas.width * canvas.height; i++)
                     canvas.cell[i].codepoint = 'Z';
                 figure.equal = kind >= 3;
-                assert_true(
-                    figure_draw(&figure, &canvas, 1, 1, width, height, (enum charset)(kind % 3)));
+                assert_true(figure_draw(&figure, &canvas, 1, 1, width, height, charsets[kind % 3]));
                 for (int i = 0; i < canvas.width * canvas.height; i++) {
                     int column = i % canvas.width, row = i / canvas.width;
                     bool outside = column == 0 || row == 0 || column > width || row > height;
@@ -264,9 +259,9 @@ static void test_every_size(void **state)
     }
     struct canvas small; /* partly and wholly beside the canvas */
     assert_true(canvas_init(&small, 10, 5));
-    assert_true(figure_draw(&figure, &small, -20, -3, 80, 24, CHARSET_BRAILLE));
-    assert_true(figure_draw(&figure, &small, 100, 100, 80, 24, CHARSET_BLOCK));
-    assert_true(figure_draw(&figure, &small, 0, 0, 0, -1, CHARSET_ASCII));
+    assert_true(figure_draw(&figure, &small, -20, -3, 80, 24, &charset_braille));
+    assert_true(figure_draw(&figure, &small, 100, 100, 80, 24, &charset_block));
+    assert_true(figure_draw(&figure, &small, 0, 0, 0, -1, &charset_ascii));
     canvas_free(&small);
 }
 
@@ -284,7 +279,7 @@ static void test_one_diverging_run_does_not_flatten_the_others(void **state)
         y[i] = cos(3 * x[i]);
         wild[i] = 1e-3 * exp(20 * x[i]);
     }
-    draw(&figure, &canvas, 60, 20, CHARSET_ASCII, &layout);
+    draw(&figure, &canvas, 60, 20, &charset_ascii, &layout);
     assert_true(layout.y.to < 2 && layout.y.from > -2);
     int arrows = 0;
     for (int c = 0; c < layout.columns; c++)
@@ -315,7 +310,7 @@ static void test_one_arrow_a_side(void **state)
         x[i] = i * 0.02;
         y[i] = 0.1 * exp(0.5 * x[i]) * cos(5 * x[i]);
     }
-    draw(&figure, &canvas, 60, 20, CHARSET_BRAILLE, &layout);
+    draw(&figure, &canvas, 60, 20, &charset_braille, &layout);
     assert_int_equal(count_cells(&canvas, 0x2191), 1);
     assert_int_equal(count_cells(&canvas, 0x2193), 1);
     canvas_free(&canvas);
@@ -337,7 +332,7 @@ static void test_dense_data_over_a_line(void **state)
         measured[i] = y[i] = cos(x[i]);
     }
     measured[333] = 3;
-    draw(&figure, &canvas, 60, 20, CHARSET_ASCII, &layout);
+    draw(&figure, &canvas, 60, 20, &charset_ascii, &layout);
     int over = count_cells(&canvas, 'o');
     assert_true(over > layout.columns / 6 && over < layout.columns / 2);
     assert_true(figure_cell(&layout, x[333], measured[333], &column, &row));
@@ -346,7 +341,7 @@ static void test_dense_data_over_a_line(void **state)
 
     figure.curve = &curve[1];
     figure.curves = 1;
-    draw(&figure, &canvas, 60, 20, CHARSET_ASCII, &layout);
+    draw(&figure, &canvas, 60, 20, &charset_ascii, &layout);
     for (int i = 0; i < 1000; i++) {
         assert_true(figure_cell(&layout, x[i], measured[i], &column, &row));
         assert_int_equal(canvas.cell[(layout.top + row) * 60 + layout.left + column].codepoint,
@@ -363,15 +358,15 @@ static void test_nearly_constant(void **state)
     struct figure figure = {.curve = &curve, .curves = 1};
     struct figure_layout layout;
     (void)state;
-    figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
+    figure_layout(&figure, 60, 20, &charset_braille, &layout);
     assert_true(layout.y.from < 4.6 && layout.y.to > 5.4);
     assert_true(layout.gutter <= 4);
     y[1] = 5 + 1e-9;
     y[2] = 5 - 1e-9;
-    figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
+    figure_layout(&figure, 60, 20, &charset_braille, &layout);
     assert_true(layout.y.from > 5 - 3e-9 && layout.y.to < 5 + 3e-9);
     y[1] = 5.01;
-    figure_layout(&figure, 60, 20, CHARSET_BRAILLE, &layout);
+    figure_layout(&figure, 60, 20, &charset_braille, &layout);
     assert_true(layout.y.from > 4.99 && layout.y.to < 5.02);
 }
 
@@ -401,7 +396,7 @@ static void test_scale_at_any_magnitude(void **state)
         figure.y.log = i % 2;
         if (figure.y.log)
             y[0] = y[1] * 1e-5 * uniform();
-        figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
+        figure_layout(&figure, 80, 24, &charset_braille, &layout);
         for (int k = 0; k < 2; k++) {
             const double fraction = scale_fraction(&layout.y, y[k]);
             assert_true(fraction >= 0 && fraction <= 1);
@@ -411,7 +406,7 @@ static void test_scale_at_any_magnitude(void **state)
         .x = (double[]){0, 1, 2}, .y = (double[]){-1.7e308, 1.7e308, 5e-324}, .n = 3};
     struct figure figure = {.curve = &all, .curves = 1, .y = {.factor = 1e-6}};
     struct buffer out = {0};
-    assert_true(figure_print(&figure, 40, 12, CHARSET_ASCII, false, &out));
+    assert_true(figure_print(&figure, 40, 12, &charset_ascii, false, &out));
     buffer_free(&out);
 }
 
@@ -425,13 +420,13 @@ static void test_bad_fixed_ranges(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(bad); i++) { /* as if not fixed */
         figure.x = figure.y = (struct axis){.from = bad[i][0], .to = bad[i][1], .fixed = true};
-        figure_layout(&figure, 40, 12, CHARSET_ASCII, &layout);
+        figure_layout(&figure, 40, 12, &charset_ascii, &layout);
         assert_true(layout.x.from == 0 && layout.x.to == 2 && layout.y.from <= 1 &&
                     layout.y.to >= 3);
     }
     figure.x = (struct axis){0};
     figure.y = (struct axis){.from = -1, .to = 1, .fixed = true, .log = true};
-    figure_layout(&figure, 40, 12, CHARSET_ASCII, &layout);
+    figure_layout(&figure, 40, 12, &charset_ascii, &layout);
     assert_true(layout.y.from > 0 && layout.y.from <= 1 && layout.y.to >= 3);
 }
 
@@ -444,7 +439,7 @@ static void test_window(void **state)
     struct figure_layout layout;
     int column, row;
     (void)state;
-    figure_layout(&figure, 40, 12, CHARSET_ASCII, &layout);
+    figure_layout(&figure, 40, 12, &charset_ascii, &layout);
     assert_true(layout.y.to < 10);
     assert_true(figure_cell(&layout, 1, 1, &column, &row));
     assert_int_equal(column, 0);

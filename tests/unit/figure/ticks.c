@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ticks: nice steps, labels inside, distinct and exact, at any magnitude. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "figure/internal.h"

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One description of columns gives the records, the table to files and the table for people. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cmocka_testing.h"
 
-#include <cmocka.h>
-
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
 #include <hooke/result.h>
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -138,7 +136,7 @@ static void a_file_has_units_and_leaves_cells_empty(void **state)
     struct buffer out = {0};
     struct table table;
     assert_true(columns_table(&columns, pendulums, COUNT_OF(pendulums), &arena, &table));
-    table_format(&table, TABLE_CSV, &out);
+    table_put(&table, table_csv, &out);
     assert_string_equal(
         buffer_view(&out),
         "maker,length [m],period [s],period_end [s],frequency [Hz],swings,half_swings,damped,note\n"
@@ -146,50 +144,6 @@ static void a_file_has_units_and_leaves_cells_empty(void **state)
         ",0.25,1.003,,0.9970089730807579,0,0,true,\n");
     buffer_free(&out);
     arena_reset(&arena);
-}
-
-static void markdown_shows_text_as_text(void **state)
-{
-    (void)state;
-    static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "a *b*\nc"}};
-    static const double y[] = {-0.5, NAN};
-    static const char *const words[] = {"a|b", "<i>"};
-    static const struct table_column column[] = {{"y_0", "m", y, NULL}, {"word", "", NULL, words}};
-    struct buffer out = {0};
-    table_format(&(struct table){keys, 2, column, 2, 2, NULL}, TABLE_MARKDOWN, &out);
-    assert_string_equal(buffer_view(&out), "- dt: 10 ms\n- note: a \\*b\\*\\\\x0ac\n\n"
-                                           "| y\\_0 (m) | word |\n| ---: | --- |\n"
-                                           "| -0.5 | a\\|b |\n|  | \\<i\\> |\n");
-    buffer_free(&out);
-}
-
-static void html_and_latex_show_text_as_text(void **state)
-{
-    (void)state;
-    static const struct table_key keys[] = {{"note", "5 % <b>"}};
-    static const double y[] = {-0.5, 2.5e-17, NAN};
-    static const char *const words[] = {"a&b", "[_{i}^2$", "--\\"};
-    static const struct table_column column[] = {{"y_0", "m/s^2", y, NULL},
-                                                 {"word", "", NULL, words}};
-    const struct table table = {keys, 1, column, 2, 3, NULL};
-    struct buffer out = {0};
-    table_format(&table, TABLE_LATEX, &out);
-    assert_string_equal(buffer_view(&out),
-                        "% \\usepackage{siunitx}\n"
-                        "% note = 5 % <b>\n\\begin{tabular}{Sl}\n\\hline\n"
-                        "{y\\_0 [m/s\\textasciicircum{}2]} & {word} \\\\\n\\hline\n"
-                        "-0.5 & a\\&b \\\\\n"
-                        "2.5e-17 & {[}\\_\\{i\\}\\textasciicircum{}2\\$ \\\\\n"
-                        " & -{}-{}\\textbackslash{} \\\\\n\\hline\n\\end{tabular}\n");
-    buffer_clear(&out);
-    table_format(&table, TABLE_HTML, &out);
-    assert_non_null(strstr(buffer_view(&out),
-                           "<ul>\n<li>note: 5 % &lt;b&gt;</li>\n</ul>\n<table>\n<thead>\n"
-                           "<tr><th>y_0 (m/s^2)</th><th>word</th></tr>\n</thead>\n<tbody>\n"
-                           "<tr><td class=\"number\">-0.5</td><td>a&amp;b</td></tr>\n"));
-    assert_non_null(strstr(buffer_view(&out), "<tr><td class=\"number\"></td><td>--\\</td></tr>\n"
-                                              "</tbody>\n</table>\n</body>\n</html>\n"));
-    buffer_free(&out);
 }
 
 /* ---- people ---- */
@@ -254,15 +208,123 @@ static void a_table_fits_where_rows_have_the_same(void **state)
     }
 }
 
+/* ---- parts, choices, rows ---- */
+
+struct clock {
+    const struct unit *unit;
+    int use; /* from 1: of the rows of `uses` */
+    struct pendulum pendulum;
+    struct pendulum spare[2];
+    int spares;
+};
+
+static const struct row uses[] = {{"tower", "", "", "", NULL}, {"ship", "", "", "", NULL}};
+static const struct catalog use_catalog = CATALOG("use", uses);
+
+static const struct result_column of_part[] = {
+    {.name = "length", AT(length), .quantity = QUANTITY_LENGTH},
+    {.name = "swings", .kind = COLUMN_INT, AT(swings)}};
+static const struct result_columns part_columns = RESULT_COLUMNS(of_part, struct pendulum);
+
+static const void *list_spares(const void *row, size_t *count)
+{
+    *count = (size_t)((const struct clock *)row)->spares;
+    return ((const struct clock *)row)->spare;
+}
+
+static const struct result_column of_clock[] = {
+    {.name = "unit", .kind = COLUMN_ROW, .at = offsetof(struct clock, unit)},
+    {.name = "use",
+     .kind = COLUMN_CHOICE,
+     .at = offsetof(struct clock, use),
+     .choices = &use_catalog,
+     .choice_first = 1},
+    {.name = "pendulum",
+     .kind = COLUMN_OBJECT,
+     .at = offsetof(struct clock, pendulum),
+     .part = &part_columns},
+    {.name = "spares", .kind = COLUMN_LIST, .part = &part_columns, .list = list_spares}};
+static const struct result_columns clock_columns = RESULT_COLUMNS(of_clock, struct clock);
+
+static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
+{
+    (void)state;
+    const struct clock clocks[] = {{unit_find(text_of("ms")),
+                                    2,
+                                    {.length = 1, .swings = 3},
+                                    {{.length = 2}, {.length = 4}},
+                                    2},
+                                   {NULL, 0, {.length = NAN}, {{0}}, 0}};
+    struct buffer out = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){collect, collect, &out});
+    reply_command_begin(&reply, FORMAT_JSON);
+    reply_records(&reply, "clock", &clock_columns, clocks, COUNT_OF(clocks));
+    reply_command_end(&reply, "clock");
+    reply_free(&reply);
+    assert_string_equal(buffer_view(&out),
+                        "{\"kind\":\"clock\",\"unit\":\"ms\",\"use\":\"ship\",\"pendulum\":{"
+                        "\"length\":1,\"swings\":3},\"spares\":[{\"length\":2,\"swings\":0},{"
+                        "\"length\":4,\"swings\":0}]}\n"
+                        "{\"kind\":\"clock\",\"unit\":null,\"use\":null,\"pendulum\":{\"length\":"
+                        "null,\"swings\":0},\"spares\":[]}\n");
+    buffer_free(&out);
+}
+
+/* The texts for formats are those that buffers get, however long. */
+static void values_in_formats_are_those_of_buffers(void **state)
+{
+    static const double values[] = {0,        -DBL_MAX,  DBL_TRUE_MIN,
+                                    -1.0 / 3, 2e-5,      1e5 / 7,
+                                    NAN,      -INFINITY, -1.2345678901234567e-300};
+    (void)state;
+    for (size_t v = 0; v < COUNT_OF(values); v++)
+        for (enum quantity quantity = 0; quantity < QUANTITY_COUNT; quantity++)
+            for (int digits = 0; digits < 20; digits++)
+                for (size_t u = 0; u < COUNT_OF(values); u++) {
+                    const struct measured measured = {values[v], fabs(values[u])};
+                    struct buffer wanted = {0}, got = {0};
+                    buffer_measured(&wanted, measured, quantity, digits);
+                    buffer_quantity(&wanted, values[v], quantity, digits);
+                    buffer_short(&wanted, values[v], digits);
+                    buffer_format(&got, "%s%s%s", SHOWN_MEASURED(measured, quantity, digits),
+                                  SHOWN_QUANTITY(values[v], quantity, digits),
+                                  SHOWN_SHORT(values[v], digits));
+                    assert_string_equal(buffer_view(&got), buffer_view(&wanted));
+                    buffer_free(&wanted);
+                    buffer_free(&got);
+                }
+}
+
+/* Text in the reply's own buffer ends its line before anything else is said. */
+static void lines_in_the_reply_come_in_their_order(void **state)
+{
+    (void)state;
+    struct buffer out = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){collect, collect, &out});
+    reply_command_begin(&reply, FORMAT_TEXT);
+    buffer_put(reply_buffer(&reply), TEXT("one"));
+    reply_warning(&reply, "two");
+    buffer_put(reply_buffer(&reply), TEXT("three\n"));
+    reply_line(&reply, "four");
+    buffer_put(reply_buffer(&reply), TEXT("five"));
+    reply_command_end(&reply, "count");
+    assert_string_equal(buffer_view(&out), "one\nwarning: two\nthree\nfour\nfive\n");
+    reply_free(&reply);
+    buffer_free(&out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_have_every_key_and_null_for_what_is_missing),
         cmocka_unit_test(a_file_has_units_and_leaves_cells_empty),
-        cmocka_unit_test(markdown_shows_text_as_text),
-        cmocka_unit_test(html_and_latex_show_text_as_text),
         cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
         cmocka_unit_test(a_table_fits_where_rows_have_the_same),
+        cmocka_unit_test(parts_are_objects_and_lists_and_rows_give_their_names),
+        cmocka_unit_test(values_in_formats_are_those_of_buffers),
+        cmocka_unit_test(lines_in_the_reply_come_in_their_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Records become rows of tables: names of columns, units, gaps; what is kept of them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "cmocka_testing.h"
 
-#include <cmocka.h>
-
+#include <hooke/base/catalog.h>
 #include <hooke/result.h>
 
 #include <math.h>
@@ -76,7 +72,7 @@ static void fields_are_columns_called_by_their_path(void **state)
     assert_int_equal(stored->table.rows, 11);
     struct table table = stored->table;
     table.rows = 3;
-    table_format(&table, TABLE_CSV, &text);
+    table_put(&table, table_csv, &text);
     assert_string_equal(buffer_view(&text),
                         "period [s],note,mass [kg],mass_uncertainty [kg],window.1,window.2,"
                         "parameters.k.value,parameters.2.held,never\n"
@@ -147,7 +143,8 @@ static void what_is_written_reads_back_the_same(void **state)
     static const char *const more[] = {"-", "inf", "''@", "true", " x ", "nan"};
     static const struct table_column column[] = {
         {"x y", "m/s^2", number, NULL}, {"a b", "", NULL, word}, {"state.y", "", NULL, more}};
-    static const enum table_format formats[] = {TABLE_CSV, TABLE_TSV, TABLE_JSON};
+    static table_format *const formats[] = {table_csv, table_tsv, table_json};
+    static const char *const names[] = {"csv", "tsv", "json"};
     for (size_t f = 0; f < COUNT_OF(formats); f++)
         for (size_t rows = 0; rows <= 6; rows += 6) {
             const struct table written = {keys, 2, column, 3, rows, NULL};
@@ -155,11 +152,10 @@ static void what_is_written_reads_back_the_same(void **state)
             struct arena arena = {0};
             struct buffer text = {0};
             struct error error = {0};
-            table_format(&written, formats[f], &text);
+            table_put(&written, formats[f], &text);
             assert_true(table_recognise(buffer_text(&text)));
             if (!table_parse(buffer_text(&text), NULL, &arena, &read, &error))
-                fail_msg("%s: %s", catalog_row(&table_format_catalog, formats[f])->name,
-                         error.text);
+                fail_msg("%s: %s", names[f], error.text);
             if (rows > 0)
                 assert_same(&written, &read);
             for (size_t cut = 12; cut < text.len; cut++) /* no reading past an end */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Advancing: splits, slices, going back, partial steps, conditions, stop reasons. */
+#include <hooke/base/cancel.h>
 #include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
 
@@ -367,15 +368,76 @@ static void test_adaptive_grid_points_and_targets(void **state)
     run_destroy(sliced);
 }
 
+/* Advances to t step by step, as an interactive session does, until it stops. */
+static void go_one_by_one(struct run *run, double t)
+{
+    const struct run_target target = {.t = t, .steps = 1};
+    do {
+        assert_false(run_advance(run, &target, 0, NULL));
+    } while (run->stop == STOP_END && run->t != t);
+}
+
+static void assert_same_end(const struct run *a, const struct run *b)
+{
+    assert_int_equal(a->stop, b->stop);
+    assert_int_equal(a->steps, b->steps);
+    assert_int_equal(a->cost.evals, b->cost.evals);
+    assert_int_equal(a->cost.rejected, b->cost.rejected);
+    assert_bits(a->controller.h, b->controller.h);
+    assert_same_trace(a, b);
+}
+
+/* Adaptive steps that are taken many at once are those that are taken one by one, and those without
+ * kernels: up to the end, until the numbers diverge, and into a singularity. */
+static void test_adaptive_steps_at_once(void **state)
+{
+    static const struct {
+        const char *name;
+        double value, end;
+        bool ends;
+    } scene_of[] = {{"k", 20, 30, true},
+                    {"k3", 4e3, 30, true},
+                    {"k", -15, 1e3, false},
+                    {"k3", -7e3, 30, false}};
+    static const char *const names[] = {"dopri5", "tsit5", "dop853"};
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(scene_of) * COUNT_OF(names); i++) {
+        const char *name = names[i / COUNT_OF(scene_of)];
+        const double end = scene_of[i % COUNT_OF(scene_of)].end;
+        struct scene scene = spring();
+        set(&scene, scene_of[i % COUNT_OF(scene_of)].name, scene_of[i % COUNT_OF(scene_of)].value);
+        struct run_settings settings = {.dt = 0.01, .tol = 1e-7};
+        struct run *whole = start(&scene, name, settings, end),
+                   *single = start(&scene, name, settings, end),
+                   *sliced = start(&scene, name, settings, end);
+        settings.kernel = KERNEL_GENERAL;
+        struct run *general = start(&scene, name, settings, end);
+        go_to(whole, end);
+        go_one_by_one(single, end);
+        go_to(general, end);
+        const struct run_target target = {.t = end, .steps = -1};
+        while (run_advance(sliced, &target, 1, NULL)) {
+        }
+        assert_int_equal(whole->stop == STOP_END, scene_of[i % COUNT_OF(scene_of)].ends);
+        assert_same_end(whole, single);
+        assert_same_end(whole, sliced);
+        assert_same_end(whole, general);
+        run_destroy(whole);
+        run_destroy(single);
+        run_destroy(sliced);
+        run_destroy(general);
+    }
+}
+
 /* Runs that cannot be repeated get their marks in parts once their traces leave steps out: each
  * part leaves a trace of each step behind it. Going back in between begins them anew. */
 static void test_thinning_in_parts(void **state)
 {
     (void)state;
     struct scene scene = lively();
-    const struct run_settings settings = {.dt = 0.01, .tol = 1e-9, .memory = 400 * 24};
-    struct run *whole = start(&scene, "dopri5", settings, 100),
-               *sliced = start(&scene, "dopri5", settings, 100);
+    const struct run_settings settings = {.dt = 0.002, .compensated = true, .memory = 400 * 24};
+    struct run *whole = start(&scene, "rk4", settings, 100),
+               *sliced = start(&scene, "rk4", settings, 100);
     const struct run_target target = {.t = 100, .steps = -1};
     struct ledger a, b;
     int parts = 0;
@@ -431,6 +493,7 @@ int main(void)
         cmocka_unit_test(test_budget),
         cmocka_unit_test(test_rebind),
         cmocka_unit_test(test_adaptive_grid_points_and_targets),
+        cmocka_unit_test(test_adaptive_steps_at_once),
         cmocka_unit_test(test_thinning_in_parts),
         cmocka_unit_test(test_clock),
     };

@@ -44,8 +44,7 @@ static void test_all_adaptive_methods(void **state)
     set(&scene, "gamma", 0.3);
     int seen = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *method =
-            (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *method = method_at(i);
         struct system system;
         struct error error;
         enum drag drag = DRAG_DEFAULT;

@@ -46,8 +46,7 @@ static int tear_down(void **state)
 static void start(struct fixture *f, const char *name, double dt, double tol)
 {
     const struct run_settings settings = {.dt = dt, .tol = tol};
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    const struct method *method = method_by_name(text_of(name));
     run_destroy(f->run);
     f->run = run_create(&f->scene, method, &settings, 100, &f->error);
     if (!f->run)

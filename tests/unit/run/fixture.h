@@ -11,9 +11,13 @@
 
 #include <cmocka.h>
 
+#include <hooke/base/catalog.h>
 #include <hooke/run.h>
 #include <math.h>
 #include <string.h>
+
+struct measured;
+struct row;
 
 #define FOREVER ((struct run_target){.t = HUGE_VAL, .steps = -1})
 
@@ -37,7 +41,7 @@ static inline const struct method *method_named(const char *name)
     const struct row *row = catalog_find(&method_catalog, text_of(name));
     if (!row)
         fail_msg("no method %s", name);
-    return (const struct method *)(const void *)row;
+    return method_from(row);
 }
 
 static inline const struct observable *observable_named(const char *name)
@@ -45,7 +49,7 @@ static inline const struct observable *observable_named(const char *name)
     const struct row *row = catalog_find(&observable_catalog, text_of(name));
     if (!row)
         fail_msg("no observable %s", name);
-    return (const struct observable *)(const void *)row;
+    return observable_from(row);
 }
 
 static inline struct run *start(const struct scene *scene, const char *method,

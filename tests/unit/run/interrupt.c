@@ -16,6 +16,7 @@
 #include <string.h>
 #include <sys/time.h>
 
+#include <hooke/base/cancel.h>
 #include <hooke/run.h>
 
 #define STEPS 60000
@@ -43,9 +44,8 @@ static struct run *new_run(const char *method)
     scene_init(&scene, NULL);
     assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error));
     struct run_settings settings = {.dt = 0.001};
-    struct run *run = run_create(
-        &scene, (const struct method *)(const void *)catalog_find(&method_catalog, text_of(method)),
-        &settings, STEPS * 0.001, &error);
+    struct run *run =
+        run_create(&scene, method_by_name(text_of(method)), &settings, STEPS * 0.001, &error);
     assert_non_null(run);
     return run;
 }

@@ -13,7 +13,7 @@ static struct scene preset_named(const char *name)
     const struct row *row = catalog_find(&preset_catalog, text_of(name));
     if (!row)
         fail_msg("no scene %s", name);
-    scene_init(&scene, (const struct preset *)(const void *)row);
+    scene_init(&scene, preset_from(row));
     return scene;
 }
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Observables against formulas written out by hand, and names in expressions. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
 #include <hooke/run.h>
 #include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
@@ -58,8 +60,7 @@ static void test_formulas(void **state)
     assert_non_null(column);
     struct error error;
     for (size_t i = 0; i < observable_catalog.count; i++) {
-        const struct observable *o =
-            (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+        const struct observable *o = observable_at(i);
         if (!run_column(run, o, column, &error)) {
             assert_true(isnan(run_observable(run, o)));
             assert_non_null(strstr(error.text, o->row.name));

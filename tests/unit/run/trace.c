@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The trace: recording rules, decimation against brute force, memory. */
+#include <hooke/base/numeric.h>
+
 #include "long_form.h"
 #include "run/private.h"
 #include "unit/run/fixture.h"
@@ -71,6 +73,49 @@ static void test_decimation_equals_brute_force(void **state)
             assert_int_equal(trace_step(trace, k), kept[k]);
     }
     trace_destroy(trace);
+}
+
+/* Many rows that are offered at once, of any width and number, leave what they leave one by one. */
+static void test_many_rows_at_once(void **state)
+{
+    (void)state;
+    enum { COUNT = 20000, CAP = 2000, WIDTH = 4 };
+    static double row[COUNT * WIDTH];
+    const int scenes = is_long() ? 400 : 40;
+    uint64_t seed = 7;
+    for (int scene = 0; scene < scenes; scene++) {
+        const int n = 1 + scene % 3, kind = scene % 5;
+        const bool timed = scene % 2;
+        const size_t width = (size_t)n + timed;
+        const struct recording_rule rule = {RECORD_AUTO, 0, 0};
+        struct trace *many = trace_create(n, timed, rule, CAP * (width + 1) * sizeof(double)),
+                     *single = trace_create(n, timed, rule, CAP * (width + 1) * sizeof(double));
+        for (size_t i = 0; i < COUNT * width; i++) {
+            const double noise = floor(8 * random_fraction(&seed)), t = (double)(i / width);
+            row[i] = kind == 0   ? noise
+                     : kind == 1 ? sin(t / 7) + noise * 0.01
+                     : kind == 2 ? sin(t / 300)
+                     : kind == 3 ? floor(t / 50)
+                                 : t * noise;
+        }
+        for (int64_t i = 0, more; i < COUNT; i += more) {
+            more = 1 + (int64_t)(random_fraction(&seed) * (scene % 4 == 0 ? 40 : 4000));
+            more = more < COUNT - i ? more : COUNT - i;
+            assert_int_equal(trace_record_many(many, i, row + (size_t)i * width, more), more);
+        }
+        for (int64_t i = 0; i < COUNT; i++) {
+            const double *y = row + (size_t)i * width;
+            assert_true(trace_record(single, i, y[width - 1], y));
+        }
+        assert_true(single->bucket > 1 && many->bucket == single->bucket);
+        assert_int_equal(many->count, single->count);
+        for (size_t i = 0; i < many->count; i++) {
+            assert_int_equal(trace_row_step(many, i), trace_row_step(single, i));
+            assert_memory_equal(trace_row(many, i), trace_row(single, i), width * sizeof(double));
+        }
+        trace_destroy(many);
+        trace_destroy(single);
+    }
 }
 
 /* One sample in 5 million stands out, up or down, wherever it is. */
@@ -152,6 +197,70 @@ static void test_decimated_run(void **state)
     run_destroy(all);
 }
 
+/* Compares the energy balance at the rows of a run with that of another one with each step. */
+static void assert_same_balance(const struct run *some, const struct run *all)
+{
+    const struct observable *balance = observable_named("energy-error");
+    struct ledger a, b;
+    struct error error;
+    run_ledger(some, &a);
+    run_ledger(all, &b);
+    assert_true(b.error_max > 0 && b.error_max < 1e-3);
+    assert_bits(a.error, b.error);
+    assert_bits(a.error_max, b.error_max);
+    assert_bits(a.work, b.work);
+    double *at_rows = malloc(trace_count(some->trace) * sizeof *at_rows),
+           *at_steps = malloc(trace_count(all->trace) * sizeof *at_steps);
+    assert_true(run_column(some, balance, at_rows, &error) &&
+                run_column(all, balance, at_steps, &error));
+    for (size_t i = 0; i < trace_count(some->trace); i++)
+        assert_bits(at_rows[i], at_steps[(size_t)trace_step(some->trace, i)]);
+    free(at_rows);
+    free(at_steps);
+}
+
+/* The balance of a run does not depend on what is recorded, nor on targets on the way: all bits are
+ * those of a run with each step. Adaptive steps are taken again for it when somebody asks; it is
+ * kept on the way where sums are compensated. */
+static void test_balance_at_recorded_rows(void **state)
+{
+    static const char *const names[] = {"dopri5", "dop853", "rodas5p", "tsit5", "rk4"};
+    static const struct recording_rule rules[] = {{RECORD_AUTO, 0, 0}, {RECORD_EVERY, 13, 0}};
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(names) * COUNT_OF(rules) * 4; i++) {
+        const char *name = names[i % COUNT_OF(names)];
+        const size_t way = i / COUNT_OF(names) % 4;
+        const bool kept = strcmp(name, "rk4") == 0;
+        struct run_settings settings = {.dt = 0.01, .tol = 1e-8, .compensated = kept};
+        struct scene scene = spring();
+        set(&scene, "gamma", way % 2 ? 0.2 : 0);
+        set(&scene, "F0", way % 2 ? 0.1 : 0);
+        set(&scene, "omega", 8.2);
+        settings.record = rules[i / COUNT_OF(names) / 4];
+        settings.memory = settings.record.rule == RECORD_AUTO ? 100 * 32 : 0;
+        struct run *some = start(&scene, name, settings, 20);
+        settings.record = (struct recording_rule){RECORD_ALL, 0, 0};
+        settings.memory = 0;
+        struct run *all = start(&scene, name, settings, 20);
+        for (int k = 0; k < 2; k++) {
+            struct run *run = k == 0 ? some : all;
+            if (way == 1)
+                go_to(run, 7);
+            if (way == 2)
+                go_steps(run, 123);
+            go_to(run, 20);
+            if (way == 3)
+                go_to(run, kept ? 21 : 15);
+        }
+        assert_int_equal(trace_marked(some->trace), kept);
+        assert_int_equal(some->steps, all->steps);
+        assert_same_balance(some, all);
+        assert_true(trace_marked(some->trace));
+        run_destroy(some);
+        run_destroy(all);
+    }
+}
+
 static void test_record_every(void **state)
 {
     (void)state;
@@ -214,9 +323,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_decimation_equals_brute_force),
+        cmocka_unit_test(test_many_rows_at_once),
         cmocka_unit_test(test_spike_survives),
         cmocka_unit_test(test_memory_is_bounded),
         cmocka_unit_test(test_decimated_run),
+        cmocka_unit_test(test_balance_at_recorded_rows),
         cmocka_unit_test(test_record_every),
         cmocka_unit_test(test_full_trace_keeps_the_state),
     };

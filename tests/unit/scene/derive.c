@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include <hooke/base/catalog.h>
 #include <hooke/scene.h>
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Expressions: values against C's own arithmetic, where they stop, what is said about mistakes,
  * hostile input. */
+#include <hooke/base/number.h>
 #include "long_form.h"
 #include "unit/scene/names.h"
 #include "unit/cpu_time.h"

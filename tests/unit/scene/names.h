@@ -4,6 +4,7 @@
 #ifndef SCENE_NAMES_H
 #define SCENE_NAMES_H
 
+#include <hooke/base/catalog.h>
 #include "unit/scene/testing.h"
 
 #include <math.h>

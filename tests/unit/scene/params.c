@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Parameters, presets and derived quantities with their uncertainties. */
+#include <hooke/base/unit.h>
 #include "unit/scene/testing.h"
 
 #include <float.h>

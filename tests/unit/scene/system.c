@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Binding: which terms are there, natural scales, guards; and what a bound system computes. */
+#include <hooke/base/catalog.h>
 #include "unit/scene/testing.h"
 
 #include <float.h>

@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Every force term against what its row claims: the force is the slope of the potential, the power
- * is force times velocity, the Jacobian is the slope of the acceleration, the flags say what it
+ * Every force term against what its row claims: the force is the slope of the potential, its
+ * text the same to the bit, the Jacobian is the slope of the acceleration, the flags say what it
  * depends on. The checks see rows, not terms, so a new row is tested as soon as it exists; broken
  * rows at the end show that each check can fail.
  */
+#include <hooke/base/catalog.h>
 #include "unit/scene/testing.h"
 
+#include "scene/model/forces.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 struct sample {
@@ -32,8 +36,8 @@ enum { STEP = 16384 }; /* 1/STEP: step of the central differences */
 static bool check_potential(const struct sample *s)
 {
     if (!s->row->potential)
-        return !(s->row->flags & TERM_CONSERVATIVE) && s->row->power;
-    if (!(s->row->flags & TERM_CONSERVATIVE) || s->row->power)
+        return term_has_power(s->row);
+    if (!(s->row->flags & TERM_CONSERVATIVE))
         return false;
     double h = 1.0 / STEP, up[2] = {s->y[0] + h, s->y[1]}, down[2] = {s->y[0] - h, s->y[1]};
     double force = -(s->row->potential(s->c, up) - s->row->potential(s->c, down)) / (2 * h);
@@ -41,12 +45,35 @@ static bool check_potential(const struct sample *s)
     return close_to(force, wanted, 1 + fabs(wanted)) && fabs(wanted) > 1e-3;
 }
 
-static bool check_power(const struct sample *s)
+/* Outputs of the program of a term's text or of its derivatives. */
+static bool evaluate_text(const struct sample *s, const struct system *system, bool slopes,
+                          double *out)
 {
-    if (!s->row->power)
-        return true;
-    double wanted = s->mass * acceleration(s, s->t, s->y[0], s->y[1]) * s->y[1];
-    return close_to(s->row->power(s->c, s->t, s->y), wanted, fabs(wanted)) && fabs(wanted) > 1e-6;
+    double input[3 + TERM_COEFFICIENTS] = {s->t, s->y[0], s->y[1]}, *frame;
+    struct error error;
+    struct program *program = terms_program(system, 0, 0, 3, slopes, &error);
+    if (!program || !(frame = malloc(program_frame(program) * sizeof *frame)))
+        return false;
+    memcpy(input + 3, s->c, sizeof s->c);
+    program_prepare(program, frame);
+    program_eval(program, input, out, frame);
+    free(frame);
+    program_destroy(program);
+    return true;
+}
+
+/* The text of a force gives the bits of the force and, derived, of its slopes. */
+static bool check_text(const struct sample *s)
+{
+    static struct system system;
+    double force, slopes[2], a = -0.0, jac[2] = {0, 0};
+    if (!s->row->text)
+        return s->row->flags & TERM_DRY;
+    system = (struct system){.n = 2, .order = 2, .terms = 1, .term = {{.row = s->row}}};
+    s->row->add(s->c, s->t, s->y, &a);
+    s->row->jacobian(s->c, s->t, s->y, jac);
+    return evaluate_text(s, &system, false, &force) && evaluate_text(s, &system, true, slopes) &&
+           force == a && slopes[0] == jac[0] && slopes[1] == jac[1];
 }
 
 static bool check_jacobian(const struct sample *s)
@@ -113,7 +140,7 @@ static bool check_absent(const struct sample *s)
 }
 
 static bool (*const checks[])(const struct sample *) = {
-    check_potential, check_power, check_jacobian, check_flags, check_oscillator, check_absent};
+    check_potential, check_text, check_jacobian, check_flags, check_oscillator, check_absent};
 
 /* Random parameters within their ranges, random state. */
 static struct sample random_sample(const struct term_row *row, uint64_t *seed)
@@ -169,11 +196,6 @@ static double wrong_potential(const double *c, const double *y)
     return -term_named("spring")->potential(c, y);
 }
 
-static double wrong_power(const double *c, double t, const double *y)
-{
-    return 2 * term_named("damping")->power(c, t, y);
-}
-
 static void wrong_jacobian(const double *c, double t, const double *y, double *jac)
 {
     double once[2] = {0, 0};
@@ -212,7 +234,7 @@ static void test_wrong_rows_are_caught(void **state)
     row.potential = NULL;
     assert_false(check_row(&row, 0));
     row = *term_named("damping");
-    row.power = wrong_power;
+    row.text = "-c0 * q";
     assert_false(check_row(&row, 1));
     row = *term_named("drag");
     row.jacobian = wrong_jacobian;

@@ -13,6 +13,8 @@
 #include <hooke/base/elementary.h>
 #include <hooke/scene.h>
 
+struct measured;
+
 /* splitmix64 (Steele, Lea, Flood 2014), as a number in [0, 1). */
 static inline double random_unit(uint64_t *seed)
 {

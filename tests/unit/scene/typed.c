@@ -19,7 +19,7 @@ static void type(struct fixture *f, const char *const *lines)
 
 static const struct preset *preset(const char *name)
 {
-    return (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(name));
+    return preset_by_name(text_of(name));
 }
 
 static void bind(struct fixture *f)

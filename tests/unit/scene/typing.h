@@ -3,6 +3,7 @@
 #ifndef HOOKE_TESTS_UNIT_SCENE_TYPING_H
 #define HOOKE_TESTS_UNIT_SCENE_TYPING_H
 
+#include <hooke/base/number.h>
 #include <hooke/scene.h>
 #include <stdio.h>
 #include <string.h>

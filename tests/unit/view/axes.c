@@ -8,6 +8,8 @@
  * which cells may have ink and which must.
  */
 #include "long_form.h"
+#include <hooke/run.h>
+#include <hooke/data.h>
 #include "view/internal.h"
 #include "unit/axes_testing.h"
 #include "unit/view/testing.h"
@@ -90,7 +92,7 @@ static void arrange(struct trial *s)
         SAY(s, "pan %.2g s", dice_between(dice, -5, 5));
     if (dice_below(dice, 4) == 0)
         say(s, "cursor");
-    if (dice_below(dice, 4) == 0 && s->session->current_run >= 0) {
+    if (dice_below(dice, 4) == 0 && s->session->runs.current >= 0) {
         struct run *run = current(s->session);
         run_back(run, run->steps * dice_below(dice, 100) / 100);
         s->session->live.state = dice_below(dice, 2) ? LIVE_RUNNING : LIVE_PAUSED;
@@ -223,15 +225,15 @@ static void check_samples(const struct trial *s, struct panes *p, int placed)
         for (size_t i = 0; i < curve->n; i++) {
             const double t = curve->x[i], y = curve->y[i];
             bool own = false, known = false;
-            for (int r = 0; r < s->session->runs; r++) {
-                const struct run *run = s->session->run[r]->run;
+            for (int r = 0; r < s->session->runs.count; r++) {
+                const struct run *run = s->session->runs.slot[r]->run;
                 const double its =
                     run->system.order == 2 || pane == PLOT_POSITION ? value_at(run, pane, t) : NAN;
                 known |= !isnan(its);
                 own |= fabs(its - y) <= 1e-9 * fabs(y) || run->system.n > 2; /* other coordinates */
             }
             if (!curve->points && i + 1 < curve->n && curve->x[i + 1] - t > widest &&
-                s->session->current_run < 0)
+                s->session->runs.current < 0)
                 fail_msg("a line from t = %g to %g, where nothing was recorded\n%s", t,
                          curve->x[i + 1], s->told);
             own |= pane == PLOT_POSITION &&

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The screen of every scene: its panes, under the names of its variables. */
 #include "unit/view/testing.h"
+#include <hooke/run.h>
 
 static void start(struct session *session, const char *preset)
 {

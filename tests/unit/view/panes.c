@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Panes: which part of the time, how little a live frame changes, cursors and marks, the figures
  * behind them. */
+#include <hooke/run.h>
 #include <hooke/plot.h>
 #include "unit/view/testing.h"
 
@@ -262,16 +263,21 @@ static void one_row_is_enough(void **state)
 
 /* ---- figures ---- */
 
+static enum plot_kind plot_named(const char *name)
+{
+    return (enum plot_kind)catalog_index(&plot_catalog, catalog_find(&plot_catalog, text_of(name)));
+}
+
 static struct figure figure_of(const struct session *session, enum plot_kind kind, bool follow,
                                struct arena *arena)
 {
     struct figure_request request = {.kind = kind,
-                                     .run = &session->current_run,
+                                     .run = &session->runs.current,
                                      .runs = 1,
                                      .recording = figure_recording(session, kind),
                                      .window = {follow ? NAN : 0, NAN},
                                      .width = 60,
-                                     .charset = CHARSET_BRAILLE,
+                                     .charset = &charset_braille,
                                      .follow = follow,
                                      .pages = 4,
                                      .span = follow ? 1000 : 0,
@@ -293,8 +299,7 @@ static double largest(const double *y, size_t n)
 
 static const struct observable *observable(const char *name)
 {
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
-                                                                 text_of(name));
+    return observable_by_name(text_of(name));
 }
 
 /* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column,
@@ -363,7 +368,7 @@ static void the_spectrum_has_its_peak_at_the_frequency(void **state)
     struct session *session = begin(false, swing);
     tell(session, "run 60 s");
     struct arena arena = {0};
-    struct figure figure = figure_of(session, PLOT_SPECTRUM, false, &arena);
+    struct figure figure = figure_of(session, plot_named("spectrum"), false, &arena);
     size_t peak = 0;
     for (size_t i = 0; i < figure.curve[0].n; i++)
         if (figure.curve[0].y[i] > figure.curve[0].y[peak])
@@ -400,16 +405,16 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     struct session *session = begin_recorded("y [m]", -1e-3, 1);
     assert_shows(session, 80, 24, "o data");
     struct arena arena = {0};
-    struct figure figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
+    struct figure figure = figure_of(session, plot_named("residual"), false, &arena);
     assert_string_equal(figure.curve[0].label, "data - run");
     assert_int_equal(figure.curve[0].n, 301);
     for (size_t i = 0; i < figure.curve[0].n; i++)
         assert_true(fabs(figure.curve[0].y[i] - 1e-3) < 1e-9);
     tell(session, "fit damped");
-    figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
+    figure = figure_of(session, plot_named("residual"), false, &arena);
     assert_string_equal(figure.curve[0].label, "data - fit");
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-4);
-    view_focus_on(&session->view, PLOT_RESIDUAL);
+    view_focus_on(&session->view, plot_named("residual"));
     assert_shows(session, 80, 24, "o data - fit");
     /* of the pane below: a run has its name somewhere */
     assert_shows(session, 80, 24, "-- verlet");
@@ -431,7 +436,7 @@ static void a_voltage_lies_on_the_run(void **state)
     assert_int_equal(figure.curve[1].n, 301);
     for (size_t i = 0; i < figure.curve[1].n; i++)
         assert_true(fabs(figure.curve[1].y[i] - trace_state(run->trace, 3 * i)[0]) < 1e-12);
-    figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
+    figure = figure_of(session, plot_named("residual"), false, &arena);
     assert_non_null(strchr(figure.y.unit, 'V')); /* V or mV */
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-11);
     /* A run at rest gives no scale: nothing is drawn of the recording. */

@@ -104,10 +104,8 @@ static void the_focused_pane_is_shown(void **state)
     tell(session, "run 9.6 s");
     for (size_t i = 0; i < plot_catalog.count; i++) {
         static const char *const title[] = {
-            [PLOT_POSITION] = "- y [",       [PLOT_ENERGY] = "- energy [",
-            [PLOT_PHASE] = "- phase ",       [PLOT_VELOCITY] = "- v [",
-            [PLOT_ERROR] = "- error [",      [PLOT_RESIDUAL] = "- residual [",
-            [PLOT_SPECTRUM] = "- spectrum ", [PLOT_ORBIT] = "- orbit "};
+            [PLOT_POSITION] = "- y [", [PLOT_ENERGY] = "- energy [", [PLOT_PHASE] = "- phase ",
+            [PLOT_VELOCITY] = "- v [", [PLOT_ERROR] = "- error [",   [PLOT_ORBIT] = "- orbit "};
         const struct plot_row *row = plot_row((enum plot_kind)i);
         char its[64];
         snprintf(its, sizeof its, "- %s",

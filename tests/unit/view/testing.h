@@ -43,8 +43,8 @@ static inline struct session *begin(bool utf8, const char *line)
 /* The run of a session that has one. */
 static inline struct run *current(const struct session *session)
 {
-    assert_true(session->current_run >= 0);
-    return session->run[session->current_run]->run;
+    assert_true(session->runs.current >= 0);
+    return session->runs.slot[session->runs.current]->run;
 }
 
 static inline struct prompt_line typed(const char *line)

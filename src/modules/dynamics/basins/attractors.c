@@ -8,7 +8,7 @@
 
 #include <hooke/base/numeric.h>
 
-#include <hooke/study/verify.h>
+#include "modules/solving/compute/algebra.h"
 
 #define BEYOND 1e6   /* of sizes */
 #define SAME 1e-8    /* of sizes: a state has come again, */
@@ -270,42 +270,47 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
     return add(walk, &a);
 }
 
+/* The plane across the motion at its start. */
+struct plane_at_start {
+    const struct basin_walk *walk;
+    const double *start;
+    double rate[FIELD_VARIABLES];
+};
+
+static double side_of(const void *context, const double *y)
+{
+    const struct plane_at_start *plane = context;
+    const struct basin_walk *walk = plane->walk;
+    double side = 0;
+    for (int i = 0; i < walk->n; i++) {
+        const double turn = walk->field.turn[i], d = y[i] - plane->start[i];
+        side +=
+            plane->rate[i] * (turn > 0 ? remainder(d, turn) : d) / (walk->size[i] * walk->size[i]);
+    }
+    return side;
+}
+
 /* Once around: until it comes through the plane across its start in the same direction, near it.
  * 0: it does not; *off: how far it is then. */
 static double go_round(struct basin_walk *walk, const double *start, double *off)
 {
-    const int n = walk->n;
-    double y[2][FIELD_VARIABLES], rate[FIELD_VARIABLES], far = 0, before = 0;
+    struct plane_at_start plane = {walk, start, {0}};
+    double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, before = 0;
     const double h = walk->strobe / (ROUND / TURNS), t0 = walk->field.system.t0;
-    field_rate(&walk->field, start, rate);
+    field_rate(&walk->field, start, plane.rate);
     memcpy(y[0], start, sizeof y[0]);
     for (int k = 0; k < ROUND; k++) {
-        double side = 0;
-        if (!field_flow(&walk->field, t0, y[k % 2], h, y[(k + 1) % 2], NULL))
+        double *now = y[(k + 1) % 2];
+        if (!field_flow(&walk->field, t0, y[k % 2], h, now, NULL))
             return 0;
-        const double *now = y[(k + 1) % 2], gone = apart(walk, now, start);
+        const double gone = apart(walk, now, start), side = side_of(&plane, now);
         far = fmax(far, gone);
-        for (int i = 0; i < n; i++) {
-            const double turn = walk->field.turn[i], d = now[i] - start[i];
-            side += rate[i] * (turn > 0 ? remainder(d, turn) : d) / (walk->size[i] * walk->size[i]);
-        }
         if (before < 0 && side >= 0 && gone < far / 2) {
-            double low = 0, high = h, end[FIELD_VARIABLES];
-            for (int j = 0; j < 60; j++) { /* the time within the step */
-                const double middle = (low + high) / 2;
-                double at = 0;
-                if (!field_flow(&walk->field, t0, y[k % 2], middle, end, NULL))
-                    return 0;
-                for (int i = 0; i < n; i++) {
-                    const double turn = walk->field.turn[i], d = end[i] - start[i];
-                    at += rate[i] * (turn > 0 ? remainder(d, turn) : d) /
-                          (walk->size[i] * walk->size[i]);
-                }
-                *(at < 0 ? &low : &high) = middle;
-            }
+            const double when =
+                field_crossing(&walk->field, t0, y[k % 2], h, side_of, &plane, before, side, end);
             *off = apart(walk, end, start);
-            if (*off < far / 20)
-                return k * h + high;
+            if (!isfinite(when) || *off < far / 20)
+                return isfinite(when) ? k * h + when : 0;
         }
         before = side;
     }

@@ -78,7 +78,7 @@ static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIAB
         for (int i = 0; i < walk->n; i++)
             speed[k] = fmax(speed[k], fabs(rate[i]) / walk->size[i]);
     }
-    const double middle = quantile(speed, FIRST, 0.5);
+    const double middle = values_quantile(speed, FIRST, 0.5);
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
 }
 
@@ -231,14 +231,14 @@ static void *walk_all(void *context)
 {
     struct basins_job *job = context;
     struct stepper *stepper = stepper_create(job->walk);
-    struct walker *walker = malloc(LANES * sizeof *walker);
-    int64_t point[LANES];
+    struct walker *walker = malloc(LANE_COUNT * sizeof *walker);
+    int64_t point[LANE_COUNT];
     int active = 0;
     bool more = stepper && walker;
     if (!more)
         job->failed = true;
     while ((more || active > 0) && !cancelled(job->request->cancel)) {
-        while (more && active < LANES) {
+        while (more && active < LANE_COUNT) {
             const int64_t next = atomic_fetch_add(&job->next, 1);
             more = next < job->basins->total;
             if (more) {
@@ -297,7 +297,8 @@ static void walk_by_threads(struct basins_job *job)
     int running = 0;
     pthread_attr_init(&stack);
     pthread_attr_setstacksize(&stack, STACK);
-    while (running < wanted && running < THREADS && running * (int64_t)LANES < job->basins->total &&
+    while (running < wanted && running < THREADS &&
+           running * (int64_t)LANE_COUNT < job->basins->total &&
            pthread_create(&thread[running], &stack, walk_all, job) == 0)
         running++;
     pthread_attr_destroy(&stack);

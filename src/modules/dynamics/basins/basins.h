@@ -6,6 +6,7 @@
 #include "modules/dynamics/chaos.h"
 
 #include "modules/dynamics/orbits/field.h"
+#include "modules/lanes/lanes.h"
 
 #define WALK_PAST 9     /* looks that are remembered: periods up to one less */
 #define WALK_LOOKS 1000 /* then it is not decided */
@@ -50,7 +51,7 @@ int walker_look(const struct basin_walk *walk, struct walker *walker);
 /* The walker has come to what repeats, or has not for long: its attractor, which may be new. */
 int walk_learn(struct basin_walk *walk, struct walker *walker);
 
-/* Up to LANES states [count] of walkers go on by one look, side by side where that can be. */
+/* Up to LANE_COUNT states [count] of walkers go on by one look, side by side where that can be. */
 struct stepper;
 struct stepper *stepper_create(const struct basin_walk *walk);
 void stepper_free(struct stepper *stepper);

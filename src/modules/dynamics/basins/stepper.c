@@ -18,7 +18,7 @@
 struct stepper {
     struct vector_field field; /* alone */
     struct lanes *lanes;
-    struct system *system; /* [LANES] */
+    struct system *system; /* [LANE_COUNT] */
     const struct method *method;
     enum drag drag;
     int n, steps;
@@ -43,8 +43,8 @@ struct stepper *stepper_create(const struct basin_walk *walk)
         !lanes_fit(s->method, system, s->drag, s->strobe / s->steps))
         return s;
     s->lanes = lanes_create();
-    s->system = malloc(LANES * sizeof *s->system);
-    for (int i = 0; s->system && i < LANES; i++)
+    s->system = malloc(LANE_COUNT * sizeof *s->system);
+    for (int i = 0; s->system && i < LANE_COUNT; i++)
         s->system[i] = *system;
     if (s->lanes && s->system)
         return s;
@@ -75,7 +75,7 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
                 walker[i].y[0] = NAN;
         return;
     }
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < LANE_COUNT; i++) {
         memcpy(s->system[i].start, walker[i < count ? i : 0].y, bytes);
         lanes_set(s->lanes, i, &s->system[i]);
     }
@@ -91,22 +91,22 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
 static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
                         double *off)
 {
-    struct walker *walker = calloc(2 * LANES, sizeof *walker);
+    struct walker *walker = calloc(2 * LANE_COUNT, sizeof *walker);
     bool fine = walker != NULL;
     for (int pass = 0; fine && pass < 2; pass++, walk->steps *= 2) {
         struct stepper *stepper = stepper_create(walk);
         fine = stepper && stepper->lanes;
         for (int i = 0; i < count; i++)
-            memcpy(walker[pass * LANES + i].y, start[i], sizeof start[i]);
+            memcpy(walker[pass * LANE_COUNT + i].y, start[i], sizeof start[i]);
         if (fine)
-            stepper_advance(stepper, walker + pass * LANES, count);
+            stepper_advance(stepper, walker + pass * LANE_COUNT, count);
         stepper_free(stepper);
     }
     walk->steps /= 4;
     for (int i = 0; fine && i < count; i++) {
         off[i] = 0;
         for (int k = 0; k < walk->n; k++) {
-            const double a = walker[i].y[k], b = walker[LANES + i].y[k];
+            const double a = walker[i].y[k], b = walker[LANE_COUNT + i].y[k];
             /* what leaves does so either way */
             const double by = fabs(a - b) / fmax(walk->size[k], 1e-2 * fabs(b));
             off[i] = fmax(off[i], isfinite(b) ? (isfinite(a) ? by : HUGE_VAL) : 0);
@@ -118,14 +118,14 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
 
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
-    double off[LANES];
+    double off[LANE_COUNT];
     for (walk->steps = FEWEST; walk->steps < MOST; walk->steps *= 2) {
         if (!differences(walk, start, count, off))
             break;
         double worst = 0;
         for (int i = 0; i < count; i++)
             worst = fmax(worst, off[i]);
-        if (worst < CHANGE_WORST && quantile(off, (size_t)count, 0.9) < CHANGE_TYPICAL)
+        if (worst < CHANGE_WORST && values_quantile(off, (size_t)count, 0.9) < CHANGE_TYPICAL)
             return walk->steps;
     }
     return walk->steps = 0;

@@ -28,37 +28,54 @@
 
 /* ---- the walk ---- */
 
-static bool inside(const struct branch_walk *w, const struct curve_place *p)
+/* The place of a parameter among the unknowns. */
+static int unknown_of(const struct curve_ranges *ranges, const struct curve_problem *problem,
+                      int axis)
 {
-    const double value = p->u[w->path->problem->n] * w->psize;
-    return value >= w->request->from && value <= w->request->to;
+    return problem->n + 1 - ranges->count + axis;
 }
 
-/* The place between two where the parameter leaves its range. */
-static bool step_to_edge(struct branch_walk *w, const struct curve_place *a,
-                         const struct curve_place *b, struct curve_place *edge)
+bool ranges_contain(const struct curve_ranges *ranges, const struct curve_problem *problem,
+                    const struct curve_place *place)
 {
-    const int n = w->path->problem->n;
-    const double value = b->u[n] * w->psize,
-                 bound = (value < w->request->from ? w->request->from : w->request->to) / w->psize;
-    const double share = (bound - a->u[n]) / (b->u[n] - a->u[n]);
-    double guess[CURVE_MAX];
-    for (int i = 0; i <= n; i++)
-        guess[i] = a->u[i] + share * (b->u[i] - a->u[i]);
-    guess[n] = bound;
-    double direction[CURVE_MAX] = {0};
-    direction[n] = a->tangent[n] < 0 ? -1 : 1; /* tests know which way the tangent goes */
-    if (!curve_correct(w->path->problem, guess, direction, true, edge))
+    bool inside = true;
+    for (int k = 0; k < ranges->count; k++) {
+        const double value = place->u[unknown_of(ranges, problem, k)];
+        inside = inside && value >= ranges->from[k] && value <= ranges->to[k];
+    }
+    return inside;
+}
+
+bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
+                         const struct curve_place *from, struct curve_place *to)
+{
+    double share = 1, bound = 0, guess[CURVE_MAX], direction[CURVE_MAX] = {0};
+    int axis = problem->n;
+    for (int k = 0; k < ranges->count; k++) {
+        const int i = unknown_of(ranges, problem, k);
+        const double a = from->u[i], b = to->u[i],
+                     edge = b < ranges->from[k] ? ranges->from[k] : ranges->to[k];
+        if ((b < ranges->from[k] || b > ranges->to[k]) && (edge - a) / (b - a) <= share) {
+            share = (edge - a) / (b - a);
+            axis = i;
+            bound = edge;
+        }
+    }
+    for (int i = 0; i <= problem->n; i++)
+        guess[i] = from->u[i] + share * (to->u[i] - from->u[i]);
+    guess[axis] = bound;
+    direction[axis] = from->tangent[axis] < 0 ? -1 : 1; /* tests know which way the tangent goes */
+    if (!curve_correct(problem, guess, direction, true, to))
         return false;
-    edge->u[n] = bound;
+    to->u[axis] = bound;
     return true;
 }
 
-static bool good_step(const struct branch_walk *w, const struct curve_place *from,
+static bool good_step(const struct curve_problem *problem, const struct curve_place *from,
                       const struct curve_place *to)
 {
     double cosine = 0;
-    for (int i = 0; i <= w->path->problem->n; i++)
+    for (int i = 0; i <= problem->n; i++)
         cosine += from->tangent[i] * to->tangent[i];
     return cosine >= TURN && to->corrections <= 5;
 }
@@ -74,17 +91,16 @@ static double longest_at(const struct branch_walk *w, const struct curve_place *
     return fmin(longest / fabs(at->tangent[n]), 3 * longest * curve_unit(n, at->u) / sqrt(sum));
 }
 
-/* The next place, with as long a step as is safe; false: none can be found. */
-static bool next_place(struct branch_walk *w, const struct curve_place *from, double *by,
-                       double longest, struct curve_place *to)
+bool curve_next(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double *by, double longest,
+                struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *to)
 {
-    while (*by > SHORTEST * longest) {
-        if (cancelled(w->request->cancel))
+    for (; *by > SHORTEST * longest; *by /= 2) {
+        if (cancelled(cancel))
             return false;
-        if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
-            good_step(w, from, to) && (*by < UNRESOLVED * longest || step_is_resolved(w, from, to)))
+        if (curve_step(problem, before, from, *by, to) && good_step(problem, from, to) &&
+            (!resolves || *by < UNRESOLVED * longest || step_is_resolved(resolves, from, to)))
             return true;
-        *by /= 2;
     }
     return false;
 }
@@ -118,7 +134,7 @@ static bool in_family(const struct branch_walk *w, const struct curve_place *at)
     return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL;
 }
 
-/* Orbits that differences grow along too much are cut into more segments. */
+/* Cuts orbits that differences grow along too much into more segments. */
 static bool cut(struct branch_walk *w, struct curve_place *at)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
@@ -134,11 +150,11 @@ static bool cut(struct branch_walk *w, struct curve_place *at)
     return true;
 }
 
-/* Not where a test is 0, nor where the parameter tells no direction. */
+/* Not where the parameter tells no direction. */
 static void stretch(struct branch_walk *w, struct curve_place *at)
 {
     if (w->path->kind != SOLUTION_ORBIT || fabs(at->tangent[w->path->problem->n]) < STILL ||
-        !walk_is_clear(w, at) || !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
+        !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
         return;
     walk_go_on(w, at);
     w->bends = false;
@@ -335,7 +351,8 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         const double far = longest_at(w, &at, longest);
         tell(w, &at, &start, i, max);
         by = fmin(by, far);
-        if (!next_place(w, &at, &by, far, &next))
+        if (!curve_next(w->path->problem, w->bends ? &w->before : NULL, &at, &by, far, w,
+                        w->request->cancel, &next))
             return !cancelled(w->request->cancel) && jumps_ahead(w, &at, far)
                        ? end_there(w, BRANCH_JUMP)
                        : fails_there(w, "no step leads on");
@@ -350,13 +367,13 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return end_there(w, extent(w) > SHRUNK ? "no step leads on"
                                                    : "it shrinks to an equilibrium");
         }
-        const bool leaves = !inside(w, &next);
+        const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
         if (leaves) { /* what lies between it and the edge is not looked for */
             struct solution beyond;
             const bool seen = solutions_seen(w->path, &next, &beyond);
             if (!walk_record_specials(w, &next, seen ? &beyond : NULL))
                 return false;
-            if (!step_to_edge(w, &at, &next, &next))
+            if (!ranges_step_to_edge(&w->ranges, w->path->problem, &at, &next))
                 return w->out->point[w->out->count - 1].special != SPECIAL_NONE ||
                                cancelled(w->request->cancel)
                            ? fails_there(w, "end of the range")
@@ -381,7 +398,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return false;
         if (cancelled(w->request->cancel)) /* one of these may not have been found */
             return fails_there(w, "");
-        if (!walk_record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
+        if (!branch_append(w->out, w->path, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
             return false;
         if (is_over(w, &at, &next, &start, leaves))
             return true;
@@ -420,7 +437,10 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     struct solution_curve *path = malloc(sizeof *path); /* it is large, and the walk goes deep */
     if (!path)
         return error_memory(error);
-    struct branch_walk w = {.request = r, .out = branch, .psize = psize};
+    struct branch_walk w = {.request = r,
+                            .out = branch,
+                            .psize = psize,
+                            .ranges = {1, {r->from / psize}, {r->to / psize}}};
     const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
     bool fine = true;
     w.sides = r->forward || (r->leave && !crossing) ? 1 : 2;
@@ -439,7 +459,8 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         w.period = 0;
         struct solution solution;
         fine = solutions_at(path, &first, true, &solution) &&
-               ((side == 1 && !crossing) || walk_record(&w, &first, SPECIAL_NONE, &solution));
+               ((side == 1 && !crossing) ||
+                branch_append(branch, path, &first, SPECIAL_NONE, &solution));
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             branch_reverse(branch);

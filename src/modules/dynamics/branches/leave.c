@@ -5,22 +5,11 @@
 
 #include <hooke/base/numeric.h>
 
-#include "modules/dynamics/branches/eigen.h"
 #include "modules/dynamics/orbits/solutions.h"
 
 #define ASIDE 1e-6 /* of units */
 
 static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
-
-static bool unit(int n, double *x)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += x[i] * x[i];
-    for (int i = 0; i < n; i++)
-        x[i] /= sqrt(sum);
-    return sum > 0 && isfinite(sum);
-}
 
 /* A place at one of those distances; what is found must not be the branch that was left. */
 static bool step_aside(struct solution_curve *path, const double *u, const double *direction,
@@ -58,7 +47,7 @@ static bool spread(struct solution_curve *path, const struct solution *at, doubl
         return false;
     for (int i = 0; i <= all; i++)
         direction[i] = moved[i] - u[i];
-    return unit(all + 1, direction);
+    return vector_normalise(all + 1, direction);
 }
 
 bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
@@ -120,12 +109,12 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
             direction[k * field.n + i] = re[i] * cos(turned) - im[i] * sin(turned);
             u[k * field.n + i] = at->state[i] / path->field.size[i];
         }
-    unit(path->problem->n + 1, direction);
+    vector_normalise(path->problem->n + 1, direction);
     /* the phase: across the orbit, which moves along -im */
     memcpy(path->orbit.reference, u, sizeof path->orbit.reference);
     for (int i = 0; i < field.n; i++)
         path->orbit.along[i] = -im[i];
-    unit(field.n, path->orbit.along);
+    vector_normalise(field.n, path->orbit.along);
     if (step_aside(path, u, direction, first))
         return true;
     solutions_end(path);

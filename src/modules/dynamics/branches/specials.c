@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "modules/dynamics/branches/eigen.h"
+#include "modules/dynamics/branches/criticality.h"
 #include "modules/dynamics/branches/walk.h"
 
 #define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
@@ -15,36 +15,24 @@
 #define STILL 1e-13   /* of the range, or of the parameter: rounding */
 #define FLAT 1e-9     /* relative: folds of orbits that are nearer are seen by rounding */
 
-static struct branch_point *append(struct branch_walk *w)
+bool branch_append(struct branch *b, const struct solution_curve *path,
+                   const struct curve_place *at, enum special special,
+                   const struct solution *solution)
 {
-    struct branch *b = w->out;
-    if (b->count == w->capacity) {
-        const int capacity = w->capacity > 0 ? 2 * w->capacity : 64;
-        struct branch_point *more = realloc(b->point, (size_t)capacity * sizeof *more);
-        if (!more)
-            return NULL;
-        b->point = more;
-        w->capacity = capacity;
-    }
-    b->point[b->count] = (struct branch_point){.criticality = NAN, .accuracy = NAN};
-    return &b->point[b->count++];
-}
-
-bool walk_record(struct branch_walk *w, const struct curve_place *at, enum special special,
-                 const struct solution *solution)
-{
-    struct branch_point *point = append(w);
-    if (!point)
+    struct branch_point *more = realloc(b->point, ((size_t)b->count + 1) * sizeof *more);
+    if (!more)
         return false;
-    point->solution = *solution;
-    point->special = special;
+    b->point = more;
+    struct branch_point *point = &more[b->count++];
+    *point = (struct branch_point){
+        .solution = *solution, .special = special, .criticality = NAN, .accuracy = NAN};
     /* of an orbit its beginning and what holds for all of it: the rest follows */
-    const int n = w->path->field.n, all = w->path->problem->n;
+    const int n = path->field.n, all = path->problem->n;
     memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
-    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
+    if (path->kind == SOLUTION_EQUILIBRIUM) {
         point->tangent[n] = at->tangent[all];
     } else {
-        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
+        point->tangent[n] = path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
         point->tangent[n + 1] = at->tangent[all];
     }
     return true;
@@ -226,7 +214,7 @@ bool special_record(struct branch_walk *w, const struct found_special *f)
     double accuracy = f->near / fmax(fabs(f->at.u[w->path->problem->n]), 1e-3);
     if (f->special == SPECIAL_FOLD && !is_fold(w, f, &accuracy))
         return true;
-    if (!walk_record(w, &f->at, f->special, &f->solution))
+    if (!branch_append(w->out, w->path, &f->at, f->special, &f->solution))
         return false;
     struct branch_point *point = &w->out->point[w->out->count - 1];
     point->accuracy = accuracy;
@@ -283,14 +271,6 @@ void walk_start(struct branch_walk *w, const struct curve_place *at)
     specials_sure(w, grows < 0 && behind ? behind : at,
                   grows < 0 && behind ? w->behind_grows : grows);
     w->behinds = 0;
-}
-
-bool walk_is_clear(const struct branch_walk *w, const struct curve_place *at)
-{
-    bool clear = true;
-    for (int k = 0; k < w->path->problem->tests; k++)
-        clear = clear && !(w->any[k] && zero(w, at, k));
-    return clear;
 }
 
 void walk_go_on(struct branch_walk *w, const struct curve_place *at)

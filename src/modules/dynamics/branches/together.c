@@ -10,9 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <hooke/base/numeric.h>
-#include <hooke/scene/formula.h>
-
 #include "modules/dynamics/branches/walk.h"
 
 #define CERTAIN                                                                                    \
@@ -20,7 +17,6 @@
                  */
 #define WHOLE 4 /* halvings after which those that are left may pass together */
 #define DEEPEST 14
-#define NODES 8
 #define AT_ONCE 1e-7 /* as CERTAIN: so far from passing is none of those that pass together */
 #define PAIR 1e-5    /* imaginary part of one that is complex */
 
@@ -74,34 +70,23 @@ struct chord_piece {
 static bool place_at(const struct chord_piece *p, double share, struct curve_place *at,
                      struct solution *s)
 {
-    const struct curve_problem *problem = p->w->path->problem;
-    const int n = problem->n;
-    const double length = curve_distance(n + 1, p->a->u, p->b->u);
-    double guess[CURVE_MAX], direction[CURVE_MAX];
-    for (int i = 0; i <= n; i++) {
-        direction[i] = (p->b->u[i] - p->a->u[i]) / length;
-        guess[i] = p->a->u[i] + share * (p->b->u[i] - p->a->u[i]);
-    }
-    return curve_correct(problem, guess, direction, true, at) &&
+    return curve_between(p->w->path->problem, p->a, p->b, share, at) &&
            solutions_at(p->w->path, at, false, s) && s->values >= p->count;
 }
 
-struct rate_fit {
-    int count;
-    double node[NODES], rate[NODES];
-};
-
-static double rate_at(void *context, double share)
+/* The sum of the rates of those that pass, which is smooth where they meet. */
+static double rate_sum(void *context, const struct curve_place *at)
 {
-    const struct rate_fit *fit = context;
-    return curve_interpolated(fit->count, fit->node, fit->rate, share);
-}
-
-static double root_of(struct rate_fit *fit)
-{
-    const int last = fit->count - 1;
-    return root_between(rate_at, fit, fit->node[0], fit->rate[0], fit->node[last], fit->rate[last],
-                        4 * DBL_EPSILON);
+    const struct chord_piece *p = context;
+    int place[DYNAMICS_VARIABLES];
+    double sum = 0;
+    struct solution s;
+    if (!solutions_at(p->w->path, at, false, &s) || s.values < p->count)
+        return NAN;
+    nearest(&s, p->count, place);
+    for (int i = 0; i < p->count; i++)
+        sum += growth(&s, place[i]);
+    return sum;
 }
 
 static enum special kind_of(const struct solution *s, double unit, int count, const int *place)
@@ -118,54 +103,19 @@ static enum special kind_of(const struct solution *s, double unit, int count, co
                                            : SPECIAL_CROSSING;
 }
 
-/* The sum of their rates is smooth where they meet; places are beside its zero, at Chebyshev's
- * nodes, as the correction at a crossing is singular. Its memory is no part of between(), which
- * goes DEEPEST deep. */
-static __attribute__((noinline)) bool pass_together(const struct chord_piece *p,
+/* Its memory is no part of between(), which goes DEEPEST deep. */
+static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
                                                     struct found_special *found)
 {
-    const int n = p->w->path->problem->n;
-    struct curve_place at[NODES];
-    struct rate_fit fit = {.count = 0};
-    const double unit = p->w->unit;
     int place[DYNAMICS_VARIABLES];
-    for (int k = 0; k < NODES; k++) {
-        const double share = (1 - cos((2 * k + 1) * PI / (2 * NODES))) / 2;
-        struct solution s;
-        if (!place_at(p, share, &at[fit.count], &s))
-            continue;
-        nearest(&s, p->count, place);
-        fit.node[fit.count] = share;
-        fit.rate[fit.count] = 0;
-        for (int i = 0; i < p->count; i++)
-            fit.rate[fit.count] += growth(&s, place[i]);
-        fit.count++;
-    }
-    if (fit.count < NODES - 2 || signbit(fit.rate[0]) == signbit(fit.rate[fit.count - 1]))
-        return false;
-    const double share = root_of(&fit);
-    double y[NODES];
-    found->at = at[0];
-    for (int i = 0; i <= n; i++) {
-        for (int k = 0; k < fit.count; k++)
-            y[k] = at[k].u[i];
-        found->at.u[i] = curve_interpolated(fit.count, fit.node, y, share);
-        for (int k = 0; k < fit.count; k++)
-            y[k] = at[k].tangent[i];
-        found->at.tangent[i] = curve_interpolated(fit.count, fit.node, y, share);
-    }
-    struct rate_fit fewer = fit;
-    fewer.count--;
-    const bool known = signbit(fewer.rate[0]) != signbit(fewer.rate[fewer.count - 1]);
-    found->near = curve_distance(n + 1, p->a->u, p->b->u) *
-                  fmax(known ? fabs(root_of(&fewer) - share) : 1, DBL_EPSILON);
-    if (!solutions_at(p->w->path, &found->at, true, &found->solution))
+    if (!curve_find_zero(p->w->path->problem, p->a, p->b, rate_sum, p, &found->at, &found->near) ||
+        !solutions_at(p->w->path, &found->at, true, &found->solution))
         return false;
     nearest(&found->solution, p->count, place);
     for (int i = 0; i < p->count; i++)
-        if (fabs(growth(&found->solution, place[i])) > AT_ONCE * unit)
+        if (fabs(growth(&found->solution, place[i])) > AT_ONCE * p->w->unit)
             return false;
-    found->special = kind_of(&found->solution, unit, p->count, place);
+    found->special = kind_of(&found->solution, p->w->unit, p->count, place);
     return true;
 }
 
@@ -184,7 +134,7 @@ static void between(struct branch_walk *w, const struct curve_place *a, int a_gr
                     const struct curve_place *b, int b_grows, int depth,
                     struct found_special *found, int *count)
 {
-    const struct chord_piece p = {w, a, b, abs(a_grows - b_grows)};
+    struct chord_piece p = {w, a, b, abs(a_grows - b_grows)};
     const int before = *count;
     if (p.count == 0 || (p.count == 1 && depth == 0) || cancelled(w->request->cancel))
         return;

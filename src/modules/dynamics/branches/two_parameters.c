@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "modules/dynamics/branches/eigen.h"
-#include "modules/dynamics/orbits/solutions.h"
+#include "modules/dynamics/branches/criticality.h"
+#include "modules/dynamics/branches/walk.h"
 
 #define DELTA 1e-6
 #define ASIDE 1e-4  /* of units: along a fold of orbits */
@@ -22,8 +22,7 @@
 #define FRESH 1e-4  /* farther away the condition of an orbit is derived anew */
 #define FIRST 0.01
 #define LONGEST 0.05
-#define SHORTEST 1e-6
-#define TURN 0.9
+#define TURN 0.9 /* of the phase of an orbit: less is referred anew */
 #define POINTS 1000
 
 struct special_curve {
@@ -57,11 +56,11 @@ static double condition(const struct special_curve *c)
     switch (c->kind) {
     case SPECIAL_FOLD:
         square_part(c, c->base.problem->n, c->base.work->matrix);
-        return plain_determinant(c->base.problem->n, c->base.work->matrix);
+        return matrix_determinant(c->base.problem->n, c->base.work->matrix);
     case SPECIAL_HOPF:
         square_part(c, n, square);
         matrix_pair_sums(n, square, sums);
-        return plain_determinant(n * (n - 1) / 2, sums);
+        return matrix_determinant(n * (n - 1) / 2, sums);
     default:
         if (!orbit_curve_multipliers(&c->base.orbit, &m))
             return NAN;
@@ -300,76 +299,14 @@ static void ends(struct special_walk *w, const char *why)
 
 static bool record(struct special_walk *w, const struct curve_place *at, enum special special)
 {
-    struct branch *b = w->out;
     struct special_curve *c = w->curve;
-    struct branch_point *more = realloc(b->point, (size_t)(b->count + 1) * sizeof *more);
-    if (!more)
-        return false;
-    b->point = more;
-    struct branch_point *point = &more[b->count];
-    *point = (struct branch_point){.special = special, .criticality = NAN, .accuracy = NAN};
+    struct solution s;
     const int n = c->base.problem->n;
     if (!field_hold(&c->base.field, c->second, at->u[n + 1] * c->qsize) ||
-        !solutions_at(&c->base, at, true, &point->solution))
+        !solutions_at(&c->base, at, true, &s))
         return false;
-    point->solution.param[1] = at->u[n + 1] * c->qsize;
-    b->count++;
-    return true;
-}
-
-static double part(const struct special_walk *w, const struct curve_place *at, int axis)
-{
-    const struct branch_request *r = w->request;
-    const int n = w->curve->base.problem->n;
-    return axis == 0 ? at->u[n] - r->from / (r->to - r->from)
-                     : at->u[n + 1] - r->second->from / (r->second->to - r->second->from);
-}
-
-/* To the edge of the parameters' ranges, where the step leads out of them. */
-static bool step_to_edge(struct special_walk *w, const struct curve_place *from,
-                         struct curve_place *to)
-{
-    const int n = w->curve->base.problem->n;
-    int axis = -1;
-    double share = 1, bound = 0;
-    for (int k = 0; k < 2; k++) {
-        const double a = part(w, from, k), b = part(w, to, k), edge = b < 0 ? 0 : 1;
-        if ((b < 0 || b > 1) && (edge - a) / (b - a) <= share) {
-            share = (edge - a) / (b - a);
-            axis = k;
-            bound = to->u[n + k] - b + edge;
-        }
-    }
-    double guess[CURVE_MAX], direction[CURVE_MAX] = {0};
-    for (int i = 0; i <= n + 1; i++)
-        guess[i] = from->u[i] + share * (to->u[i] - from->u[i]);
-    guess[n + axis] = bound;
-    direction[n + axis] = copysign(1, from->tangent[n + axis]);
-    return curve_correct(&w->curve->problem, guess, direction, true, to);
-}
-
-static bool is_inside(const struct special_walk *w, const struct curve_place *at)
-{
-    const double p = part(w, at, 0), q = part(w, at, 1);
-    return p >= 0 && p <= 1 && q >= 0 && q <= 1;
-}
-
-static bool next_place(struct special_walk *w, const struct curve_place *from, double *by,
-                       struct curve_place *to)
-{
-    const int all = w->curve->problem.n;
-    for (; *by > SHORTEST; *by /= 2) {
-        double cosine = 0;
-        if (cancelled(w->request->cancel))
-            return false;
-        if (!curve_step(&w->curve->problem, NULL, from, *by, to))
-            continue;
-        for (int i = 0; i <= all; i++)
-            cosine += from->tangent[i] * to->tangent[i];
-        if (cosine > TURN)
-            return true;
-    }
-    return false;
+    s.param[1] = at->u[n + 1] * c->qsize;
+    return branch_append(w->out, &c->base, at, special, &s);
 }
 
 /* False: no memory, or it ends there. */
@@ -424,19 +361,24 @@ static bool prepare(struct special_walk *w, struct curve_place *at, double uprig
 
 static void walk(struct special_walk *w, struct curve_place at)
 {
-    const struct cancel *cancel = w->request->cancel;
-    const double longest = w->request->step > 0 ? w->request->step : LONGEST;
-    const int max = w->request->max > 0 ? w->request->max : POINTS;
+    const struct branch_request *r = w->request;
+    const struct cancel *cancel = r->cancel;
+    const struct curve_problem *problem = &w->curve->problem;
+    const double psize = r->to - r->from, qsize = w->curve->qsize;
+    const struct curve_ranges ranges = {
+        2, {r->from / psize, r->second->from / qsize}, {r->to / psize, r->second->to / qsize}};
+    const double longest = r->step > 0 ? r->step : LONGEST;
+    const int max = r->max > 0 ? r->max : POINTS;
     double by = fmin(FIRST, longest);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
-        if (!next_place(w, &at, &by, &next)) {
+        if (!curve_next(problem, NULL, &at, &by, longest, NULL, cancel, &next)) {
             ends(w, cancelled(cancel) ? "cancelled" : "no step leads on");
             return;
         }
-        const bool leaves = !is_inside(w, &next);
-        if (leaves && !step_to_edge(w, &at, &next)) {
+        const bool leaves = !ranges_contain(&ranges, problem, &next);
+        if (leaves && !ranges_step_to_edge(&ranges, problem, &at, &next)) {
             ends(w, cancelled(cancel) ? "cancelled" : "the parameters' range");
             return;
         }
@@ -451,7 +393,7 @@ static void walk(struct special_walk *w, struct curve_place at)
             return;
         }
         if (next.corrections <= 3)
-            by = fmin(1.5 * by, longest * curve_unit(w->curve->problem.n, next.u));
+            by = fmin(1.5 * by, longest * curve_unit(problem->n, next.u));
         at = next;
         if (!prepare(w, &at, upright)) {
             ends(w,
@@ -461,17 +403,13 @@ static void walk(struct special_walk *w, struct curve_place at)
     }
 }
 
-static bool can_follow(enum special kind)
-{
-    return kind == SPECIAL_FOLD || kind == SPECIAL_HOPF || kind == SPECIAL_DOUBLING ||
-           kind == SPECIAL_TORUS;
-}
-
 bool special_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
     const int64_t since = clock_ns();
     *branch = (struct branch){.count = 0};
-    if (!r->leave || !can_follow(r->leave->special))
+    const enum special kind = r->leave ? r->leave->special : SPECIAL_NONE;
+    if (kind != SPECIAL_FOLD && kind != SPECIAL_HOPF && kind != SPECIAL_DOUBLING &&
+        kind != SPECIAL_TORUS)
         return error_set(error, ERROR_COMMAND,
                          "a curve in two parameters begins at LP, HB, PD or NS");
     struct special_curve *curve = malloc(sizeof *curve); /* too much for a stack */

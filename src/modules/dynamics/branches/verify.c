@@ -10,9 +10,8 @@
 #include <string.h>
 
 #include <hooke/base/numeric.h>
-#include <hooke/study/verdict.h>
+#include "modules/dynamics/branches/verdict.h"
 
-#include "modules/dynamics/branches/eigen.h"
 #include "modules/dynamics/branches/walk.h"
 #include "modules/dynamics/orbits/solutions.h"
 

@@ -7,12 +7,18 @@
 
 #define FOLLOWED 0.8 /* of the time; the rest goes to runs that hold labels against them */
 
+/* Ranges of the one or two parameters, which are the last unknowns, in their units. */
+struct curve_ranges {
+    int count;
+    double from[2], to[2];
+};
+
 struct branch_walk {
     const struct branch_request *request;
     struct solution_curve *path;
     struct branch *out; /* points of this direction are appended */
+    struct curve_ranges ranges;
     double psize, largest[CURVE_TESTS], period;
-    int capacity;
     double moved; /* relative, the parameter in the last step */
     int level;    /* places in a row at one value of the parameter */
     bool away;    /* from where it began */
@@ -37,6 +43,18 @@ struct branch_walk {
     int side, sides;
 };
 
+bool ranges_contain(const struct curve_ranges *ranges, const struct curve_problem *problem,
+                    const struct curve_place *place);
+/* Moves a place beyond the ranges back to where the curve leaves them; false if that is not found.
+ */
+bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
+                         const struct curve_place *from, struct curve_place *to);
+/* Finds the next place, with as long a step as is safe, at most *by; before and resolves may be
+ * NULL. Returns false if none is found, or cancelled. */
+bool curve_next(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double *by, double longest,
+                struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *to);
+
 #define SPECIALS_MOST 8    /* between two places */
 #define SPECIALS_SAME 1e-6 /* of the range: of one kind they are one */
 
@@ -47,9 +65,10 @@ struct found_special {
     double distance, near;
 };
 
-/* Appends a place with what it is; false: no memory. */
-bool walk_record(struct branch_walk *walk, const struct curve_place *at, enum special special,
-                 const struct solution *solution);
+/* Appends a place of the curve with what it is; returns false if out of memory. */
+bool branch_append(struct branch *branch, const struct solution_curve *path,
+                   const struct curve_place *at, enum special special,
+                   const struct solution *solution);
 /* The special points between the last place and this one that lie in the parameter's range, in
  * their order; false: no memory. `seen`: what is there. */
 bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
@@ -57,8 +76,6 @@ bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to
 /* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
  */
 void walk_start(struct branch_walk *walk, const struct curve_place *at);
-/* Is no test 0 there that had a sign before? */
-bool walk_is_clear(const struct branch_walk *walk, const struct curve_place *at);
 /* The same place in other unknowns: signs stay what they are. */
 void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
 

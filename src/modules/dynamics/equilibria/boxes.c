@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "modules/dynamics/equilibria/boxes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const size_t first_room = 256;
+/* Relative to a side: so much is left around the result of the operator. A side that shrank to
+ * rounding at once could not shrink again, as a proof needs all sides to do. */
+static const double margin_share = 1e-6;
 
 bool box_queue_add(struct box_queue *queue, const struct state_box *box)
 {
@@ -47,4 +51,72 @@ bool boxes_meet(int n, const struct interval *box, const struct interval *other)
     for (int i = 0; i < n; i++)
         meet = meet && box[i].lo <= other[i].hi && box[i].hi >= other[i].lo;
     return meet;
+}
+
+/* ---- the operator of Krawczyk ---- */
+
+/* An approximate inverse of the middle of the bounds; false: singular. */
+static bool invert(int n, const struct interval *by, double *inverse)
+{
+    for (int column = 0; column < n; column++) {
+        double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
+        for (int i = 0; i < n * n; i++)
+            a[i] = interval_middle(by[i]);
+        unit[column] = 1;
+        if (!matrix_solve(n, a, unit))
+            return false;
+        for (int i = 0; i < n; i++)
+            inverse[i * n + column] = unit[i];
+    }
+    return true;
+}
+
+/* Half the width that rounding of f(m) alone gives the operator in direction i. */
+static double rounding_of(int n, const double *inverse, const struct interval *rate, int i)
+{
+    double sum = 0;
+    for (int j = 0; j < n; j++)
+        sum += fabs(inverse[i * n + j]) * (rate[j].hi - rate[j].lo) / 2;
+    return sum;
+}
+
+enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
+                              const struct interval *by, double *rounding)
+{
+    const int n = bounded->n;
+    double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
+    for (int i = 0; rounding && i < n; i++)
+        rounding[i] = 0;
+    if (!invert(n, by, inverse))
+        return UNKNOWN;
+    for (int i = 0; i < n; i++)
+        at[i] = interval_point(interval_middle(box[i]));
+    system_bounds(bounded, at, rate, NULL);
+    bool inside = true;
+    for (int i = 0; i < n; i++) {
+        if (rounding)
+            rounding[i] = rounding_of(n, inverse, rate, i);
+        k[i] = at[i];
+        for (int j = 0; j < n; j++)
+            k[i] = interval_sub(k[i], interval_mul(interval_point(inverse[i * n + j]), rate[j]));
+        for (int j = 0; j < n; j++) {
+            struct interval rest = interval_point(i == j);
+            for (int l = 0; l < n; l++)
+                rest = interval_sub(
+                    rest, interval_mul(interval_point(inverse[i * n + l]), by[l * n + j]));
+            k[i] = interval_add(k[i], interval_mul(rest, interval_sub(box[j], at[j])));
+        }
+        if (!(k[i].lo <= k[i].hi) || !isfinite(k[i].lo) || !isfinite(k[i].hi))
+            return UNKNOWN;
+        if (k[i].lo > box[i].hi || k[i].hi < box[i].lo)
+            return NONE;
+        inside = inside && k[i].lo > box[i].lo && k[i].hi < box[i].hi;
+    }
+    for (int i = 0; i < n; i++) {
+        const double before = box[i].hi - box[i].lo, margin = margin_share * before;
+        box[i].lo = fmax(box[i].lo, k[i].lo - margin);
+        box[i].hi = fmin(box[i].hi, k[i].hi + margin);
+    }
+    return inside ? ONE : UNKNOWN;
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Boxes of states that wait to be searched for zeros, the widest first. */
+/* Boxes of states that wait to be searched for zeros, the widest first, and what proves that one
+ * has a zero, or none. */
 #ifndef HOOKE_MODULES_DYNAMICS_EQUILIBRIA_BOXES_H
 #define HOOKE_MODULES_DYNAMICS_EQUILIBRIA_BOXES_H
 
+#include <hooke/scene/interval.h>
 #include <hooke/scene/typed.h>
 
 #include "modules/dynamics/orbits/field.h"
@@ -28,14 +30,21 @@ static inline size_t box_queue_count(const struct box_queue *queue)
     return queue->end - queue->first;
 }
 
-static inline double interval_middle(struct interval a)
-{
-    return a.lo + (a.hi - a.lo) / 2;
-}
-
 /* Returns true if the box [n] lies in another. */
 bool box_lies_in(int n, const struct interval *box, const struct interval *other);
 /* Returns true if two boxes have a point in common. */
 bool boxes_meet(int n, const struct interval *box, const struct interval *other);
+
+enum verdict { NONE, ONE, UNKNOWN };
+
+/*
+ * Applies the operator of Krawczyk (Neumaier 1990, 5.1), K(X) = m - C f(m) + (1 - C J(X)) (X - m),
+ * to the box [n] and intersects the box with the result, and a margin around it. by [n][n] are
+ * bounds of the Jacobian on the box. NONE: the box has no zero. ONE: the box as it was before has
+ * exactly one, which lies in the intersection. rounding [n], or NULL, becomes what rounding of f(m)
+ * adds to each side of K.
+ */
+enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
+                              const struct interval *by, double *rounding);
 
 #endif

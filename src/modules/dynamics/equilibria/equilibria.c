@@ -3,6 +3,7 @@
  * All equilibria in a box: those that branch and prune proves, those that Newton's method finds and
  * proves where bounds do not decide, and what is left undecided.
  */
+#include <hooke/base/unit.h>
 #include <hooke/base/numeric.h>
 #include <hooke/scene/formula.h>
 #include <hooke/scene/typed.h>
@@ -12,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <hooke/study/verify.h>
+#include "modules/solving/compute/algebra.h"
 #include "modules/dynamics/equilibria/search.h"
 #include "modules/dynamics/orbits/forms.h"
 
 enum { DOUBTFUL_LISTED_MAX = 8, UNDECIDED_LISTED_MAX = 200 };
-enum { NEWTON_STARTS_MAX = 256, DEFLATED_STARTS = 100 };
+enum { NEWTON_STARTS_MAX = 256, RANDOM_STARTS = 100 };
 enum { PLACES_MAX = 8 }; /* of a variable: more are a stretch, and are not named */
 
 /* Relative to the range: zeros without a proof that are nearer than this are listed as one. */
@@ -175,8 +176,8 @@ static bool list_doubtful(struct zero_search *s)
     return true;
 }
 
-/* Starts Newton's method from what is undecided, and from anywhere, away from what is known; keeps
- * zeros that are proven then. */
+/* Starts Newton's method from what is undecided, and from anywhere; keeps zeros that are proven
+ * then. */
 static bool search_by_newton(struct zero_search *s)
 {
     uint64_t seed = 7;
@@ -190,11 +191,10 @@ static bool search_by_newton(struct zero_search *s)
         if (!zeros_prove_from(s, y))
             return false;
     }
-    for (int k = 0; k < DEFLATED_STARTS && count > 0 && !cancelled(s->request->cancel); k++) {
+    for (int k = 0; k < RANDOM_STARTS && count > 0 && !cancelled(s->request->cancel); k++) {
         for (int i = 0; i < s->n; i++)
             y[i] = s->request->box[i][0] + s->width[i] * random_fraction(&seed);
-        if (deflated_newton(&s->bounded, s->width, s->found->of, s->found->count, y) &&
-            !zeros_prove_from(s, y))
+        if (!zeros_prove_from(s, y))
             return false;
     }
     zeros_drop_decided(s);

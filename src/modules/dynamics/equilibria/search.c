@@ -14,13 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "modules/dynamics/equilibria/krawczyk.h"
-
 enum { BOXES_PER_REPORT = 64, BOXES_MAX = 200000, SINGULAR_CUTS_MAX = 10000 };
 enum { NEWTON_STEPS_MAX = 100, TIGHTEN_STEPS_MAX = 60 };
 
 /* Relative to the range: boxes are not cut below this. */
 static const double box_side_min = 1e-15;
+/* Of the widest side: what shrinks to less is worth another look before it is cut. */
+static const double shrunk_share = 0.7;
 /* Cuts miss the middle, where zeros like to be. */
 static const double cut_share = 0.4837;
 /* Relative to the range: regions around a box that are tried for one zero (epsilon inflation, Rump
@@ -67,17 +67,11 @@ static void tighten(const struct zero_search *s, struct interval *box)
     for (int k = 0; k < TIGHTEN_STEPS_MAX && shrinks; k++) {
         memcpy(before, box, sizeof before);
         system_bounds(&s->bounded, box, rate, by);
-        krawczyk(&s->bounded, box, by, NULL);
+        krawczyk_verdict(&s->bounded, box, by, NULL);
         shrinks = false;
         for (int i = 0; i < s->n; i++)
             shrinks = shrinks || box[i].hi - box[i].lo < 0.9 * (before[i].hi - before[i].lo);
     }
-}
-
-static void shift(struct interval *side, double by)
-{
-    side->lo = nextafter(side->lo + by, -HUGE_VAL);
-    side->hi = nextafter(side->hi + by, HUGE_VAL);
 }
 
 /* Both ends of a turn are one place, which is shown as the upper one. */
@@ -87,8 +81,8 @@ static void move_to_upper_end(const struct zero_search *s, double *y, struct zer
         if (!(s->turn[i] > 0) || y[i] > s->request->box[i][0] + edge_rounding * s->width[i])
             continue;
         y[i] += s->turn[i];
-        shift(&proof->tight[i], s->turn[i]);
-        shift(&proof->unique[i], s->turn[i]);
+        proof->tight[i] = interval_add(proof->tight[i], interval_point(s->turn[i]));
+        proof->unique[i] = interval_add(proof->unique[i], interval_point(s->turn[i]));
     }
 }
 
@@ -178,7 +172,7 @@ static bool find_region(const struct zero_search *s, const struct interval *box,
         }
         memcpy(cut, region, sizeof cut);
         system_bounds(&s->bounded, region, rate, by);
-        if (krawczyk(&s->bounded, cut, by, NULL) == ONE)
+        if (krawczyk_verdict(&s->bounded, cut, by, NULL) == ONE)
             return true;
     }
 }
@@ -244,7 +238,8 @@ static bool add_halves(struct zero_search *s, const struct state_box *box)
     return box_queue_add(&s->waiting, &lower) && box_queue_add(&s->waiting, &upper);
 }
 
-/* Decides what becomes of a box about which bounds say nothing; rounding [n] is krawczyk()'s. */
+/* Decides what becomes of a box about which bounds say nothing; rounding [n] is
+ * krawczyk_verdict()'s. */
 static bool split(struct zero_search *s, struct state_box *box, const double *rounding)
 {
     const int widest = widest_side(s, box->side);
@@ -299,12 +294,14 @@ static bool look(struct zero_search *s, struct state_box *box)
         box->is_singular = !zeros_are_bounded(s->n, rate) || !zeros_are_bounded(s->n * s->n, by);
         empty = empty || (box->is_singular && system_excludes_zero(&s->bounded, box->side));
         if (!empty && !box->is_singular)
-            verdict = krawczyk(&s->bounded, box->side, by, rounding);
+            verdict = krawczyk_verdict(&s->bounded, box->side, by, rounding);
         if (empty || verdict == NONE || verdict == ONE) {
             s->done += part;
             return empty || verdict == NONE || keep_zero(s, before);
         }
-        if (verdict == UNKNOWN) {
+        const int widest = widest_side(s, before);
+        if (!(box->side[widest].hi - box->side[widest].lo <
+              shrunk_share * (before[widest].hi - before[widest].lo))) {
             s->done += part - volume(s, box->side);
             return split(s, box, rounding);
         }

@@ -24,7 +24,7 @@ struct grid {
 
 static const struct table *found_table(const struct session *session, struct text kind)
 {
-    const struct stored_table *stored = table_store_find(&session->found, kind);
+    const struct stored_table *stored = table_store_find(&session->studies.found, kind);
     return stored ? &stored->table : NULL;
 }
 
@@ -277,7 +277,7 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     for (int axis = 0; axis < 2; axis++)
         g.side[axis] = side_of(&g, axis);
     const bool picture =
-        d->request->charset == CHARSET_BRAILLE && d->request->width == PICTURE_COLUMNS;
+        d->request->charset == &charset_braille && d->request->width == PICTURE_COLUMNS;
     const int width = d->request->width; /* more than columns: none stays empty */
     const size_t columns = picture ? PICTURE_LETTERS_X : width > 1 ? (size_t)width : 1;
     d->curve = arena_array(d->arena, KINDS + 1, sizeof *d->curve);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The phase portrait as a figure: what is shown of it, and words about it. */
+#include <hooke/run.h>
+#include <hooke/base/unit.h>
 #include <hooke/scene/poles.h>
 #include "modules/dynamics/kept.h"
 #include "modules/dynamics/stored_portrait.h"
@@ -79,7 +81,7 @@ static bool choose_box(struct drawing *d, const struct system *system,
 {
     const struct view *view = &d->session->view;
     double all[LIMIT_VARIABLES][2];
-    if (!session_box(d->session, system, d->arena, all, d->error))
+    if (!dynamics_search_box(d->session, system, d->arena, all, d->error))
         return false;
     keep_box(d, wanted, all);
     for (int k = 0; k < d->request->sides; k++)

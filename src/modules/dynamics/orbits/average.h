@@ -3,7 +3,7 @@
 #ifndef HOOKE_MODULES_DYNAMICS_ORBITS_AVERAGE_H
 #define HOOKE_MODULES_DYNAMICS_ORBITS_AVERAGE_H
 
-#include <hooke/base.h>
+#include <hooke/base/text.h>
 
 #define AVERAGE_BATCHES 10 /* without so many nothing is known of the scatter */
 #define AVERAGE_MOST 12

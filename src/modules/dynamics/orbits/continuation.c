@@ -72,10 +72,7 @@ bool curve_tangent(const struct curve_problem *problem, const double *direction,
     tangent[n] = 1;
     if (!solve_bordered(problem, direction, tangent))
         return false;
-    const double length = sqrt(dot(n + 1, tangent, tangent));
-    for (int i = 0; i <= n; i++)
-        tangent[i] /= length;
-    return length > 0 && isfinite(length);
+    return vector_normalise(n + 1, tangent);
 }
 
 /* The largest part of it, each relative to its unknown where that is more than 1. */
@@ -184,6 +181,8 @@ struct chord {
     const struct curve_place *a, *b;
     double direction[CURVE_MAX], length;
     int test;
+    curve_value *value; /* whose zero is looked for, in place of a test's; NULL: the test's */
+    void *context;
     int looks;
     struct curve_place at;
     double share; /* of `at`; NAN: there is none */
@@ -196,7 +195,7 @@ static void guess_at(const struct chord *c, double share, double *guess)
 {
     const int n = c->problem->n;
     const double on = (share - c->share) * c->length;
-    if (fabs(share - c->share) < EVEN && !(c->problem->singular >> c->test & 1)) {
+    if (fabs(share - c->share) < EVEN && !c->value && !(c->problem->singular >> c->test & 1)) {
         for (int i = 0; i <= n; i++)
             guess[i] = c->at.u[i] + on * c->at.tangent[i];
     } else {
@@ -223,6 +222,8 @@ static double test_at(void *context, double share)
         c->failed = true;
         return c->share = NAN;
     }
+    if (c->value)
+        return c->value(c->context, &c->at);
     const double value = c->at.test[c->test],
                  size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
     const bool fold = value == c->at.tangent[c->problem->n];
@@ -249,13 +250,13 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
     return c.length > 0 && curve_correct(problem, guess, c.direction, true, at);
 }
 
-#define NODES CURVE_NODES
+#define NODES 10
 #define LEVELS 6
 #define TOO_NEAR 1e-4 /* part of the largest value of the test */
 #define CROSSES 1e-6  /* a crossing that is not known better than this is none */
 
 /* By Newton's divided differences. */
-double curve_interpolated(int count, const double *node, const double *value, double at)
+static double interpolated(int count, const double *node, const double *value, double at)
 {
     double d[NODES];
     memcpy(d, value, (size_t)count * sizeof *d);
@@ -276,7 +277,7 @@ struct fitted_test {
 static double fitted_value(void *context, double at)
 {
     const struct fitted_test *f = context;
-    return curve_interpolated(f->count, f->node, f->value, at);
+    return interpolated(f->count, f->node, f->value, at);
 }
 
 /* Places on both sides of the crossing, from which it is not so near that the correction goes to
@@ -326,12 +327,13 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
     for (int i = 0; i <= n; i++) {
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].u[i];
-        at->u[i] = curve_interpolated(fit.count, fit.node, y, *share);
+        at->u[i] = interpolated(fit.count, fit.node, y, *share);
         for (int k = 0; k < fit.count; k++)
             y[k] = place[k].tangent[i];
-        at->tangent[i] = curve_interpolated(fit.count, fit.node, y, *share);
+        at->tangent[i] = interpolated(fit.count, fit.node, y, *share);
     }
-    at->test[c->test] = 0;
+    if (!c->value)
+        at->test[c->test] = 0;
     return true;
 }
 
@@ -357,6 +359,17 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
             break;
     }
     return *near < CROSSES;
+}
+
+bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
+                     const struct curve_place *b, curve_value *value, void *context,
+                     struct curve_place *at, double *near)
+{
+    struct chord c;
+    chord_init(&c, problem, a, b, 0);
+    c.value = value;
+    c.context = context;
+    return c.length > 0 && look_about(&c, 0.5, 0.5, at, near);
 }
 
 /* Where the test is no polynomial along the whole chord it is one along a part of it. */

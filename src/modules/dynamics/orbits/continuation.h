@@ -6,13 +6,10 @@
 #ifndef HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
 #define HOOKE_MODULES_DYNAMICS_ORBITS_CONTINUATION_H
 
-#include <hooke/base.h>
-
 #include "modules/dynamics/orbits/field.h"
 
 #define CURVE_MAX 64 /* unknowns with the parameter */
 #define CURVE_TESTS 4
-#define CURVE_NODES 10
 #define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */
 #define CURVE_LEVEL 1e-12 /* and that is rounding */
 
@@ -69,8 +66,13 @@ bool curve_locate(const struct curve_problem *problem, const struct curve_place 
  * found. */
 bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
                    const struct curve_place *b, double share, struct curve_place *at);
-/* The polynomial through the values at so many nodes, at most CURVE_NODES, there. */
-double curve_interpolated(int count, const double *node, const double *value, double at);
+/* A smooth function of the places of a curve; NAN where it is not known. */
+typedef double curve_value(void *context, const struct curve_place *at);
+/* Finds the zero of such a function between two points of the curve, where its signs differ, also
+ * where the curve is singular; *near as curve_locate(). */
+bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
+                     const struct curve_place *b, curve_value *value, void *context,
+                     struct curve_place *at, double *near);
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
 double curve_unit(int n, const double *u);
 double curve_distance(int n, const double *a, const double *b);

@@ -5,11 +5,29 @@
 #include <math.h>
 #include <string.h>
 
-double plain_determinant(int n, double *a)
+static double entry(int n, const double *a, int i, int j)
 {
-    int exponent;
-    const double mantissa = matrix_determinant(n, a, &exponent);
-    return ldexp(mantissa, exponent < -1000 ? -1000 : exponent > 1000 ? 1000 : exponent);
+    return a[i * n + j];
+}
+
+/* Of the row of the pair p > q, the column of r > s. */
+static double pair_sum(int n, const double *a, int p, int q, int r, int s)
+{
+    return r == q             ? -entry(n, a, p, s)
+           : r != p && s == q ? entry(n, a, p, r)
+           : r == p && s == q ? entry(n, a, p, p) + entry(n, a, q, q)
+           : r == p           ? entry(n, a, q, s)
+           : s == p           ? -entry(n, a, q, r)
+                              : 0;
+}
+
+void matrix_pair_sums(int n, const double *jacobian, double *pairs)
+{
+    for (int p = 1; p < n; p++)
+        for (int q = 0; q < p; q++)
+            for (int r = 1; r < n; r++)
+                for (int s = 0; s < r; s++)
+                    *pairs++ = pair_sum(n, jacobian, p, q, r, s);
 }
 
 static bool residual(void *context, const double *u, double *f, double *jacobian)
@@ -49,10 +67,10 @@ static void test(void *context, const double *u, const double *jacobian, const d
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
     memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
     value[EQUILIBRIUM_FOLD] = tangent[n];
-    value[EQUILIBRIUM_CROSSING] = plain_determinant(n + 1, bordered);
+    value[EQUILIBRIUM_CROSSING] = matrix_determinant(n + 1, bordered);
     if (n > 1) {
         matrix_pair_sums(n, square, sums);
-        value[EQUILIBRIUM_HOPF] = plain_determinant(pairs, sums);
+        value[EQUILIBRIUM_HOPF] = matrix_determinant(pairs, sums);
     }
 }
 

@@ -8,9 +8,10 @@
 #include <string.h>
 
 #include <hooke/base/numeric.h>
+#include <hooke/scene/formula.h>
 #include <hooke/scene/typed.h>
 
-#include <hooke/study/solve.h>
+#include "modules/solving/compute/solve.h"
 
 #define FLOW_TOL 1e-13
 #define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
@@ -261,6 +262,31 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
     if (slopes)
         take_slopes(field, all, slopes);
     return true;
+}
+
+struct crossing_search {
+    struct vector_field *field;
+    double t;
+    const double *start;
+    field_side *side;
+    const void *context;
+    double *at;
+};
+
+static double side_after(void *context, double span)
+{
+    const struct crossing_search *c = context;
+    return field_flow(c->field, c->t, c->start, span, c->at, NULL) ? c->side(c->context, c->at)
+                                                                   : NAN;
+}
+
+double field_crossing(struct vector_field *field, double t, const double *start, double span,
+                      field_side *side, const void *context, double before, double after,
+                      double *at)
+{
+    struct crossing_search c = {field, t, start, side, context, at};
+    const double when = root_between(side_after, &c, 0, before, span, after, 1e-15 * fabs(span));
+    return isnan(side_after(&c, when)) ? NAN : when;
 }
 
 /* ---- jumps ---- */

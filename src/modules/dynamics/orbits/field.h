@@ -6,11 +6,14 @@
 #ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
 #define HOOKE_MODULES_DYNAMICS_ORBITS_FIELD_H
 
-#include <hooke/study.h>
+#include "modules/solving/compute/algebra.h"
+#include "modules/solving/compute/solve.h"
 
 #include "modules/dynamics/dynamics.h"
 
-#include <hooke/study/variation.h>
+#include "modules/solving/compute/variation.h"
+
+struct cancel;
 
 #define FIELD_VARIABLES                                                                            \
     7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
@@ -74,18 +77,17 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
                   double *grid);
 
+/* A function of the state whose sign says on which side of a surface it lies. */
+typedef double field_side(const void *context, const double *y);
+/* Returns when [s] after t, within the span, the motion from `start` goes through the surface, on
+ * both sides of which its ends lie: `before` and `after`, the values there. The state is put into
+ * `at` [n]. NAN if the motion does not get there, or if it is cancelled. */
+double field_crossing(struct vector_field *field, double t, const double *start, double span,
+                      field_side *side, const void *context, double before, double after,
+                      double *at);
+
 /* Do the equations jump anywhere on the way from there (not where only their slopes do)? Then what
  * derivatives say of differences is not so. */
 bool field_jumps(struct vector_field *field, double t, const double *start, double span);
-
-/* ---- small matrices, row-major ---- */
-
-/* a [n][n] x = b, both are spoilt, b becomes x. False: singular or not finite. */
-bool matrix_solve(int n, double *a, double *b);
-/* Of a [n][n], spoilt; 0: singular. */
-double matrix_determinant(int n, double *a, int *exponent);
-/* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
- * (Govaerts 2000, 4.4). */
-void matrix_pair_sums(int n, const double *jacobian, double *pairs);
 
 #endif

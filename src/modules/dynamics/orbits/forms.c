@@ -3,15 +3,15 @@
  * reflection that the equilibrium lies on (Devaney 1976), or energy is constant. */
 #include "modules/dynamics/orbits/forms.h"
 
-#include <hooke/scene/formula.h>
+#include <hooke/base/catalog.h>
+#include <hooke/scene/interval.h>
 #include <hooke/scene/typed.h>
 #include <math.h>
 #include <string.h>
 
 #include <hooke/base/numeric.h>
 
-#include <hooke/study/verify.h>
-#include "modules/dynamics/branches/eigen.h"
+#include "modules/solving/compute/algebra.h"
 #include "modules/dynamics/orbits/solutions.h"
 
 #define REAL_PART_ZERO 1e-13 /* in sizes of the largest eigenvalue */
@@ -37,11 +37,6 @@ static const struct row rows[] = {
 };
 const struct catalog equilibrium_catalog = CATALOG("type", rows);
 
-static double middle(struct interval a)
-{
-    return a.lo + (a.hi - a.lo) / 2;
-}
-
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian)
 {
     const int n = bounded->n;
@@ -51,9 +46,9 @@ void mean_field(const struct system *bounded, const double *y, double *rate, dou
         at[i].lo = at[i].hi = y[i];
     system_bounds(bounded, at, bound, jacobian ? by : NULL);
     for (int i = 0; i < n; i++)
-        rate[i] = middle(bound[i]);
+        rate[i] = interval_middle(bound[i]);
     for (int i = 0; jacobian && i < n * n; i++)
-        jacobian[i] = middle(by[i]);
+        jacobian[i] = interval_middle(by[i]);
 }
 
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
@@ -233,7 +228,7 @@ static double largest_slope(int n, const struct interval *by)
 {
     double largest = 0;
     for (int i = 0; i < n * n; i++)
-        largest = fmax(largest, fabs(middle(by[i])));
+        largest = fmax(largest, fabs(interval_middle(by[i])));
     return largest;
 }
 
@@ -280,9 +275,9 @@ bool equilibrium_form(const struct vector_field *field, const struct system *bou
     }
     system_bounds(bounded, at, rate, by);
     for (int i = 0; i < n * n; i++)
-        copy[i] = jacobian[i] = middle(by[i]);
+        copy[i] = jacobian[i] = interval_middle(by[i]);
     for (int i = 0; i < n; i++) {
-        solution->residual = fmax(solution->residual, fabs(middle(rate[i])));
+        solution->residual = fmax(solution->residual, fabs(interval_middle(rate[i])));
         solution->top[i] = solution->bottom[i] = solution->state[i];
     }
     solution->values = n;

@@ -8,6 +8,14 @@
 
 #include "modules/dynamics/orbits/field.h"
 
+/*
+ * Writes a built-in scene as one that is all typed, with the same state and values: of the texts in
+ * the rows of its terms (those that are there), and what was typed on top of it. Natural sizes and
+ * energies are those of typed scenes. Returns false with `error` filled if it fails.
+ */
+bool typed_written(struct typed_models *models, const struct scene *scene, struct scene *written,
+                   struct error *error);
+
 /* The system as equations that have bounds: built-in scenes as those in the rows of their terms,
  * whose models, in *models, have to stay (NULL: none). */
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
@@ -16,10 +24,6 @@ bool scene_with_bounds(const struct scene *scene, const struct system *system,
 /* The field at a state, of a drive its mean over a period, and its Jacobian [n][n]; NULL: not
  * wanted. */
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
-
-/* From y on, away from known solutions; width [n]: ranges of the variables. False: no zero. */
-bool deflated_newton(const struct system *bounded, const double *width,
-                     const struct solution *known, int count, double *y);
 
 /* Of the solution's state, by the Jacobian's bounds there (of a drive: its mean), which also gives
  * the solution its eigenvalues and residual. False: they are not found. */

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-#include <hooke/study/verify.h>
+#include "modules/solving/compute/algebra.h"
 
 #define SWEEPS 6
 #define SIGNS 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
@@ -34,22 +34,14 @@ static void multiply(int rows, int inner, int columns, const double *a, const do
         }
 }
 
-static double length_of(int n, const double *a)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * a[i];
-    return sqrt(sum);
-}
-
 /* The columns of Householder's reflection that takes the rate to the first axis, but for the first:
  * an orthonormal basis of what lies across, [n][n - 1]. */
 static void across(int n, const double *rate, double *basis)
 {
     double v[FIELD_VARIABLES];
     memcpy(v, rate, (size_t)n * sizeof *v);
-    v[0] += copysign(length_of(n, v), v[0]);
-    const double half = length_of(n, v) * length_of(n, v) / 2;
+    v[0] += copysign(vector_length(n, v), v[0]);
+    const double half = vector_length(n, v) * vector_length(n, v) / 2;
     for (int i = 0; i < n; i++)
         for (int j = 1; j < n; j++)
             basis[i * (n - 1) + j - 1] = (i == j) - v[i] * v[j] / half;
@@ -82,7 +74,7 @@ static double drift(const struct orbit_maps *o, double *each)
         multiply(n, n, 1, o->map + i * n * n, o->rate + i * n, moved);
         for (int k = 0; k < n; k++)
             moved[k] -= next[k];
-        sum += each[i] = length_of(n, moved) / length_of(n, next);
+        sum += each[i] = vector_length(n, moved) / vector_length(n, next);
     }
     return o->rate ? sum : NAN;
 }
@@ -172,7 +164,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     /* what lies across is not better known than which way the motion goes: where this turns, only
      * little may be left across of what has grown */
     for (int s = 0; s < o->segments; s++)
-        off[s] = (off[s] + tol) * length_of(o->n * o->n, o->map + s * o->n * o->n);
+        off[s] = (off[s] + tol) * vector_length(o->n * o->n, o->map + s * o->n * o->n);
     square q, r, turned, whole;
     double uncertain[FIELD_VARIABLES], first[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int s = 0; s < o->segments; s++) {

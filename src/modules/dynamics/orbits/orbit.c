@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <hooke/base/catalog.h>
 #include <hooke/base/numeric.h>
 
 #include "modules/dynamics/orbits/solutions.h"
@@ -126,15 +127,11 @@ static bool closes_after(struct orbit_search *s, const struct solution *orbit, i
 static void hold(const struct solution_curve *path, const double *across, double *held)
 {
     const int n = path->problem->n, variables = path->field.n;
-    double size = 0;
     memset(held, 0, (size_t)n * sizeof *held);
     for (int i = 0; i < variables; i++)
         held[i] = across[i] * path->field.size[i];
     held[n - 1] = across[variables];
-    for (int i = 0; i < n; i++)
-        size = hypot(size, held[i]);
-    for (int i = 0; i < n; i++)
-        held[i] /= size;
+    vector_normalise(n, held);
 }
 
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
@@ -237,45 +234,31 @@ static double off(const struct orbit_search *s, const double *y, int i)
     return (s->field.turn[i] > 0 ? remainder(by, s->field.turn[i]) : by) / s->field.size[i];
 }
 
-/* Above the plane through the state, across the motion there. */
-static double above(const struct orbit_search *s, const double *y, const double *normal)
-{
-    double sum = 0;
-    for (int i = 0; i < s->field.n; i++)
-        sum += normal[i] * off(s, y, i);
-    return sum;
-}
+/* The plane through the state, across the motion there. */
+struct plane_across {
+    const struct orbit_search *s;
+    double normal[FIELD_VARIABLES];
+};
 
-/* Where it goes up through the plane between two rows of a grid. */
-static double crossing(struct orbit_search *s, double t, const double *from, double h,
-                       const double *normal, double *at)
+static double above(const void *context, const double *y)
 {
-    const int n = s->field.n;
-    double grid[FIELD_TIMES * FIELD_VARIABLES];
-    if (!field_follow(&s->field, t, from, h, grid))
-        return NAN;
-    for (int k = 1; k < FIELD_TIMES; k++) {
-        const double *a = grid + (k - 1) * n, *b = grid + k * n;
-        const double g[] = {above(s, a, normal), above(s, b, normal)};
-        if (!(g[0] < 0 && g[1] >= 0))
-            continue;
-        const double share = g[0] / (g[0] - g[1]);
-        for (int i = 0; i < n; i++)
-            at[i] = a[i] + share * (b[i] - a[i]);
-        return h * (k - 1 + share) / (FIELD_TIMES - 1);
-    }
-    return NAN;
+    const struct plane_across *plane = context;
+    double sum = 0;
+    for (int i = 0; i < plane->s->field.n; i++)
+        sum += plane->normal[i] * off(plane->s, y, i);
+    return sum;
 }
 
 /* False: the motion does not get there. */
 static bool look(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;
-    double grid[FIELD_TIMES * FIELD_VARIABLES], normal[FIELD_VARIABLES], at[FIELD_VARIABLES];
+    double grid[FIELD_TIMES * FIELD_VARIABLES], at[FIELD_VARIABLES];
+    struct plane_across plane = {.s = s};
     const double h = span / (FIELD_TIMES - 1);
-    field_rate(&s->field, s->state, normal);
+    field_rate(&s->field, s->state, plane.normal);
     for (int i = 0; i < n; i++)
-        normal[i] /= s->field.size[i];
+        plane.normal[i] /= s->field.size[i];
     if (!field_follow(&s->field, s->t, s->state, span, grid))
         return false;
     found->count = 0;
@@ -292,9 +275,11 @@ static bool look(struct orbit_search *s, double span, struct returns *found, dou
     }
     for (int k = 2; k < FIELD_TIMES && found->count < RETURNS; k++) {
         const double *a = grid + (k - 1) * n;
-        if (!(above(s, a, normal) < 0 && above(s, a + n, normal) >= 0))
+        const double before = above(&plane, a), after = above(&plane, a + n);
+        if (!(before < 0 && after >= 0))
             continue;
-        const double by = crossing(s, s->t + (k - 1) * h, a, h, normal, at);
+        const double by =
+            field_crossing(&s->field, s->t + (k - 1) * h, a, h, above, &plane, before, after, at);
         double most = 0;
         for (int i = 0; i < n; i++)
             most = fmax(most, fabs(off(s, at, i)));

@@ -114,14 +114,6 @@ static void put_phase(const struct orbit_curve *c, const double *u, double *f, d
     }
 }
 
-static double length_of(int n, const double *a)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * a[i];
-    return sqrt(sum);
-}
-
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct orbit_curve *c = context;
@@ -200,7 +192,7 @@ static void test(void *context, const double *u, const double *jacobian, const d
     /* where even the direction of motion is not carried along they may have any sign */
     const bool known = orbit_curve_multipliers(c, &multipliers) && !(multipliers.trivial > CARRIED);
     value[ORBIT_FOLD] = tangent[n];
-    value[ORBIT_CROSSING] = plain_determinant(n + 1, bordered);
+    value[ORBIT_CROSSING] = matrix_determinant(n + 1, bordered);
     value[ORBIT_DOUBLING] = known ? multipliers_doubling(&multipliers) : NAN;
     value[ORBIT_TORUS] = known ? multipliers_torus(&multipliers) : NAN;
 }
@@ -209,13 +201,6 @@ static void aim(void *context, bool fine)
 {
     struct orbit_curve *c = context;
     c->field->tol = fine ? FINE_TOL : WALK_TOL;
-}
-
-static void make_unit(int n, double *x)
-{
-    const double length = length_of(n, x);
-    for (int i = 0; i < n; i++)
-        x[i] /= length;
 }
 
 /* Moves all of the orbit that the tangent leads to by the same time, so that it has this phase. */
@@ -230,7 +215,7 @@ static void turn_tangent(const struct orbit_curve *c, const double *u, double *t
     }
     for (int i = 0; i < c->segments * n; i++)
         tangent[i] -= off / by * rate[i];
-    make_unit(c->problem.n + 1, tangent);
+    vector_normalise(c->problem.n + 1, tangent);
 }
 
 /* By how much the period [s] may shrink before a segment of these shares has no length. */
@@ -249,7 +234,8 @@ static void slow_shares(const struct orbit_curve *c, double period, const double
     const int n = c->field->n, m = c->segments;
     share[0] = 0;
     for (int i = 0; i < m; i++) {
-        const double speed = fmax(length_of(n, rate + i * n), length_of(n, rate + (i + 1) % m * n));
+        const double speed =
+            fmax(vector_length(n, rate + i * n), vector_length(n, rate + (i + 1) % m * n));
         share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
     }
     for (int i = 0; i < m; i++)
@@ -275,7 +261,7 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
         for (int k = i * n; k < (i + 1) * n; k++)
             moved[k] = direction[k] + by * rate[k];
     }
-    if (!(length_of(m * n, moved) < STRETCHED * length_of(m * n, direction)) &&
+    if (!(vector_length(m * n, moved) < STRETCHED * vector_length(m * n, direction)) &&
         room_of(c, period, c->share) > room)
         return false;
     for (int i = 1; i < m; i++) {
@@ -283,7 +269,7 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
         c->share[i] = share[i];
     }
     memcpy(direction, moved, (size_t)(m * n) * sizeof *moved);
-    make_unit(c->problem.n + 1, direction);
+    vector_normalise(c->problem.n + 1, direction);
     return true;
 }
 
@@ -293,9 +279,7 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
     memcpy(c->reference, u, sizeof c->reference);
     state_of(c->field, u, y);
     rate_of(c->field, c->field->system.t0, y, c->along);
-    const double length = length_of(c->field->n, c->along);
-    for (int i = 0; i < c->field->n; i++)
-        c->along[i] /= length;
+    vector_normalise(c->field->n, c->along);
     if (tangent && !c->forced)
         turn_tangent(c, u, tangent);
 }
@@ -306,7 +290,7 @@ double orbit_curve_upright(const struct orbit_curve *c)
     double cosine = 0;
     for (int i = 0; i < n; i++)
         cosine += c->along[i] * c->rate[i];
-    return c->forced ? 1 : cosine / length_of(n, c->rate);
+    return c->forced ? 1 : cosine / vector_length(n, c->rate);
 }
 
 bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
@@ -329,6 +313,17 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
         u[c->segments * n] = period / c->tsize;
     u[c->problem.n] = field->scene.value[field->param[0]] / c->psize;
     return true;
+}
+
+bool orbit_curve_follow(const struct orbit_curve *c, const double *u, int segment, double *t,
+                        double *span, double *grid)
+{
+    double y[FIELD_VARIABLES];
+    const double period = orbit_curve_period(c, u);
+    state_of(c->field, u + segment * c->field->n, y);
+    *t = c->field->system.t0 + begins(c, segment, period);
+    *span = span_of(c, segment, period);
+    return field_follow(c->field, *t, y, *span, grid);
 }
 
 static bool is_long(const struct orbit_curve *c, int i)
@@ -409,7 +404,7 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
     memcpy(u, cut[0], sizeof cut[0]);
     for (int i = 0; i <= c->problem.n; i++)
         direction[i] = cut[1][i] - cut[0][i];
-    make_unit(c->problem.n + 1, direction);
+    vector_normalise(c->problem.n + 1, direction);
     return true;
 }
 

@@ -43,6 +43,10 @@ struct orbit_curve {
  * the drive. False: the motion does not come that far. */
 bool orbit_curve_init(struct orbit_curve *curve, struct vector_field *field, double psize,
                       const double *state, double period, int multiple);
+/* The states of a segment, grid [FIELD_TIMES][n], from time *t on over *span [s]; false if the
+ * motion does not get there. */
+bool orbit_curve_follow(const struct orbit_curve *curve, const double *u, int segment, double *t,
+                        double *span, double *grid);
 /* Unknowns of the orbit that starts there, at the field's present parameter. */
 bool orbit_curve_unknowns(struct orbit_curve *curve, const double *state, double period, double *u);
 /* From here on the phase is fixed by this orbit; the tangent there, NULL: there is none, goes on to
@@ -65,7 +69,8 @@ bool orbit_curve_multipliers(const struct orbit_curve *curve, struct multipliers
 /* The map over the whole orbit [n][n], where it is not too far from 1. */
 void orbit_curve_map(const struct orbit_curve *curve, double *map);
 
-/* A determinant as a number whose sign and zeros are right. */
-double plain_determinant(int n, double *a);
+/* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
+ * (Govaerts 2000, 4.4). */
+void matrix_pair_sums(int n, const double *jacobian, double *pairs);
 
 #endif

@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <hooke/base/catalog.h>
 #include <hooke/base/numeric.h>
 
-#include <hooke/study/verify.h>
+#include "modules/solving/compute/algebra.h"
 
 static const struct row special_rows[] = {
     {"LP", "", "fold (limit point): the branch turns back", "", NULL},
@@ -105,20 +106,26 @@ static void cubic_extremes(struct solution *s, int i, double h, double y0, doubl
     }
 }
 
-/* Of the states on the way; between two an extremum is one of the cubic through both. */
-static bool find_extremes(struct vector_field *field, struct solution *s)
+/* Of the states on the way, segment by segment, as differences may grow by much over the whole
+ * orbit; between two states an extremum is one of the cubic through both. */
+static bool find_extremes(struct solution_curve *path, const double *u, struct solution *s)
 {
+    struct vector_field *field = &path->field;
     const int n = field->n;
-    double grid[FIELD_TIMES * FIELD_VARIABLES], rate[2][FIELD_VARIABLES];
-    const double t0 = field->system.t0, h = s->period / (FIELD_TIMES - 1);
-    if (!field_follow(field, t0, s->state, s->period, grid))
-        return false;
-    system_derivative(&field->system, t0, grid, rate[0]);
-    for (int k = 1; k < FIELD_TIMES; k++) {
-        const double *before = grid + (k - 1) * n, *after = grid + k * n;
-        system_derivative(&field->system, t0 + k * h, after, rate[k % 2]);
+    double grid[FIELD_TIMES * FIELD_VARIABLES], rate[2][FIELD_VARIABLES], t, span;
+    for (int segment = 0; segment < path->orbit.segments; segment++) {
+        if (!orbit_curve_follow(&path->orbit, u, segment, &t, &span, grid))
+            return false;
+        const double h = span / (FIELD_TIMES - 1);
+        system_derivative(&field->system, t, grid, rate[0]);
         for (int i = 0; i < n; i++)
-            cubic_extremes(s, i, h, before[i], rate[(k - 1) % 2][i], after[i], rate[k % 2][i]);
+            take_extremes(s, i, grid[i]);
+        for (int k = 1; k < FIELD_TIMES; k++) {
+            const double *before = grid + (k - 1) * n, *after = grid + k * n;
+            system_derivative(&field->system, t + k * h, after, rate[k % 2]);
+            for (int i = 0; i < n; i++)
+                cubic_extremes(s, i, h, before[i], rate[(k - 1) % 2][i], after[i], rate[k % 2][i]);
+        }
     }
     return true;
 }
@@ -178,7 +185,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_place *point, 
     s->param[0] = field->scene.value[field->param[0]];
     if (path->kind == SOLUTION_EQUILIBRIUM)
         return fill_equilibrium(path, jacobian, s);
-    return fill_orbit(path, point->u, s) && (!extremes || find_extremes(field, s));
+    return fill_orbit(path, point->u, s) && (!extremes || find_extremes(path, point->u, s));
 }
 
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
@@ -190,7 +197,8 @@ bool solutions_seen(struct solution_curve *path, const struct curve_place *point
     place(path, point, s);
     s->residual = point->residual;
     s->param[0] = point->u[path->problem->n] * path->orbit.psize;
-    return field_set(field, s->param) && fill_orbit(path, point->u, s) && find_extremes(field, s);
+    return field_set(field, s->param) && fill_orbit(path, point->u, s) &&
+           find_extremes(path, point->u, s);
 }
 
 /* The pair nearest to where it is taken for: complex, or real ones that only look like it. */

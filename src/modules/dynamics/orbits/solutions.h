@@ -7,6 +7,8 @@
 
 #include "modules/dynamics/orbits/problem.h"
 
+struct cancel;
+
 struct solution_curve {
     struct vector_field field;
     enum solution_kind kind;

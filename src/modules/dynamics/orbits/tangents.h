@@ -5,6 +5,8 @@
 
 #include "modules/dynamics/orbits/field.h"
 
+struct cancel;
+
 #define TANGENT_TOL 1e-12
 
 enum tangents_end {

@@ -39,9 +39,8 @@ bool polyline_gap(struct polyline *line)
 
 struct plane_value {
     const struct portrait_work *work;
-    int variable;    /* whose rate it is; -1: the energy */
-    double level;    /* of the energy */
-    bool at_present; /* rates at the portrait's time; else the bounds' mean is the same */
+    int variable; /* whose rate it is; -1: the energy */
+    double level; /* of the energy */
 };
 
 static void place(const struct portrait_work *work, double x, double y, double *state)

@@ -7,6 +7,8 @@
 
 #include "modules/dynamics/orbits/field.h"
 
+struct cancel;
+
 struct portrait_work {
     const struct portrait_request *request;
     struct portrait *portrait;

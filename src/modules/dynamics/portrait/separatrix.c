@@ -17,7 +17,6 @@
 #define NEAR 1e-3   /* of the box: an equilibrium has been reached */
 #define POINTS 1500
 #define BEYOND 1e-9 /* of the box: the frame */
-#define REFINEMENTS 12
 
 struct plane_walk {
     struct portrait_work *work;
@@ -100,25 +99,26 @@ static int reached(const struct plane_walk *w, int except)
 
 /* ---- crossings ---- */
 
+struct line_at {
+    int variable;
+    double value;
+};
+
+static double beyond_line(const void *context, const double *y)
+{
+    const struct line_at *line = context;
+    return y[line->variable] - line->value;
+}
+
 /* Where variable k has this value, between the state before and the one `span` later. */
 static void cross(struct plane_walk *w, const double *before, double span, int k, double value)
 {
     struct separatrix *s = w->separatrix;
-    double at[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], low = 0, high = 1;
-    const double sign = before[variable_of(w, k)] - value;
-    double part = sign / (before[variable_of(w, k)] - w->y[variable_of(w, k)]);
-    for (int i = 0; i < REFINEMENTS; i++) {
-        if (!field_flow(&w->work->field, w->t, before, part * span, at, NULL))
-            return;
-        const double miss = at[variable_of(w, k)] - value;
-        *((miss > 0) == (sign > 0) ? &low : &high) = part;
-        system_derivative(&w->work->field.system, w->t, at, rate);
-        const double on = -miss / (rate[variable_of(w, k)] * span);
-        if (fabs(on) < 1e-15 || miss == 0)
-            break;
-        part = part + on > low && part + on < high ? part + on : low + (high - low) / 2;
-    }
-    if (s->crossings < CROSSINGS_MAX)
+    const struct line_at line = {variable_of(w, k), value};
+    double at[LIMIT_VARIABLES];
+    const double when = field_crossing(&w->work->field, w->t, before, span, beyond_line, &line,
+                                       beyond_line(&line, before), beyond_line(&line, w->y), at);
+    if (isfinite(when) && s->crossings < CROSSINGS_MAX)
         s->crossing[s->crossings++] = (struct portrait_crossing){k, value, at[variable_of(w, !k)]};
 }
 

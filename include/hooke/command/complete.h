@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the parts of completion share. */
+#ifndef HOOKE_COMMAND_COMPLETE_H
+#define HOOKE_COMMAND_COMPLETE_H
+
+#include <hooke/command/handler.h>
+#include <hooke/language/complete.h>
+
+/* ---- what there is of each kind ---- */
+
+/* variables of the scene, and how to take them back */
+void complete_atol(struct completion *c, bool named);
+void complete_topics(struct completion *c); /* of help */
+/* After NAME of set: the unit of that name, or the choices of that setting. */
+void complete_set(struct completion *c, struct text name, struct text before);
+
+/* ---- where the cursor stands ---- */
+
+struct text last_word(struct text before);
+int count_words(struct text text);
+/* What may come next: the words, keys and options of the command, and the item of the next place.
+ */
+void complete_next(struct completion *c, const struct command *command, struct text before);
+/* Returns true where the word is an item behind NAME= or a comma or colon after it; sets *name to
+ * the last such name, empty if there is none. */
+bool complete_is_item(struct text before, struct text *name);
+/* NAME=FROM:TO of parameters of the scene, dt and tol. */
+void complete_grid(struct completion *c, const struct command *command, struct text before);
+
+/* In a statement that defines a scene or an event; rest: what stands between the command and the
+ * word. */
+void complete_formula(struct completion *c, const struct command *command, struct text rest);
+
+#endif

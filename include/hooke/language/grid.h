@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Values that a statement asks for in steps: FROM:TO[:STEP]. */
+#ifndef HOOKE_LANGUAGE_GRID_H
+#define HOOKE_LANGUAGE_GRID_H
+
+#include <hooke/language.h>
+
+struct value_grid {
+    char name[LIMIT_NAME + 1]; /* of what has these values, for messages */
+    enum quantity quantity;
+    double from, to; /* SI, both included */
+    int count;
+    bool log; /* each is a multiple of the one before */
+};
+
+/* The number of values where no step is given. */
+enum { GRID_VALUES_USUAL = 51 };
+
+/*
+ * Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, and nothing behind it, for a grid that has a name
+ * and a quantity. `to` becomes the last value that the steps reach. Returns false with `error`
+ * filled.
+ */
+bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error);
+
+/* Takes the next of NAME=... or --option from the rest: up to a blank with another, or with 'at',
+ * behind it. */
+struct text next_key_argument(struct text *rest);
+
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* result: where the text of a table goes, for functions that write one. */
+#ifndef HOOKE_RESULT_OUTLET_H
+#define HOOKE_RESULT_OUTLET_H
+
+#include <hooke/base/cancel.h>
+#include <hooke/result.h>
+
+struct writer;
+
+#define OUTLET_CHUNK 65536u /* [byte] */
+
+struct outlet {
+    struct buffer *text;
+    struct writer *writer; /* NULL: everything stays in `text` */
+};
+
+#define OUTLET_ROWS 4096 /* between two looks; fewer are written whatever happens */
+
+/* Before a row. False: the writing is ended, and the text fails. */
+static inline bool outlet_goes_on(struct outlet *sink, const struct table *table, size_t row)
+{
+    if (row % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel))
+        sink->text->failed = true;
+    return !sink->text->failed;
+}
+
+/* What is more than `max` bytes goes on to the writer, all of it. */
+void outlet_pass(struct outlet *sink, size_t max);
+/* What a spreadsheet would run, also behind the ' that keeps it from that. */
+bool cell_is_formula(struct text cell);
+/* Appends a cell of CSV or TSV: in quotes if wanted, or if it holds a separator, a quote or a line
+ * end. */
+void buffer_cell(struct buffer *out, struct text cell, char separator, bool quoted);
+
+#endif

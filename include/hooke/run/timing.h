@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How times are measured and shown: the setting `timing`. */
+#ifndef HOOKE_RUN_TIMING_H
+#define HOOKE_RUN_TIMING_H
+
+struct catalog;
+
+enum timing {
+    TIMING_OFF, /* nothing is measured, and no answer holds a time */
+    TIMING_QUICK,
+    TIMING_FULL
+};
+
+extern const struct catalog timing_catalog; /* struct row at the enum's place: off, quick, full */
+
+#endif

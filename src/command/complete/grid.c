@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion of NAME=FROM:TO, with the unit behind a number. */
+#include <hooke/command/complete.h>
+#include <hooke/command/handler.h>
+
+#include <string.h>
+
+bool complete_is_item(struct text before, struct text *name)
+{
+    size_t from = before.len;
+    while (from > 0 && before.at[from - 1] != '=')
+        from--;
+    *name = from > 0 ? last_word((struct text){before.at, from - 1}) : TEXT("");
+    return from > 0 && strchr("=,:", before.at[before.len - 1]);
+}
+
+void complete_grid(struct completion *c, const struct command *command, struct text before)
+{
+    const struct scene *scene = &c->session->setup.scene;
+    const struct catalog *names[] = {scene_params(scene), scene_derived(scene)};
+    struct text name;
+    const bool item = complete_is_item(before, &name);
+    if (item || ends_in_digit(before)) {
+        if (name.len > 0)
+            complete_set(c, name, before);
+        if (item)
+            return;
+    }
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        for (size_t j = 0; j < names[i]->count; j++) {
+            const struct row *row = catalog_row(names[i], j);
+            if (i == 0 || ((const struct derived_row *)(const void *)row)->inverse)
+                complete_affixed(c, "", row->name, "=", row->brief);
+        }
+    complete_affixed(c, "", "dt", "=", "");
+    complete_affixed(c, "", "tol", "=", "");
+    complete_next(c, command, before);
+}

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is wrong with a run, its step or its method; what was assumed for it. */
+#include <hooke/base/unit.h>
+#include <hooke/report.h>
+#include <hooke/run/unresolved.h>
+#include <hooke/scene/typed.h>
+#include <hooke/command/handler.h>
+
+#include <float.h>
+#include <math.h>
+
+/* ---- before the first step ---- */
+
+void reply_unchosen(struct session *session, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    if (session->execution.said_method || setup->method_chosen || !typed_preset(setup->scene.model))
+        return;
+    session->execution.said_method = true;
+    reply_warning(reply,
+                  "no method was chosen: %s, dt = %s; 'method dop853' is accurate, 'method radau5' "
+                  "where the equations are stiff",
+                  setup->method->row.name, SHOWN_VALUE(setup->settings.dt, QUANTITY_TIME, 4));
+}
+
+void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply)
+{
+    const struct settings *settings = &session->setup.settings;
+    const bool duration = by_setting && !settings->duration_chosen,
+               tol = adapts && !settings->tol_chosen, first = adapts && !settings->dt_chosen;
+    if (session->execution.said_assumed || !typed_preset(session->setup.scene.model) ||
+        !(duration || tol || first))
+        return;
+    session->execution.said_assumed = true;
+    struct buffer *text = reply_buffer(reply);
+    buffer_put(text, TEXT("assumed: "));
+    if (duration)
+        buffer_format(text, "duration = %s%s", SHOWN_VALUE(settings->duration, QUANTITY_TIME, 4),
+                      tol || first ? ", " : "");
+    if (tol)
+        buffer_format(text, "tol = %s%s", SHOWN_SHORT(settings->tol, 3), first ? ", " : "");
+    if (first)
+        buffer_format(text, "first step dt = %s",
+                      SHOWN_VALUE(session_first_step(session), QUANTITY_TIME, 4));
+    buffer_format(text, " ('%s = ...' sets it)", duration ? "duration" : tol ? "tol" : "dt");
+}
+
+void reply_shorter(const struct session *session, struct reply *reply)
+{
+    const struct run *run = session_run(session);
+    const double span = run ? fabs(run->t - run->system.t0) : 0,
+                 duration = session->setup.settings.duration;
+    if (!run || run->system.model != session->setup.scene.model || !(span > (1 + 1e-9) * duration))
+        return;
+    reply_line(reply,
+               "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' "
+               "studies that)",
+               duration, run->number, span, span);
+}
+
+void reply_inapplicable(const struct session *session, struct reply *reply)
+{
+    struct scene scene = session->setup.scene;
+    struct system system;
+    struct error why;
+    enum drag drag = session->setup.drag;
+    scene.across = session->setup.settings.turning == TURNING_OFF;
+    if (scene_bind(&scene, &system, &why) &&
+        !method_applies(session->setup.method, &system, &drag, &why))
+        reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
+}
+
+/* Returns the period [s] in which a scene of two variables turns about its starting point, NAN for
+ * other scenes and where it does not turn there. */
+static double turning_period(const struct system *system)
+{
+    double j[4];
+    if (system->n != 2)
+        return NAN;
+    system_jacobian(system, system->t0, system->start, j);
+    const double half_trace = (j[0] + j[3]) / 2, determinant = j[0] * j[3] - j[1] * j[2];
+    return 2 * M_PI / sqrt(determinant - half_trace * half_trace);
+}
+
+void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
+{
+    const double own = derived_value(&session->setup.scene, "T0"), dt = run->settings.dt,
+                 period = isnan(own) ? turning_period(&run->system) : own;
+    /* A motion that is no oscillation by itself may leave its start at another pace. */
+    if (run->plan.adaptive || run->method->order == 0 || !(dt > (isnan(own) ? 1 : 0.125) * period))
+        return;
+    struct buffer text = {0};
+    if (dt < period)
+        buffer_format(&text, "%.0f %% of the period ", 100 * dt / period);
+    else
+        buffer_format(&text, "%s times the period ", SHOWN_SHORT(dt / period, 3));
+    buffer_format(&text, "%s%s",
+                  isnan(own) ? "at the start, " : "T0 = ", SHOWN_VALUE(period, QUANTITY_TIME, 4));
+    if (isfinite(run->plan.limit) && run->plan.limit > 0)
+        buffer_format(&text, "; %s needs dt < %s to stay stable", run->method->row.name,
+                      SHOWN_VALUE(run->plan.limit, QUANTITY_TIME, 3));
+    reply_warning(reply, "dt = %s is %s", SHOWN_VALUE(dt, QUANTITY_TIME, 4), buffer_view(&text));
+    buffer_free(&text);
+}
+
+/* Returns the largest magnitude of n values. */
+static double largest_of(const double *value, int n)
+{
+    double size = 0;
+    for (int i = 0; i < n; i++)
+        size = fmax(size, fabs(value[i]));
+    return size;
+}
+
+void reply_tiny(const struct run *run, struct reply *reply)
+{
+    const double tiny = 1.5e-154; /* its square is the least normal number */
+    const double size = largest_of(run->y, run->system.n);
+    if (size > 0 && size < tiny)
+        reply_warning(
+            reply,
+            "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
+            tiny);
+}
+
+/* ---- after it ---- */
+
+/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of
+ * a double. */
+static void reply_growth(struct run *run, struct reply *reply)
+{
+    struct ledger ledger;
+    const struct oscillator *o = &run->system.oscillator;
+    if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
+        stop_is_failure(run->stop))
+        return;
+    run_ledger_brief(run, &ledger);
+    if (!(ledger.final > 100 * ledger.initial))
+        return;
+    struct buffer text = {0};
+    if (ledger.initial > 0)
+        buffer_format(&text, "by a factor of %s", SHOWN_SHORT(ledger.final / ledger.initial, 2));
+    else
+        buffer_format(&text, "from 0 to %s", SHOWN_QUANTITY(ledger.final, QUANTITY_ENERGY, 3));
+    buffer_format(&text, ": %s lets the amplitude grow by %s a step", run->method->row.name,
+                  SHOWN_SHORT(run->plan.growth, 6));
+    if (isfinite(run->plan.limit) && run->plan.limit > 0)
+        buffer_format(&text, "; it is stable below dt = %s",
+                      SHOWN_VALUE(run->plan.limit, QUANTITY_TIME, 3));
+    reply_warning(reply, "the energy has grown %s", buffer_view(&text));
+    buffer_free(&text);
+    run->warned_growth = true;
+}
+
+/* Warns where fixed steps do not see how the force changes in time. */
+static void reply_unresolved(const struct run *run, struct reply *reply)
+{
+    double dt;
+    if (stop_is_failure(run->stop) || !run_force_unresolved(run, &dt))
+        return;
+    reply_warning(reply,
+                  "the force changes in time faster than steps of dt = %s can show: this run is "
+                  "not one of that force; try %s%s%san adaptive method",
+                  SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 3), isfinite(dt) ? "dt <= " : "",
+                  isfinite(dt) ? SHOWN_QUANTITY(dt, QUANTITY_TIME, 2) : "",
+                  isfinite(dt) ? ", or " : "");
+}
+
+/* Warns of fixed steps across an integrable pole: the stages beside it make the step. */
+static void reply_poles(struct run *run, struct reply *reply)
+{
+    if (run->warned_unsound || run->cost.poles == 0 || stop_is_failure(run->stop))
+        return;
+    reply_warning(reply,
+                  "%lld step%s across a time at which a slope is infinite: what fixed steps give "
+                  "from there on may be far off; use an adaptive method (radau5, tol = 1e-6)",
+                  (long long)run->cost.poles, run->cost.poles == 1 ? " goes" : "s go");
+    run->warned_unsound = true;
+}
+
+void reply_unsound(struct run *run, struct reply *reply)
+{
+    reply_poles(run, reply);
+    const struct unsound_step *unsound = &run->unsound;
+    if (run->warned_unsound || !(unsound->times > 0) || stop_is_failure(run->stop))
+        return;
+    const char *remedy = "";
+    if (run->plan.adaptive)
+        remedy = "; dt sets it: try a shorter one";
+    else if (run->method->flags & METHOD_ADAPTIVE)
+        remedy = "; with tol = 1e-6 it chooses its own steps";
+    reply_warning(reply,
+                  "%s too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is "
+                  "%.3g%s",
+                  run->plan.adaptive ? "the first step is" : "dt is", run->method->row.name,
+                  unsound->t, system_variable(&run->system, unsound->variable).name, unsound->value,
+                  unsound->solution, remedy);
+    run->warned_unsound = true;
+}
+
+/* Names a burst of the forces that no step has seen, once. */
+static void reply_missed_burst(struct run *run, struct reply *reply)
+{
+    const struct burst *burst = &run->missed;
+    const double length = fabs(burst->to - burst->from);
+    if (run->warned_burst || length == 0)
+        return;
+    reply_warning(reply,
+                  "no step has seen what happens near t = %.4g s in less than %.1g s: this run is "
+                  "one without it; fixed "
+                  "steps ('tol = off') of dt = %.1g s see it",
+                  burst->from + (burst->to - burst->from) / 2, length, length / 100);
+    run->warned_burst = true;
+}
+
+/* Warns of an exact solution so long that roundings of the parameters move its phase. */
+static void reply_phase_unknown(const struct run *run, struct reply *reply)
+{
+    const double unknown_max = 1e-3; /* [rad] */
+    const struct oscillator *o = &run->system.oscillator;
+    const double phase = sqrt(fmax(o->stiffness, 0)) * fabs(run->t - run->system.t0),
+                 unknown = phase * DBL_EPSILON;
+    if (!(run->method->flags & METHOD_EXACT) || !o->whole || !(unknown > unknown_max))
+        return;
+    if (unknown >= 2 * M_PI)
+        reply_warning(
+            reply,
+            "after %.3g rad the phase has no right digit: one rounding of k or m moves it by more "
+            "than a turn; only the amplitude means something",
+            phase);
+    else
+        reply_warning(reply,
+                      "after %.3g rad the phase is uncertain by %.2g rad: that is what one "
+                      "rounding of k or m "
+                      "does",
+                      phase, unknown);
+}
+
+static void reply_vanished(const struct run *run, struct reply *reply)
+{
+    const int n = run->system.n;
+    const bool rests = run->controller.switches.slides > 0; /* where forces hold it: it is at 0 */
+    if (largest_of(run->system.start, n) >= DBL_MIN && largest_of(run->y, n) < DBL_MIN &&
+        run->steps > 0 && !rests)
+        reply_warning(reply,
+                      "the motion has vanished: every value is below the smallest number, %.3g",
+                      DBL_MIN);
+}
+
+/* Says once that the motion is held by switches, or that these pile up. */
+static void reply_sliding(struct run *run, struct reply *reply)
+{
+    const struct switches_state *state = &run->controller.switches;
+    const struct system *system = &run->system;
+    const bool slides = state->slides + state->across > 0, piles = state->piles > 0;
+    const bool slot = system->dry && state->slides > 0 && state->first == system->switches - 1 &&
+                      state->across == 0;
+    if (slot && !piles) /* as dry friction should: the run says so */
+        return;
+    if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))
+        return;
+    struct buffer text = {0};
+    int count = 0;
+    for (int i = 0; i < system->n; i++)
+        if (system_switch_sees(system, state->first, run->t, run->y, i))
+            buffer_format(&text, "%s%s", count++ > 0 ? ", " : "", system_variable(system, i).name);
+    const char *names = count > 0 ? buffer_view(&text) : "t";
+    if (piles && !run->warned_piling)
+        reply_warning(reply,
+                      "switches (if, abs, sign, ...) pile up at t = %.6g s, the first in %s: from "
+                      "there on the "
+                      "motion is held where they meet",
+                      state->slid, names);
+    else if (state->slides == 0)
+        reply_warning(reply,
+                      "from t = %.6g s on no side of a switch (if, abs, sign, ...) leads on: steps "
+                      "go across, "
+                      "and their errors are not known",
+                      state->slid);
+    else
+        reply_warning(reply,
+                      "at a switch (if, abs, sign, ...) in %s both sides lead back to it, first at "
+                      "t = %.6g s: "
+                      "the motion sticks to it or slides along, until one side turns away",
+                      names, state->slid);
+    run->warned_sliding = true;
+    run->warned_piling = piles;
+    buffer_free(&text);
+}
+
+void reply_run_warnings(struct run *run, struct reply *reply)
+{
+    reply_growth(run, reply);
+    reply_unresolved(run, reply);
+    reply_unsound(run, reply);
+    reply_vanished(run, reply);
+    reply_missed_burst(run, reply);
+    reply_phase_unknown(run, reply);
+    reply_sliding(run, reply);
+}

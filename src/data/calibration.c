@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two points of a sensor, what it read there and what was true, and the straight line through
+ * them. */
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
+#include <hooke/data.h>
+
+#include <stdio.h>
+#include <string.h>
+
+int calibration_values(struct text *rest, double *value, const struct unit **unit, int max)
+{
+    int n = 0;
+    size_t used = 0;
+    for (text_skip_blanks(rest);
+         n < max && real_scan(*rest, '.', &value[n], &used) == REAL_OK && used > 0; n++) {
+        *rest = (struct text){rest->at + used, rest->len - used};
+        text_skip_blanks(rest);
+        size_t len = 0;
+        while (len < rest->len && rest->at[len] != ' ' && rest->at[len] != '\t')
+            len++;
+        unit[n] = unit_find((struct text){rest->at, len});
+        *rest = unit[n] ? (struct text){rest->at + len, rest->len - len} : *rest;
+        text_skip_blanks(rest);
+    }
+    return n;
+}
+
+/* Of one kind, as the first has it; what has no unit is in that of the other. */
+static bool same_unit(const struct unit *const unit[2], double value[2], char name[16],
+                      struct error *error)
+{
+    const struct unit *of = unit[0] ? unit[0] : unit[1];
+    if (unit[0] && unit[1] && unit[0]->quantity != unit[1]->quantity)
+        return error_set(error, ERROR_COMMAND, "%s and %s are of different kinds",
+                         unit[0]->row.name, unit[1]->row.name);
+    if (unit[1] && unit[1] != of)
+        value[1] *= unit[1]->factor / of->factor;
+    snprintf(name, sizeof((struct calibration *)0)->unit[0], "%s", of ? of->row.name : "");
+    return true;
+}
+
+bool calibration_make(const double value[4], const struct unit *const unit[4],
+                      struct calibration *calibration, struct error *error)
+{
+    struct calibration made;
+    memset(&made, 0, sizeof made); /* it is compared byte by byte */
+    const struct unit *read[2] = {unit[0], unit[2]}, *truth[2] = {unit[1], unit[3]};
+    made.decided = made.known = true;
+    for (int i = 0; i < 2; i++) {
+        made.read[i] = value[2 * i];
+        made.truth[i] = value[2 * i + 1];
+    }
+    if (!same_unit(read, made.read, made.unit[0], error) ||
+        !same_unit(truth, made.truth, made.unit[1], error))
+        return false;
+    if (made.read[0] == made.read[1] || made.truth[0] == made.truth[1])
+        return error_set(error, ERROR_COMMAND, "two points are wanted: these are one") ||
+               error_hint(error, "calibrate y 19.6 cm 20 cm 39.1 cm 40 cm");
+    *calibration = made;
+    return true;
+}
+
+void calibration_put(const struct calibration *calibration, struct buffer *text)
+{
+    if (!calibration->known) {
+        buffer_put(text, TEXT("off"));
+        return;
+    }
+    for (int i = 0; i < 4; i++) {
+        const char *unit = calibration->unit[i % 2];
+        buffer_put(text, i > 0 ? TEXT(" ") : TEXT(""));
+        buffer_real(text, i % 2 ? calibration->truth[i / 2] : calibration->read[i / 2]);
+        buffer_format(text, "%s%s", unit[0] ? " " : "", unit);
+    }
+}
+
+void calibration_take_line(struct text line, struct calibration *calibration)
+{
+    double value[4];
+    const struct unit *unit[4];
+    struct error ignored;
+    if (calibration_values(&line, value, unit, 4) != 4 ||
+        !calibration_make(value, unit, calibration, &ignored))
+        memset(calibration, 0, sizeof *calibration);
+}
+
+double calibration_gain(const struct calibration *c)
+{
+    return (c->truth[1] - c->truth[0]) / (c->read[1] - c->read[0]);
+}

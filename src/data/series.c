@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Series: parts of them, even grids behind their times, their noise. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+#include <hooke/data/even_times.h>
+#include <hooke/data/series.h>
+
+#include <math.h>
+#include <string.h>
+
+#define NOISE_OUTLIER_SIGMAS 6.0 /* standard deviations: a spike is no noise */
+
+struct series series_window(struct series series, double from, double to)
+{
+    size_t first = first_from(series.t, series.n, from), last = first_from(series.t, series.n, to);
+    while (last < series.n && series.t[last] <= to) {
+        last++;
+    }
+    series.t += first;
+    series.y += first;
+    series.n = last > first ? last - first : 0;
+    return series;
+}
+
+double series_fill_grid(const struct series *s, double t0, double dt, size_t length, double *out)
+{
+    double sum = 0;
+    size_t row = first_from(s->t, s->n, t0);
+    row = row > 0 ? row - 1 : 0;
+    for (size_t i = 0; i < length; i++) {
+        const double t = t0 + (double)i * dt;
+        while (row + 2 < s->n && s->t[row + 1] < t)
+            row++;
+        const double part = (t - s->t[row]) / (s->t[row + 1] - s->t[row]);
+        out[i] = s->y[row] + fmin(fmax(part, 0), 1) * (s->y[row + 1] - s->y[row]);
+        sum += out[i];
+    }
+    return sum;
+}
+
+/* Puts the line through rounded stamps in their place: whoever reads x->t then has the times of the
+ * samples. Returns false if out of memory. */
+static bool even_out(struct samples *samples, const struct even_times *even, struct arena *arena)
+{
+    double *t = arena_array(arena, samples->n, sizeof *t);
+    for (size_t i = 0; t && i < samples->n; i++)
+        t[i] = even->first + (double)i * even->step;
+    samples->t = t;
+    return t != NULL;
+}
+
+bool series_is_uneven(const struct series *s)
+{
+    static const double short_step = 0.05, short_share_max = 0.1;
+    const double mean = s->n > 1 ? (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1) : 0;
+    size_t short_steps = 0;
+    for (size_t i = 1; i < s->n; i++)
+        short_steps += s->t[i] - s->t[i - 1] < short_step * mean;
+    return (double)short_steps > short_share_max * (double)s->n;
+}
+
+/* Replaces very uneven samples by as many on an even grid, by straight lines. Rows that crowd where
+ * the motion is fast would weigh that part more than all the others together. Returns false if out
+ * of memory. */
+static bool samples_resample(struct samples *samples, const struct series *series,
+                             struct arena *arena)
+{
+    const size_t n = series->n;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    if (!t || !y)
+        return false;
+    samples->t0 = series->t[0];
+    samples->dt = (series->t[n - 1] - series->t[0]) / (double)(n - 1);
+    samples->uniform = true;
+    samples->resampled = true;
+    samples->pace = series->pace;
+    series_fill_grid(series, samples->t0, samples->dt, n, y);
+    for (size_t i = 0; i < n; i++)
+        t[i] = samples->t0 + (double)i * samples->dt;
+    samples->t = t;
+    samples->y = y;
+    return true;
+}
+
+bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
+{
+    *samples =
+        (struct samples){.t = series->t, .y = series->y, .n = series->n, .cancel = series->cancel};
+    samples->use = arena_alloc(arena, series->n + 1);
+    if (!samples->use) {
+        return false;
+    }
+    memset(samples->use, 1, series->n);
+    if (series->n < 2) {
+        return true;
+    }
+    if (series_is_uneven(series))
+        return samples_resample(samples, series, arena) && !cancelled(series->cancel);
+    struct even_times even;
+    even_times_find(series->t, series->y, series->n, series->cancel, &even);
+    samples->t0 = even.first;
+    samples->dt = even.step;
+    samples->uniform = even.even;
+    samples->pace = hypot(even.pace, series->pace);
+    if (even.even && even.resolution > 0 && !even_out(samples, &even, arena))
+        return false;
+    return !cancelled(series->cancel);
+}
+
+/* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6,
+ * white noise as sqrt(924). How many. */
+static size_t sixth_differences(const struct samples *samples, double *size)
+{
+    const size_t count = samples->n < 8 ? 0 : samples->n - 6;
+    for (size_t i = 0; i < count; i++) {
+        const double *w = samples->y + i;
+        size[i] = fabs((w[0] + w[6]) - 6 * (w[1] + w[5]) + 15 * (w[2] + w[4]) - 20 * w[3]);
+    }
+    return count;
+}
+
+/* Their median does not see single spikes. */
+double samples_noise(const struct samples *samples, double *scratch)
+{
+    const size_t count = sixth_differences(samples, scratch);
+    return count ? MAD_TO_SIGMA * values_quantile(scratch, count, 0.5) / sqrt(924.0) : NAN;
+}
+
+double series_noise(const struct series *series, struct arena *arena)
+{
+    struct samples samples;
+    double *size = arena_array(arena, series->n, sizeof *size), sum = 0;
+    size_t count = size && samples_init(&samples, series, arena) ? sixth_differences(&samples, size)
+                                                                 : 0,
+           used = 0;
+    if (!count)
+        return NAN;
+    const double median = values_quantile(size, count, 0.5);
+    for (size_t i = 0; i < count;
+         i++) /* the median alone is one of few values where samples are rounded */
+        if (size[i] <= NOISE_OUTLIER_SIGMAS * MAD_TO_SIGMA * median || median == 0) {
+            sum += size[i] * size[i];
+            used++;
+        }
+    return sqrt(sum / ((double)used * 924));
+}

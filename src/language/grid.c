@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Values in steps, FROM:TO[:STEP], and the arguments NAME=... that they stand in. */
+#include <hooke/base/statement.h>
+#include <hooke/language/grid.h>
+
+#include <math.h>
+#include <string.h>
+
+struct text next_key_argument(struct text *rest)
+{
+    text_skip_blanks(rest);
+    size_t end = 1;
+    for (; end < rest->len; end++) {
+        struct text after = {rest->at + end, rest->len - end};
+        if (!strchr(" \t", rest->at[end - 1]))
+            continue;
+        const struct text name = peek_name(after);
+        if (text_starts(after, TEXT("--")) || text_is(name, "at"))
+            break;
+        struct text behind = {after.at + name.len, after.len - name.len};
+        text_skip_blanks(&behind);
+        if (name.len > 0 && text_starts(behind, TEXT("=")))
+            break;
+    }
+    if (end > rest->len)
+        end = rest->len;
+    const struct text argument = {rest->at, end};
+    *rest = (struct text){rest->at + end, rest->len - end};
+    return text_trim(argument);
+}
+
+static bool read_end(struct parser *parser, const struct value_grid *grid, double *value,
+                     struct error *error)
+{
+    struct item item = {0};
+    text_skip_blanks(&parser->rest);
+    if (!parse_value(parser, grid->name, grid->quantity, &item, error))
+        return false;
+    *value = item.value.value;
+    text_skip_blanks(&parser->rest);
+    return true;
+}
+
+static bool take_colon(struct parser *parser)
+{
+    const bool there = text_starts(parser->rest, TEXT(":"));
+    if (there)
+        parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    text_skip_blanks(&parser->rest);
+    return there;
+}
+
+/* Steps from one end towards the other; the last value is the end where the steps come by, to
+ * rounding. */
+static bool count_values(struct value_grid *grid, double step, struct text where,
+                         struct error *error)
+{
+    const double steps =
+        grid->log ? log(grid->to / grid->from) / log(step) : (grid->to - grid->from) / step;
+    if (grid->from == grid->to) {
+        grid->count = 1;
+        return true;
+    }
+    if (!(steps > 0) || !(steps < 1e9)) {
+        error_at(error, where, "%s: such steps do not lead from one end to the other%s", grid->name,
+                 steps > 0 ? " in less than 1e9" : "");
+        return error_hint(error, "%s=1:10:0.5 adds 0.5, %s=1:100:x10 multiplies by 10", grid->name,
+                          grid->name);
+    }
+    grid->count = 1 + (int)floor(steps + 1e-6);
+    if (grid->count == 1)
+        return error_at(error, where,
+                        "%s: the first step already leads past the other end: only %s = %.6g is "
+                        "left, which needs no sweep",
+                        grid->name, grid->name, grid->from) ||
+               (!grid->log && step >= 2 && step == floor(step) &&
+                error_hint(error, "for %.0f points: %s=%.6g:%.6g:%.12g", step, grid->name,
+                           grid->from, grid->to, (grid->to - grid->from) / (step - 1)));
+    if (fabs(steps - (grid->count - 1)) > 1e-6)
+        grid->to = grid->log ? grid->from * pow(step, grid->count - 1)
+                             : grid->from + step * (grid->count - 1);
+    return true;
+}
+
+bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error)
+{
+    const struct text range = parser->rest;
+    if (!read_end(parser, grid, &grid->from, error))
+        return false;
+    if (!take_colon(parser)) {
+        error_at(error, text_trim(range), "%s needs a range from:to", grid->name);
+        return error_hint(error, "for example %s=1:10:0.5, or %s=1:100:x10 for factors of 10",
+                          grid->name, grid->name);
+    }
+    if (!read_end(parser, grid, &grid->to, error))
+        return false;
+    if (!take_colon(parser)) {
+        grid->count = grid->from == grid->to ? 1 : GRID_VALUES_USUAL;
+        return refuse_rest(parser, NULL, error);
+    }
+    struct item step = {0};
+    grid->log = text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 &&
+                strchr("0123456789.", parser->rest.at[1]);
+    if (grid->log)
+        parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    if (!parse_value(parser, grid->name, grid->log ? QUANTITY_NUMBER : grid->quantity, &step,
+                     error) ||
+        !refuse_rest(parser, &step, error))
+        return false;
+    if (grid->log && !(grid->from * grid->to > 0))
+        return error_at(error, text_trim(range),
+                        "%s: factors lead from one end to the other only on one side of 0",
+                        grid->name);
+    return count_values(grid, step.value.value, text_trim(range), error);
+}

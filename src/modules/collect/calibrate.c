@@ -1,0 +1,312 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* calibrate, zero */
+#ifndef COMMAND_ROWS
+#include "modules/collect/collecting.h"
+#include <hooke/base/cancel.h>
+#include <hooke/data.h>
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LAST 1.0   /* [s] of which a mean is taken */
+#define SAMPLES 3  /* in it, at least */
+#define NOISE 5    /* standard deviations of their means that two readings are apart … */
+#define MOVES 0.05 /* … and share of their distance that one may scatter by */
+
+/* What the sensor itself read, in the unit of the column or of the calibration. */
+struct raw {
+    double mean, scatter;
+    size_t n;
+    const struct unit *unit; /* NULL: none */
+};
+
+static bool take(const struct session *session, const struct recording *recording, double from,
+                 double to, struct raw *raw, struct error *error)
+{
+    const struct calibration *c = &recording->calibration;
+    const struct column *column = &recording->column[recording->value];
+    double mean = 0, squares = 0;
+    *raw = (struct raw){.unit = unit_find(text_of(c->known ? c->unit[0] : column->unit))};
+    for (size_t i = 0; i < recording->rows; i++) {
+        double value = column->value[i];
+        if (cancelled_at(session->front.cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped: nothing was calibrated");
+        if (!(recording->t[i] >= from && recording->t[i] <= to) || !isfinite(value))
+            continue;
+        if (c->known)
+            value = c->read[0] + (value - c->truth[0]) / calibration_gain(c);
+        const double apart = value - mean; /* Welford 1962 */
+        mean += apart / (double)++raw->n;
+        squares += apart * (value - mean);
+    }
+    raw->mean = mean;
+    raw->scatter = raw->n > 1 ? sqrt(squares / (double)(raw->n - 1)) : 0;
+    return raw->n >= SAMPLES ||
+           error_set(error, ERROR_COMMAND, "%s has %zu samples from %.6g to %.6g s: too few",
+                     recording->name, raw->n, from, to);
+}
+
+/* As many digits as the scatter leaves, and one. */
+static double rounded(const struct raw *raw)
+{
+    const double error = raw->scatter / sqrt((double)raw->n), decimals = 1 - floor(log10(error));
+    char text[64];
+    double value = raw->mean;
+    if (error > 0 && decimals >= 0 && decimals < 15 && fabs(value) < 1e15) {
+        snprintf(text, sizeof text, "%.*f", (int)decimals, value);
+        real_parse(text_of(text), &value);
+    }
+    return value;
+}
+
+/* A number with its unit, to be shown. */
+struct shown_value {
+    char text[64];
+};
+
+static struct shown_value with_unit_name(double value, const char *unit)
+{
+    struct shown_value made;
+    snprintf(made.text, sizeof made.text, "%.6g%s%.32s", value, unit[0] ? " " : "", unit);
+    return made;
+}
+
+static struct shown_value with_unit(double value, const struct unit *unit)
+{
+    return with_unit_name(value, unit ? unit->row.name : "");
+}
+
+static void say(const struct calibration *c, struct reply *reply)
+{
+    struct buffer text = {0};
+    calibration_put(c, &text);
+    if (!c->known)
+        reply_line(reply, "what is collected is taken as it comes");
+    else
+        reply_line(reply, "y: %s is %s, %s is %s; %s for each%s%s",
+                   with_unit_name(c->read[0], c->unit[0]).text,
+                   with_unit_name(c->truth[0], c->unit[1]).text,
+                   with_unit_name(c->read[1], c->unit[0]).text,
+                   with_unit_name(c->truth[1], c->unit[1]).text,
+                   with_unit_name(calibration_gain(c), c->unit[1]).text, c->unit[0][0] ? " " : "",
+                   c->unit[0]);
+    reply_begin(reply, "calibration");
+    reply_string(reply, "points", c->known ? buffer_view(&text) : NULL);
+    reply_real(reply, "gain", c->known ? calibration_gain(c) : NAN);
+    reply_string(reply, "read_unit", c->known ? c->unit[0] : NULL);
+    reply_string(reply, "unit", c->known ? c->unit[1] : NULL);
+    reply_end(reply);
+    buffer_free(&text);
+}
+
+/* For what is collected now, and from now on. */
+static void keep(struct session *session, const struct calibration *c, struct reply *reply)
+{
+    session->setup.calibration = *c;
+    session_changed(session);
+    say(c, reply);
+}
+
+static bool from_raw(struct session *session, const struct raw raw[2], const double truth[2],
+                     const struct unit *const unit[2], struct reply *reply, struct error *error)
+{
+    const double apart = fabs(raw[1].mean - raw[0].mean),
+                 noise = hypot(raw[0].scatter / sqrt((double)raw[0].n),
+                               raw[1].scatter / sqrt((double)raw[1].n));
+    const double value[4] = {rounded(&raw[0]), truth[0], rounded(&raw[1]), truth[1]};
+    const struct unit *const units[4] = {raw[0].unit, unit[0], raw[1].unit, unit[1]};
+    struct calibration c;
+    if (!(apart > NOISE * noise)) {
+        error_set(error, ERROR_COMMAND, "it read %s both times: that is one point",
+                  with_unit(raw[0].mean, raw[0].unit).text);
+        return error_hint(error, "was it moved, and is it the right column?");
+    }
+    for (int i = 0; i < 2; i++)
+        if (raw[i].scatter > MOVES * apart)
+            reply_warning(reply, "it moved: the readings at %s scatter by %.2g%s%s",
+                          with_unit(truth[i], unit[i]).text, raw[i].scatter, raw[i].unit ? " " : "",
+                          raw[i].unit ? raw[i].unit->row.name : "");
+    if (!calibration_make(value, units, &c, error))
+        return false;
+    keep(session, &c, reply);
+    return true;
+}
+
+static struct recording *growing(const struct session *session)
+{
+    for (int i = 0; session_collecting(session) && i < session->recordings; i++)
+        if (session->recording[i]->growing)
+            return session->recording[i]->recording;
+    return NULL;
+}
+
+/* The next of its two points is there. */
+static bool take_point(struct session *session, struct reply *reply, struct error *error)
+{
+    struct collecting *now = session_collecting(session);
+    struct recording *recording = growing(session);
+    struct raw raw[2];
+    if (!now || !now->aim.waits) {
+        error_set(error, ERROR_COMMAND, "no calibration waits for a point");
+        return error_hint(error, "while it is collected: calibrate y 20 cm 40 cm");
+    }
+    if (!recording)
+        return error_set(error, ERROR_COMMAND, "nothing has come yet");
+    const double end = recording->t[recording->rows - 1];
+    const int i = now->aim.taken;
+    if (!take(session, recording, end - LAST, end, &raw[i], error))
+        return false;
+    reply_line(reply, "%s reads %s, scatter %.2g in %zu samples",
+               with_unit(now->aim.truth[i], now->aim.truth_unit[i]).text,
+               with_unit(raw[i].mean, raw[i].unit).text, raw[i].scatter, raw[i].n);
+    if (i == 0) {
+        now->aim.taken = 1;
+        now->aim.read[0] = raw[0].mean;
+        now->aim.scatter[0] = raw[0].scatter / sqrt((double)raw[0].n);
+        now->aim.read_unit = raw[0].unit;
+        reply_line(reply, "hold it at %s, then: calibrate take",
+                   with_unit(now->aim.truth[1], now->aim.truth_unit[1]).text);
+        return true;
+    }
+    now->aim.waits = false;
+    raw[0] = (struct raw){now->aim.read[0], now->aim.scatter[0], 1, now->aim.read_unit};
+    return from_raw(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
+}
+
+/* "0:2,5:7" [s], when it was held at each point of the recording there is. */
+static bool take_windows(struct session *session, struct text at, const double truth[2],
+                         const struct unit *const unit[2], struct reply *reply, struct error *error)
+{
+    const struct recording *recording = session_recording(session);
+    struct raw raw[2];
+    const struct text all = at;
+    for (int i = 0; i < 2; i++) {
+        double edge[2];
+        for (int k = 0; k < 2; k++) {
+            size_t used = 0;
+            const char behind = i == 1 && k == 1 ? '\0' : k ? ',' : ':';
+            if (real_scan(at, '.', &edge[k], &used) != REAL_OK || used == 0 ||
+                (behind ? used >= at.len || at.at[used] != behind : used != at.len))
+                return error_at(error, all, "at= takes two windows [s]: at=0:2,5:7");
+            used += behind != '\0';
+            at = (struct text){at.at + used, at.len - used};
+        }
+        if (!recording)
+            return error_at(error, all, "there is no recording whose means could be taken");
+        if (!take(session, recording, edge[0], edge[1], &raw[i], error))
+            return false;
+    }
+    return from_raw(session, raw, truth, unit, reply, error);
+}
+
+static bool two_truths(struct session *session, struct text rest, const double truth[2],
+                       const struct unit *const unit[2], struct reply *reply, struct error *error)
+{
+    struct collecting *now = session_collecting(session);
+    const struct text key = TEXT("at=");
+    if (truth[0] == truth[1])
+        return error_set(error, ERROR_COMMAND, "two points are wanted: these are one");
+    if (text_starts(rest, key))
+        return take_windows(session,
+                            text_trim((struct text){rest.at + key.len, rest.len - key.len}), truth,
+                            unit, reply, error);
+    if (!now) {
+        error_set(error, ERROR_COMMAND, "nothing is being collected");
+        return error_hint(error, "at=0:2,5:7 says when the current recording was held there; or "
+                                 "READ1 TRUE1 READ2 TRUE2");
+    }
+    now->aim.waits = true;
+    now->aim.taken = 0;
+    for (int i = 0; i < 2; i++) {
+        now->aim.truth[i] = truth[i];
+        now->aim.truth_unit[i] = unit[i];
+    }
+    reply_line(reply, "hold it at %s, then: calibrate take", with_unit(truth[0], unit[0]).text);
+    return true;
+}
+
+HANDLER(calibrate)
+{
+    const struct argument_value *name = argument_value(args, "NAME"),
+                                *points = argument_value(args, "POINTS");
+    const struct unit *unit[4];
+    double value[4];
+    if (has_argument(args, "off")) {
+        struct calibration none;
+        memset(&none, 0, sizeof none);
+        none.decided = true;
+        keep(session, &none, reply);
+        return true;
+    }
+    if (has_argument(args, "take"))
+        return take_point(session, reply, error);
+    if (!name->count) {
+        say(&session->setup.calibration, reply);
+        return true;
+    }
+    const struct recording *recording = session_recording(session);
+    if (!text_is(name->item->text, "y") &&
+        !(recording && text_is(name->item->text, recording->column[recording->value].name)))
+        return error_at(error, name->where, "calibrated is the value: calibrate y 20 cm 40 cm");
+    struct text rest = points->count ? points->item->text : TEXT("");
+    const int n = calibration_values(&rest, value, unit, 4);
+    if (n == 2)
+        return two_truths(session, rest, value, unit, reply, error);
+    if (n != 4 || rest.len > 0) {
+        error_at(error, points->count ? points->where : name->where,
+                 "calibrate takes two true values, or READ1 TRUE1 READ2 TRUE2");
+        return error_hint(error, "calibrate y 20 cm 40 cm; calibrate y 19.6 cm 20 cm 39.1 cm 40 "
+                                 "cm");
+    }
+    struct calibration c;
+    if (!calibration_make(value, unit, &c, error))
+        return false;
+    keep(session, &c, reply);
+    return true;
+}
+
+HANDLER(zero)
+{
+    UNUSED(args);
+    const struct recording *recording =
+        session_collecting(session) ? growing(session) : session_recording(session);
+    struct raw raw;
+    if (!recording) {
+        error_set(error, ERROR_COMMAND, "nothing has come whose mean could be zero");
+        return error_hint(error, "collect SOURCE for=2s; zero; collect again");
+    }
+    const double end = recording->t[recording->rows - 1],
+                 period = session_collecting(session) ? session_collecting(session)->period : NAN,
+                 last = period > 0 ? fmax(1, floor(LAST / period)) * period : LAST;
+    if (!take(session, recording, end - last, end, &raw, error))
+        return false;
+    struct calibration c =
+        session->setup.calibration.known ? session->setup.calibration : recording->calibration;
+    const double mean = rounded(&raw);
+    if (!c.known) {
+        const double value[4] = {mean, 0, mean + 1, 1};
+        const struct unit *const unit[4] = {raw.unit, raw.unit, raw.unit, raw.unit};
+        if (!calibration_make(value, unit, &c, error))
+            return false;
+    } else {
+        const double truth = c.truth[0] + (mean - c.read[0]) * calibration_gain(&c);
+        c.truth[0] -= truth;
+        c.truth[1] -= truth;
+    }
+    c.decided = true;
+    reply_line(reply, "zero is where it reads %s: the mean of the last %.3g s, scatter %.2g",
+               with_unit(mean, raw.unit).text, last, raw.scatter);
+    keep(session, &c, reply);
+    return true;
+}
+#endif
+
+COMMAND(calibrate, .group = "DATA", .flags = COMMAND_CHANGES | COMMAND_BESIDE,
+        ARGUMENTS(WORD("off", TYPE_NONE, .group = 1), WORD("take", TYPE_NONE, .group = 1),
+                  PLACE("NAME", TYPE_TEXT, .group = 1), PLACE("POINTS", TYPE_REST)))
+
+COMMAND(zero, .group = "DATA", .flags = COMMAND_CHANGES | COMMAND_BESIDE)

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The module collect: recordings from sensors, line by line as they come. */
+#include "modules/collect/collecting.h"
+
+const struct module collect_module = {
+    .row = {"collect", "", "recordings from sensors as they come", "", NULL},
+    .needs = "recording solving",
+    .part_size = sizeof(struct collect_part),
+    .prompt = {.next = collect_next, .state = collect_state},
+};

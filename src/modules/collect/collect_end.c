@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* collect, at the end. */
+#include "modules/collect/handlers.h"
+#include <hooke/base/file.h>
+#include "modules/recording/recording_text.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *status_of(const struct collection *c)
+{
+    if (c->look.lines == 0 && c->there == 0)
+        return "silent";
+    if (c->trigger.wanted && isnan(c->trigger.t))
+        return "untriggered";
+    switch (c->look.end) {
+    case FEED_UNPLUGGED:
+        return "unplugged";
+    case FEED_FULL:
+    case FEED_FAILED:
+        return "full";
+    case FEED_ENDED:
+    case FEED_IN_TIME:
+        return "ok";
+    case FEED_GOES_ON:
+        break;
+    }
+    return c->how == END_IN_TIME ? "ok" : "stopped";
+}
+
+static void reply_collected(const struct collection *c, const struct recording *recording)
+{
+    static const char *const clocks[] = {
+        [CLOCK_DEVICE] = "device", [CLOCK_ARRIVAL] = "arrival", [CLOCK_UNEVEN] = "arrival"};
+    const struct collected *known = recording->collected;
+    struct reply *reply = c->reply;
+    reply_begin(reply, "collect");
+    reply_string(reply, "name", recording->name);
+    reply_string(reply, "source", c->source);
+    reply_int(reply, "rows", (int64_t)recording->rows);
+    if (known->lost_known || known->lost > 0)
+        reply_int(reply, "lost", (int64_t)known->lost);
+    else
+        reply_real(reply, "lost", NAN);
+    reply_int(reply, "garbled", (int64_t)known->garbled);
+    reply_int(reply, "skipped", (int64_t)known->skipped);
+    reply_int(reply, "repeated", (int64_t)known->repeated);
+    reply_int(reply, "remarks", (int64_t)known->remarks);
+    reply_int(reply, "samples", (int64_t)known->samples);
+    reply_int(reply, "lines", (int64_t)known->lines);
+    reply_real(reply, "t_start", recording->window[0]);
+    reply_real(reply, "t_end", recording->t[recording->rows - 1]);
+    reply_real(reply, "rate", recording->rate);
+    reply_real(reply, "jitter", known->clock == CLOCK_DEVICE ? NAN : known->jitter);
+    reply_string(reply, "clock", clocks[known->clock]);
+    reply_string(reply, "status", status_of(c));
+    reply_string(reply, "file", c->path);
+    reply_end(reply);
+}
+
+static void say_end(const struct collection *c, const struct recording *recording)
+{
+    const struct collected *known = recording->collected;
+    const struct {
+        size_t count;
+        const char *what;
+    } counts[] = {{known->skipped, "skipped before the first sample"},
+                  {known->garbled, "garbled"},
+                  {known->repeated, "repeated"},
+                  {known->remarks, "remarks"}};
+    struct buffer others = {0};
+    for (size_t i = 0; i < COUNT_OF(counts); i++)
+        if (counts[i].count > 0)
+            buffer_format(&others, ", %zu %s", counts[i].count, counts[i].what);
+    reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples%s (%s)", c->from_shown,
+               c->to_shown, known->lines, known->samples, buffer_view(&others), status_of(c));
+    buffer_free(&others);
+    if (c->look.end == FEED_UNPLUGGED)
+        reply_warning(c->reply, "%s is gone%s%s: 'collect continue' goes on when it is back",
+                      c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
+}
+
+/* What was waited for may be among the last lines. False: it never came, and nobody gave up. */
+static bool await_trigger(struct collection *c, struct recording *recording, struct error *error)
+{
+    struct trigger *trigger = &c->trigger;
+    struct error ignored;
+    struct buffer missed = {0};
+    const bool waits = trigger->wanted && isnan(trigger->t);
+    if (waits && trigger_look(trigger, recording, &c->never))
+        reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
+                   trigger->name.at, trigger->t);
+    for (size_t i = recording->rows; isfinite(trigger->t) && i > 0; i--)
+        if (recording->line[i - 1] >= trigger->line) /* its times are the last word */
+            trigger->t = recording->t[i - 1];
+    if (trigger->wanted && isfinite(trigger->t))
+        recording_window(recording, trigger->t - c->before, HUGE_VAL, &ignored);
+    if (!waits || isfinite(trigger->t))
+        return true;
+    trigger_missed(trigger, recording, &missed);
+    const bool gave_up = c->look.end == FEED_GOES_ON && !c->never.text[0];
+    if (gave_up)
+        reply_warning(c->reply, "%s", buffer_view(&missed));
+    else if (c->never.text[0])
+        *error = c->never;
+    else
+        error_set(error, ERROR_IO, "%s", buffer_view(&missed));
+    buffer_free(&missed);
+    if (!gave_up && !error->hint[0])
+        error_hint(error, "its lines are kept in %.100s: 'load' reads them", c->to_shown);
+    return gave_up;
+}
+
+/* Nobody can read it: what came, all the same. */
+static bool say_unread(const struct collection *c, struct error *error)
+{
+    const struct error why = *error;
+    error_set(error, why.code, "%llu %s from %s, no recording: %s",
+              (unsigned long long)(c->look.lines + c->there),
+              c->look.lines + c->there == 1 ? "line came" : "lines came", c->from_shown, why.text);
+    return error_hint(error,
+                      "its lines are kept in %.60s: 'load' with y=, sep= or decimal= may read "
+                      "them; or is baud=%ld not its speed?",
+                      c->to_shown, c->baud);
+}
+
+bool collect_finish(struct collection *c, const struct arguments *args, struct error *error)
+{
+    struct session *session = c->session;
+    struct load_options options = c->options;
+    const int growing = collect_own_place(c->session);
+    if (growing >= 0)
+        session_drop_recording(session, growing);
+    if (c->look.lines + c->there == 0) {
+        if (!c->again)
+            unlink(c->path); /* it has a heading, and nothing else */
+        error_set(error, ERROR_IO, "nothing came from %s", c->from_shown);
+        return error_hint(error, "is it connected and switched on? 'cat' shows what it says");
+    }
+    struct recording *recording = recording_load(c->path, &options, error);
+    if (!recording)
+        return say_unread(c, error);
+    const int same = session_find_recording(session, text_of(recording->name));
+    if (same >= 0)
+        session_drop_recording(session, same);
+    if (!await_trigger(c, recording, error)) {
+        reply_collected(c, recording);
+        recording_destroy(recording);
+        return false;
+    }
+    char *load_options = arena_text(args->arena, c->put_options);
+    if (!load_options)
+        recording_destroy(recording);
+    if (!load_options || !session_add_recording(session, recording, load_options, error))
+        return load_options ? false : error_memory(error);
+    struct buffer *happened = &session->history.happened;
+    buffer_put(happened, TEXT("load "));
+    buffer_word(happened, text_of(c->path));
+    buffer_format(happened, "%s\n", load_options);
+    if (recording->window[0] > recording->t[0])
+        buffer_format(happened, "data window %.17g:\n", recording->window[0]);
+    say_end(c, recording);
+    reply_description(recording, c->reply);
+    reply_collected(c, recording);
+    collect_say_fit(c);
+    if (c->look.end != FEED_FAILED)
+        return true;
+    error_set(error, ERROR_IO, "%s took no more (%s): what it has is whole, %llu %s lost",
+              c->to_shown, c->look.failure, (unsigned long long)c->look.unwritten,
+              c->look.unwritten == 1 ? "line is" : "lines are");
+    return error_hint(error, "it is a recording now; 'collect continue' goes on with it");
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* collect, while lines come: what is shown, waited for and said. */
+#include "modules/collect/handlers.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
+#include "modules/recording/fits.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LOOK_NS 50000000 /* between looks at what has come */
+#define SILENT_S 2.0     /* then it is said what is waited for */
+
+int collect_own_place(const struct session *session)
+{
+    for (int i = 0; i < session->recordings; i++)
+        if (session->recording[i]->growing)
+            return i;
+    return -1;
+}
+
+/* The first rows that can be read. */
+static void begin_showing(struct collection *c, struct recording *recording)
+{
+    struct error ignored;
+    const int same = session_find_recording(c->session, c->options.name);
+    if (same >= 0)
+        session_drop_recording(c->session, same);
+    snprintf(recording->name, sizeof recording->name, "%.*s", (int)c->options.name.len,
+             c->options.name.at);
+    struct buffer options = {0};
+    buffer_put(&options, c->put_options);
+    if (!growth_begin(&c->live.growth, recording))
+        recording_destroy(recording);
+    else if (session_add_recording(c->session, recording, buffer_view(&options), &ignored))
+        c->session->recording[c->session->recordings - 1]->growing = true;
+    buffer_free(&options);
+}
+
+/* Adds what has come to what is shown, or takes its place where the columns have become others. */
+static void show(struct collection *c, struct recording *more)
+{
+    int place = collect_own_place(c->session);
+    bool other = false;
+    if (place >= 0) {
+        struct recording *grown = c->session->recording[place]->recording;
+        recording_grow(grown, &c->live.growth, more, &other);
+        session_changed(c->session);
+        if (other)
+            session_drop_recording(c->session, place);
+    }
+    if (place < 0 || other)
+        begin_showing(c, more);
+    else
+        recording_destroy(more);
+    place = collect_own_place(c->session);
+    if (place >= 0)
+        collect_find(c, c->session->recording[place]->recording);
+}
+
+bool collect_put_calibration(const struct collection *c, struct error *error)
+{
+    struct buffer line = {0};
+    buffer_put(&line, TEXT(COLLECTED_CALIBRATION));
+    calibration_put(&c->calibration, &line);
+    buffer_char(&line, '\n');
+    const int fd = append_open(c->path, session_policy(c->session, false), 0666, error);
+    const bool ok = fd >= 0 && append_lines(fd, buffer_text(&line), true, error);
+    if (fd >= 0)
+        close(fd);
+    buffer_free(&line);
+    return ok;
+}
+
+/* Somebody has calibrated meanwhile: all is read again. */
+static void look_at_calibration(struct collection *c)
+{
+    const struct calibration *wanted = &c->session->setup.calibration;
+    struct error error;
+    if (!wanted->decided || memcmp(wanted, &c->calibration, sizeof *wanted) == 0)
+        return;
+    c->calibration = *wanted;
+    if (!collect_put_calibration(c, &error))
+        reply_warning(c->reply, "the calibration is not in the file: %s", error.text);
+    collect_view_restart(&c->view);
+    c->live.laid.model = NULL; /* what is laid over it begins anew */
+    const int place = collect_own_place(c->session);
+    if (place >= 0)
+        session_drop_recording(c->session, place);
+}
+
+static void look_at_recording(struct collection *c)
+{
+    look_at_calibration(c);
+    const bool waits = c->trigger.wanted && isnan(c->trigger.t) && !c->never.text[0];
+    const bool shows = c->session->front.watched || fits_of(c->session)->live;
+    if (!shows && !waits)
+        return;
+    struct recording *recording = collect_view_read(&c->view, c->look.lines);
+    if (!recording)
+        return;
+    if (waits && trigger_look(&c->trigger, recording, &c->never))
+        reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
+                   c->trigger.name.at, c->trigger.t);
+    if (shows)
+        show(c, recording);
+    else
+        recording_destroy(recording);
+}
+
+void collect_fit_last(struct collection *c)
+{
+    do {
+        c->view.due = c->live.fit_due = 0;
+        look_at_recording(c);
+    } while (c->view.lines == 0 && collect_own_place(c->session) >= 0);
+    const int place = collect_own_place(c->session);
+    if (place < 0)
+        return;
+    struct recording *all = c->session->recording[place]->recording;
+    if (c->state.fit.t != all->t[all->rows - 1]) { /* they had been read, and not yet fitted */
+        c->live.fit_due = 0;
+        collect_find(c, all);
+    }
+}
+
+/* What is waited for, once, when nothing comes, or nothing that can be read. */
+static void say_waiting(struct collection *c)
+{
+    const struct feed_look *look = &c->look;
+    if (!c->said_silent && look->lines == 0 && look->now - c->from > SILENT_S) {
+        c->said_silent = true;
+        if (look->bytes == 0)
+            reply_note(c->reply,
+                       "%s has said nothing for %.0f s: waiting for its first line; "
+                       "Ctrl-C ends it",
+                       c->source, SILENT_S);
+        else
+            reply_note(c->reply,
+                       "%s has sent %llu bytes, but no end of line: is baud=%ld its speed? "
+                       "waiting; Ctrl-C ends it",
+                       c->from_shown, (unsigned long long)look->bytes, c->baud);
+    }
+    if (!c->said_none && look->lines > 20 && look->now - look->first > SILENT_S &&
+        collect_own_place(c->session) < 0 && c->view.problem.text[0]) {
+        c->said_none = true;
+        reply_note(c->reply, "no sample yet in %llu lines: %s", (unsigned long long)look->lines,
+                   c->view.problem.text);
+    }
+}
+
+/* Where the axes of what is shown end. */
+static void tell_end(struct collection *c)
+{
+    const int place = collect_own_place(c->session);
+    const struct recording *shown = place >= 0 ? c->session->recording[place]->recording : NULL;
+    const double from = c->trigger.wanted    ? c->trigger.t
+                        : shown && !c->again ? shown->t[0]
+                                             : NAN,
+                 end = from + c->length + c->idle;
+    c->state.growing.until = end < HUGE_VAL ? end : NAN;
+}
+
+static void tell_state(struct collection *c)
+{
+    struct collecting *state = &c->state;
+    const bool waits = c->trigger.wanted && isnan(c->trigger.t);
+    /* by the clock of the arrivals: a device's may have been going on for hours */
+    const double start = c->trigger.wanted ? c->trigger.arrival : c->look.first;
+    if (state->state != COLLECT_PAUSED)
+        state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;
+    else if (c->look.now > start)
+        c->idle += c->look.now - fmax(start, c->looked);
+    c->looked = c->look.now;
+    state->lines = c->look.lines + c->there;
+    state->seconds = isnan(start) ? 0 : c->look.now - start - c->idle;
+    tell_end(c);
+    const double end = start + c->length + c->idle;
+    c->session->front.feed->until(
+        state->feed, end < HUGE_VAL && state->state == COLLECT_GOES_ON ? end : HUGE_VAL);
+    if (state->seconds >= c->length && state->state == COLLECT_GOES_ON) {
+        state->stop = true;
+        c->how = END_IN_TIME;
+    }
+    const struct front *front = &c->session->front;
+    if (!front->watched && front->progress && c->session->execution.typed)
+        front->progress(front->context, NULL,
+                        isfinite(c->length) ? fmin(1, state->seconds / c->length) : 0);
+}
+
+bool collect_follow(struct collection *c)
+{
+    const struct front *front = &c->session->front;
+    const struct timespec moment = {.tv_nsec = LOOK_NS};
+    bool interrupted = false;
+    for (;;) {
+        front->feed->look(c->state.feed, &c->look);
+        look_at_recording(c);
+        say_waiting(c);
+        tell_state(c);
+        if (c->look.end != FEED_GOES_ON || c->state.stop || c->session->execution.quit ||
+            interrupted || c->never.text[0])
+            break;
+        if (front->watched && front->slice)
+            interrupted = !front->slice(front->context, c->session, clock_ns() + LOOK_NS);
+        else
+            nanosleep(&moment, NULL);
+        interrupted = interrupted || cancelled(front->cancel);
+    }
+    if (!front->watched && front->progress)
+        front->progress(front->context, NULL, 2);
+    return interrupted;
+}

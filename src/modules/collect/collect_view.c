@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is seen of lines while they come: only the new ones are read, and some before them, so that
+ * the last cost as much as the first. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
+#include "modules/collect/handlers.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FIRST_BYTES 524288 /* of the file that are read at once, at most */
+#define TAIL_BYTES 32768   /* where times come from arrivals: a line through some thousand */
+#define OVERLAP_BYTES 4096 /* else: so many that the columns are known again */
+#define LOOK_NS 50000000   /* between looks */
+#define SHARE 40           /* the looks take that part of the time */
+
+static bool is_counted(struct text line)
+{
+    return line.len > 0 && line.at[0] != '#';
+}
+
+/* The file from the line on where the last look ended, behind its head. *all: to its end. */
+static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
+{
+    char piece[4096];
+    *all = false;
+    if (view->fd < 0)
+        view->fd = open(view->path, O_RDONLY | O_CLOEXEC);
+    if (view->fd < 0)
+        return false;
+    buffer_put(text, buffer_text(&view->head));
+    for (off_t at = view->from; at < view->from + FIRST_BYTES;) {
+        const ssize_t got = pread(view->fd, piece, sizeof piece, at);
+        *all = got <= 0;
+        if (*all)
+            break;
+        buffer_put(text, (struct text){piece, (size_t)got});
+        at += got;
+    }
+    while (text->len > 0 && text->data[text->len - 1] != '\n')
+        text->len--; /* the rest is being written */
+    return text->len > 0 && !text->failed;
+}
+
+/* What stands before the first sample: the heading and whatever else. */
+static void keep_head(struct collect_view *view, struct text file,
+                      const struct recording *recording)
+{
+    struct text rest = file, line;
+    uint32_t lines = 0;
+    while (text_split(&rest, '\n', &line)) {
+        lines += is_counted(line);
+        if (is_counted(line) && lines >= recording->line[0])
+            break;
+        buffer_put(&view->head, line);
+        buffer_char(&view->head, '\n');
+        view->head_lines += is_counted(line);
+    }
+    view->from = (off_t)view->head.len;
+    view->before = view->head_lines;
+}
+
+/* The next look begins so many bytes before the end of this one, at a line. */
+static void go_on(struct collect_view *view, struct text seen, size_t overlap)
+{
+    struct text rest = {seen.at + view->head.len, seen.len - view->head.len}, line;
+    while (rest.len > overlap && text_split(&rest, '\n', &line)) {
+        view->from += (off_t)line.len + 1;
+        view->before += is_counted(line);
+    }
+}
+
+static struct recording *read_rows(struct collect_view *view, struct text text)
+{
+    struct recording *recording = collected_read(text, view->options, &view->problem);
+    if (!recording)
+        return NULL;
+    if (view->head.len == 0)
+        keep_head(view, text, recording);
+    else
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->line[i] += view->before - view->head_lines;
+    if (view->newest > 0) /* clocks that count from the first line that is read */
+        recording_join_clock(recording, view->newest, view->t);
+    view->newest = recording->line[recording->rows - 1];
+    view->t = recording->t[recording->rows - 1];
+    recording->path = arena_text(&recording->arena, text_of(view->path));
+    if (recording->path)
+        return recording;
+    recording_destroy(recording);
+    return NULL;
+}
+
+struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
+{
+    const int64_t begun = clock_ns();
+    struct buffer text = {0};
+    struct recording *recording = NULL;
+    bool all;
+    if (lines < 3 || lines == view->lines || begun < view->due)
+        return NULL;
+    if (read_new(view, &text, &all))
+        recording = read_rows(view, buffer_text(&text));
+    if (recording)
+        go_on(view, buffer_text(&text),
+              recording->collected->clock == CLOCK_DEVICE ? OVERLAP_BYTES : TAIL_BYTES);
+    buffer_free(&text);
+    view->lines = all || !recording ? lines : 0;
+    const int64_t spent = SHARE * (clock_ns() - begun);
+    view->due = begun + (spent > LOOK_NS ? spent : LOOK_NS);
+    return recording;
+}
+
+void collect_view_restart(struct collect_view *view)
+{
+    buffer_clear(&view->head);
+    view->head_lines = view->before = 0;
+    view->from = 0;
+    view->lines = 0;
+    view->newest = 0;
+    view->due = 0;
+}
+
+void collect_view_free(struct collect_view *view)
+{
+    if (view->fd >= 0)
+        close(view->fd);
+    buffer_free(&view->head);
+}
+
+/* ---- what is waited for ---- */
+
+bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *error)
+{
+    const struct text all = parser->rest;
+    struct item item = {0};
+    trigger->name = peek_word(parser->rest, "");
+    parser->rest = (struct text){trigger->name.at + trigger->name.len,
+                                 (size_t)(all.at + all.len - trigger->name.at) - trigger->name.len};
+    text_skip_blanks(&parser->rest);
+    const struct text way = peek_word(parser->rest, "");
+    parser->rest = (struct text){way.at + way.len, parser->rest.len - way.len};
+    trigger->direction = text_is(way, "rising") ? 1 : text_is(way, "falling") ? -1 : 0;
+    text_skip_blanks(&parser->rest);
+    if (trigger->name.len == 0 || trigger->direction == 0)
+        return error_at(error, all, "trigger= is NAME rising or falling VALUE: \"y rising 22 cm\"");
+    if (!parse_value(parser, "the trigger", QUANTITY_OTHER, &item, error) ||
+        !refuse_rest(parser, &item, error))
+        return false;
+    trigger->wanted = true;
+    trigger->level = item.value.value;
+    trigger->unit = item.unit;
+    trigger->said = all;
+    trigger->after = 0;
+    trigger->t = trigger->arrival = NAN;
+    return true;
+}
+
+/* NULL: there is none of that name. */
+static const struct column *trigger_column(const struct trigger *trigger,
+                                           const struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (text_is(trigger->name, recording->column[i].name))
+            return &recording->column[i];
+    return text_is(trigger->name, "y") ? &recording->column[recording->value] : NULL;
+}
+
+/* What the column's numbers are multiplied with; those without a unit are in that of the level. */
+static double trigger_factor(const struct trigger *trigger, const struct column *column)
+{
+    if (!trigger->unit)
+        return 1;
+    return column->quantity == QUANTITY_OTHER ? trigger->unit->factor : column->factor;
+}
+
+static bool refuse_trigger(const struct trigger *trigger, const struct recording *recording,
+                           const struct column *column, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct buffer names = {0};
+    if (column)
+        return error_set(error, ERROR_COMMAND, "the trigger cannot come: %s is %s %s, %s is none",
+                         safe_name(text_of(column->name), name), quantity_article(column->quantity),
+                         quantity_name(column->quantity), trigger->unit->row.name);
+    error_set(error, ERROR_COMMAND, "the trigger cannot come: no column is called '%s'",
+              safe_name(trigger->name, name));
+    for (int i = 0; i < recording->columns && names.len < 100; i++)
+        buffer_format(&names, ", %s", safe_name(text_of(recording->column[i].name), name));
+    error_hint(error, "trigger=\"y ...\" is the value; the columns are %s",
+               buffer_view(&names) + (names.len > 2 ? 2 : 0));
+    buffer_free(&names);
+    return false;
+}
+
+bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error)
+{
+    const struct column *column = trigger_column(trigger, recording);
+    if (!column || (trigger->unit && column->quantity != QUANTITY_OTHER &&
+                    column->quantity != trigger->unit->quantity))
+        return refuse_trigger(trigger, recording, column, error);
+    const double factor = trigger_factor(trigger, column);
+    double before = NAN;
+    for (size_t i = 0; i < recording->rows; i++) {
+        const double value = column->value[i] * factor - trigger->level;
+        if (!isfinite(value))
+            continue;
+        if (before * trigger->direction < 0 && value * trigger->direction >= 0 &&
+            recording->line[i] > trigger->after) {
+            trigger->t = recording->t[i];
+            trigger->line = recording->line[i];
+            trigger->arrival =
+                recording->collected->last - (recording->t[recording->rows - 1] - trigger->t);
+            return true;
+        }
+        before = value;
+    }
+    return false;
+}
+
+void trigger_missed(const struct trigger *trigger, const struct recording *recording,
+                    struct buffer *out)
+{
+    char name[SAFE_NAME_SIZE];
+    const struct column *column = trigger_column(trigger, recording);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    size_t n = 0;
+    for (size_t i = 0; column && i < recording->rows; i++)
+        if (isfinite(column->value[i]) && recording->line[i] > trigger->after) {
+            low = fmin(low, column->value[i]);
+            high = fmax(high, column->value[i]);
+            n++;
+        }
+    buffer_format(out, "the trigger never came: %s", safe_name(trigger->said, name));
+    if (n > 0)
+        buffer_format(out, "; %s was %.6g to %.6g%s%s in %zu samples",
+                      safe_name(trigger->name, name), low, high, column->unit[0] ? " " : "",
+                      column->unit, n);
+}

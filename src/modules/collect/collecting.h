@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is being collected now: for the screen, and for what is typed meanwhile. */
+#ifndef HOOKE_MODULES_COLLECT_COLLECTING_H
+#define HOOKE_MODULES_COLLECT_COLLECTING_H
+
+#include <hooke/module.h>
+
+struct unit;
+
+struct collecting {
+    struct growing growing;
+    enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state; /* waiting for its trigger */
+    bool stop;                                                       /* asked to */
+    uint64_t lines;
+    double seconds;           /* [s] since the first line, or the trigger, without pauses */
+    double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
+    enum quantity quantity;   /* of the amplitude */
+    struct {
+        double t;                         /* [s] of the newest sample; NAN: there is no fit */
+        struct measured period, gamma, k; /* NAN: not determined, k: nobody has said the mass */
+    } fit;
+    struct { /* a calibration that waits for its points */
+        bool waits;
+        int taken; /* of two */
+        double truth[2], read[2], scatter[2];
+        const struct unit *truth_unit[2], *read_unit; /* NULL: none */
+    } aim;
+    struct feed *feed;
+};
+
+/* The module's part of a session. */
+struct collect_part {
+    struct collecting *now; /* NULL: nothing is collected */
+};
+
+extern const struct module collect_module;
+
+/* Returns what is being collected in the session, or NULL. */
+struct collecting *session_collecting(const struct session *session);
+
+/* Appends time, lines, period and fit to the state line. counts: with the number of lines; blanks:
+ * between numbers and units. Returns false where nothing is collected. */
+bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *out);
+/* Appends "calibrate take" where a calibration waits for a point. */
+bool collect_next(const struct session *session, struct buffer *line, bool *insists);
+
+#endif

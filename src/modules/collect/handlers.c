@@ -1,0 +1,384 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* collect, stop */
+#ifndef COMMAND_ROWS
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include "modules/collect/handlers.h"
+#include "modules/recording/fits.h"
+#include "modules/recording/recording_text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define BAUD 115200        /* unless it is said */
+#define LINES_MAX 50000000 /* unless it is said; the file has a limit of its own */
+#define NAMES_MAX 10000    /* files beside each other */
+
+static struct text text_given(const struct arguments *args, const char *name)
+{
+    const struct argument_value *one = argument_value(args, name);
+    return one->count ? one->item->text : (struct text){NULL, 0};
+}
+
+static double value_given(const struct arguments *args, const char *name, double otherwise)
+{
+    return has_argument(args, name) ? argument_value(args, name)->item->value.value : otherwise;
+}
+
+/* ---- what is wanted ---- */
+
+/* As they stand in a statement, those of `load` or all. */
+static void put_options(const struct arguments *args, bool all, struct buffer *out)
+{
+    static const char *const keys[] = {"t",   "y",    "unit",    "tunit",  "rate", "decimal",
+                                       "sep", "baud", "trigger", "before", "for",  "max"};
+    for (size_t i = 0; i < (all ? COUNT_OF(keys) : 7); i++) {
+        const struct argument_value *key = argument_value(args, keys[i]);
+        if (key->count == 0)
+            continue;
+        buffer_format(out, " %s=", keys[i]);
+        buffer_word(out, key->item->text);
+    }
+}
+
+/* Makes a name of letters, digits and _, with - for the rest. */
+static void plain_name(struct text of, size_t max, char name[LIMIT_NAME + 1])
+{
+    size_t len = 0;
+    for (; len < of.len && len < max; len++) {
+        const char c = of.at[len];
+        const bool plain =
+            (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+        name[len] = plain ? c : '-';
+    }
+    name[len] = '\0';
+}
+
+/* NAME-N.txt that is not there yet, of the source's own name or as=. */
+static const char *free_name(const struct arguments *args, const char *source)
+{
+    const struct text as = text_given(args, "as");
+    char stem[LIMIT_NAME + 1];
+    plain_name(as.len ? as : text_last_component(text_of(source)), LIMIT_NAME - 8, stem);
+    for (int i = 1; i < NAMES_MAX; i++) {
+        struct buffer name = {0};
+        struct stat st;
+        buffer_format(&name, "%s-%d.txt", stem[0] && stem[0] != '-' ? stem : "collected", i);
+        char *path = arena_text(args->arena, buffer_text(&name));
+        buffer_free(&name);
+        if (!path || lstat(path, &st) != 0)
+            return path;
+    }
+    return NULL;
+}
+
+static bool read_wishes(const struct arguments *args, struct collection *c, struct error *error)
+{
+    const struct item *unit =
+                          has_argument(args, "unit") ? argument_value(args, "unit")->item : NULL,
+                      *tunit =
+                          has_argument(args, "tunit") ? argument_value(args, "tunit")->item : NULL;
+    const struct argument_value *decimal = argument_value(args, "decimal"),
+                                *sep = argument_value(args, "sep");
+    c->options =
+        (struct load_options){.time = text_given(args, "t"),
+                              .value = text_given(args, "y"),
+                              .unit = unit ? unit->unit : NULL,
+                              .time_unit = tunit ? tunit->unit : NULL,
+                              .rate = value_given(args, "rate", 0),
+                              .decimal = decimal->count ? decimal_letters[decimal->item->index] : 0,
+                              .separator = sep->count ? separator_letters[sep->item->index] : 0};
+    c->length = value_given(args, "for", HUGE_VAL);
+    c->before = value_given(args, "before", 0);
+    c->baud = (long)value_given(args, "baud", BAUD);
+    c->max = (uint64_t)value_given(args, "max", LINES_MAX);
+    struct buffer options = {0};
+    put_options(args, false, &options);
+    char *copy = arena_text(args->arena, buffer_text(&options));
+    buffer_free(&options);
+    if (!copy)
+        return error_memory(error);
+    c->put_options = text_of(copy);
+    if (!(c->length > 0))
+        return error_at(error, text_given(args, "for"), "for= needs a time above 0");
+    if (!has_argument(args, "trigger"))
+        return true;
+    struct parser parser = {c->session, args->scope, args->arena, text_given(args, "trigger")};
+    return trigger_read(&parser, &c->trigger, error);
+}
+
+/* ---- its file ---- */
+
+/* Its head, with the statement that makes it again. -1: the error says why. */
+static int begin_file(const struct collection *c, const struct arguments *args, struct error *error)
+{
+    struct stat st, own;
+    if (strcmp(c->source, STANDARD_INPUT) != 0 &&
+        (stat(c->source, &st) != 0 ||
+         (stat(c->path, &own) == 0 && st.st_ino == own.st_ino && st.st_dev == own.st_dev))) {
+        error_set(error, ERROR_IO, "cannot collect from %s: %s", c->from_shown,
+                  access(c->source, F_OK) != 0 ? strerror(errno)
+                                               : "it is where the lines would go");
+        return -1;
+    }
+    if (!c->again && lstat(c->path, &st) == 0) {
+        error_set(error, ERROR_IO, "%s exists", c->to_shown);
+        error_hint(error, "to=FILE names another; 'collect continue' goes on with the current one");
+        return -1;
+    }
+    const int fd = append_open(c->path, session_policy(c->session, false), 0666, error);
+    if (fd >= 0 && c->again && !append_lines(fd, TEXT(COLLECTED_PAUSE "\n"), false, error)) {
+        close(fd);
+        return -1;
+    }
+    if (fd < 0 || c->again)
+        return fd;
+    struct buffer head = {0};
+    buffer_format(&head, "%s: seconds, tab, a line as it came\n%scollect ", COLLECTED_HEAD,
+                  COLLECTED_STATEMENT);
+    buffer_word(&head, strcmp(c->source, STANDARD_INPUT) == 0 ? TEXT("-") : text_of(c->source));
+    put_options(args, true, &head);
+    buffer_char(&head, '\n');
+    if (c->calibration.known) {
+        buffer_put(&head, TEXT(COLLECTED_CALIBRATION));
+        calibration_put(&c->calibration, &head);
+        buffer_char(&head, '\n');
+    }
+    struct error why = {.code = ERROR_NONE};
+    const bool ok =
+        !head.failed ? append_lines(fd, buffer_text(&head), false, &why) : error_memory(&why);
+    buffer_free(&head);
+    if (ok)
+        return fd;
+    close(fd);
+    unlink(c->path);
+    error_set(error, why.code, "cannot collect into %s: %s", c->to_shown, why.text);
+    return -1;
+}
+
+/* ---- all of it ---- */
+
+static const char *shown(const struct arguments *args, const char *path)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, text_of(path), false);
+    const char *copy = arena_text(args->arena, buffer_text(&safe));
+    buffer_free(&safe);
+    return copy;
+}
+
+static bool collect(struct collection *c, const struct arguments *args, struct error *error)
+{
+    struct session *session = c->session;
+    const struct feed_access *feed = session->front.feed;
+    struct collect_part *part = session_part(session, &collect_module);
+    if (!part)
+        return error_memory(error);
+    if (!feed)
+        return error_set(error, ERROR_COMMAND, "nothing can be collected here");
+    c->from_shown = shown(args, c->source);
+    c->to_shown = shown(args, c->path);
+    if (!c->from_shown || !c->to_shown)
+        return error_memory(error);
+    const int file = begin_file(c, args, error);
+    if (file < 0)
+        return false;
+    const struct feed_request request = {.source = c->source,
+                                         .file = file,
+                                         .baud = c->baud,
+                                         .from = c->from,
+                                         .max = c->max,
+                                         .safe = session->options.safe};
+    if (c->again && session->setup.calibration.decided && !collect_put_calibration(c, error)) {
+        close(file);
+        return false;
+    }
+    c->options.calibration = &c->calibration;
+    c->view = (struct collect_view){.path = c->path, .options = &c->options, .fd = -1};
+    c->state = (struct collecting){
+        .growing = {.steady = NAN, .middle = NAN, .swing = NAN, .until = NAN, .late = NAN},
+        .period = NAN,
+        .amplitude = NAN,
+        .fit = {.t = NAN}};
+    c->trigger.after = c->after;
+    c->state.feed = feed->open(&request, error);
+    if (!c->state.feed) {
+        if (!c->again)
+            unlink(c->path);
+        return false;
+    }
+    c->how = END_STOPPED;
+    if (session->front.watched)
+        reply_line(c->reply, "collecting into %s (Ctrl-C or 'stop' ends it and keeps it)",
+                   c->to_shown);
+    part->now = &c->state;
+    session->growing = &c->state.growing;
+    const bool interrupted = collect_follow(c);
+    feed->close(c->state.feed, &c->look);
+    c->state.feed = NULL;
+    if (interrupted)
+        feed->heeded();
+    if (fits_of(session)->live)
+        collect_fit_last(c);
+    part->now = NULL;
+    session->growing = NULL;
+    collect_view_free(&c->view);
+    collect_live_free(c);
+    return collect_finish(c, args, error);
+}
+
+/* ---- the commands ---- */
+
+/* What is typed while it goes on. */
+static bool steer(struct session *session, const struct arguments *args, struct reply *reply,
+                  struct error *error)
+{
+    struct collecting *now = session_collecting(session);
+    const bool pause = has_argument(args, "pause"), on = has_argument(args, "continue");
+    if (!pause && !on && !has_argument(args, "stop"))
+        return error_set(error, ERROR_COMMAND,
+                         "a recording is being collected: 'stop' ends it, and keeps it");
+    if (!pause && !on) {
+        now->stop = true;
+        return true;
+    }
+    session->front.feed->pause(now->feed, pause);
+    now->state = pause ? COLLECT_PAUSED : COLLECT_GOES_ON;
+    reply_line(reply, pause ? "paused: what comes now is dropped; 'collect continue' goes on"
+                            : "collecting goes on");
+    return true;
+}
+
+/* The statement that collected the current recording, parsed anew. */
+static bool repeat(struct session *session, const struct arguments *args, struct arguments *again,
+                   struct error *error)
+{
+    const struct recording *recording = session_recording(session);
+    if (!recording || !recording->collected || recording->collected->statement.len == 0) {
+        error_set(error, ERROR_COMMAND, "the current recording was not collected");
+        return error_hint(error, "collect SOURCE, or 'data use NAME'");
+    }
+    char *copy = arena_text(args->arena, recording->collected->statement);
+    if (!copy)
+        return error_memory(error);
+    struct parser parser = {session, args->scope, args->arena, text_of(copy)};
+    const struct text word = peek_word(parser.rest, "");
+    parser.rest = (struct text){word.at + word.len, parser.rest.len - word.len};
+    if (!text_is(word, "collect"))
+        return error_set(error, ERROR_COMMAND, "its file does not say how it was collected");
+    *again = (struct arguments){.command = args->command,
+                                .word = word,
+                                .scope = args->scope,
+                                .arena = args->arena,
+                                .where = args->where};
+    return parse_arguments(&parser, args->command, again, error) &&
+           (has_argument(again, "SOURCE") ||
+            error_set(error, ERROR_COMMAND, "its file does not say what it was collected from"));
+}
+
+/* Its time goes on as the clock on the wall did. */
+static bool go_on_after(struct collection *c, const struct recording *recording)
+{
+    struct stat st;
+    struct timespec now;
+    if (stat(recording->path, &st) != 0 || clock_gettime(CLOCK_REALTIME, &now) != 0)
+        return false;
+    const double since =
+        difftime(now.tv_sec, st.st_mtim.tv_sec) + 1e-9 * (double)(now.tv_nsec - st.st_mtim.tv_nsec);
+    c->again = true;
+    c->path = recording->path;
+    c->there = recording->collected->lines;
+    c->after = recording->line[recording->rows - 1];
+    c->from = recording->collected->last + (since > 0 ? since : 0);
+    return true;
+}
+
+static bool name_it(struct collection *c, const struct arguments *args, struct error *error)
+{
+    const struct text to = text_given(args, "to"), as = text_given(args, "as");
+    if (!c->path)
+        c->path = to.len ? arena_text(args->arena, to) : free_name(args, c->source);
+    if (!c->path)
+        return error_set(error, ERROR_IO, "no name for the file: to=FILE gives it one");
+    if (as.len > 0 && (as.len > LIMIT_NAME || peek_name(as).len != as.len))
+        return error_at(error, as,
+                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
+                        LIMIT_NAME);
+    const struct text file = text_last_component(text_of(c->path));
+    const size_t end = file.len > 4 ? file.len - 4 : file.len;
+    char name[LIMIT_NAME + 1];
+    plain_name(as.len ? as : (struct text){file.at, end}, LIMIT_NAME, name);
+    const char *kept = arena_text(args->arena, text_of(name));
+    c->options.name = text_of(kept ? kept : "");
+    return kept || error_memory(error);
+}
+
+HANDLER(collect)
+{
+    struct collection c = {.session = session, .reply = reply};
+    if (session_collecting(session))
+        return steer(session, args, reply, error);
+    struct arguments *again = arena_alloc(args->arena, sizeof *again);
+    const bool on = has_argument(args, "continue"), anew = on || has_argument(args, "again");
+    if (!again)
+        return error_memory(error);
+    if (session->live.state == LIVE_RUNNING || session->execution.reacting)
+        return error_set(error, ERROR_COMMAND, "a run goes on: pause it before");
+    if (has_argument(args, "pause") || has_argument(args, "stop"))
+        return error_set(error, ERROR_COMMAND, "nothing is being collected");
+    if (anew && !repeat(session, args, again, error))
+        return false;
+    if (on && !go_on_after(&c, session_recording(session)))
+        return error_set(error, ERROR_IO, "its file is gone");
+    const struct text source = text_given(anew ? again : args, "SOURCE");
+    const bool input = text_is(source, "-");
+    if (source.len == 0)
+        return error_set(error, ERROR_COMMAND, "collect needs a SOURCE: a device, a pipe, or -") ||
+               error_hint(error, "'load FILE' reads a recording that is there already");
+    if (input && !check_input(session, source, error))
+        return false;
+    const struct recording *before = anew ? session_recording(session) : NULL;
+    c.calibration = session->setup.calibration.decided ? session->setup.calibration
+                    : before                           ? before->calibration
+                                                       : c.calibration;
+    c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
+    return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&
+                          collect(&c, anew ? again : args, error)
+                    : error_memory(error);
+}
+
+HANDLER(stop)
+{
+    UNUSED(args);
+    UNUSED(error);
+    if (session_collecting(session))
+        session_collecting(session)->stop = true;
+    else if (session->live.state == LIVE_RUNNING)
+        session->live.pausing = true;
+    else
+        reply_line(reply, "nothing is running");
+    return true;
+}
+#endif
+
+COMMAND(collect, .group = "DATA", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(WORD("again", TYPE_NONE, .group = 1), WORD("pause", TYPE_NONE, .group = 1),
+                  WORD("continue", TYPE_NONE, .group = 1), WORD("stop", TYPE_NONE, .group = 1),
+                  PLACE("SOURCE", TYPE_FILE, .group = 1), KEY("baud", TYPE_INTEGER),
+                  KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
+                  KEY("for", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("max", TYPE_INTEGER),
+                  KEY("trigger", TYPE_TEXT), KEY("before", TYPE_VALUE, .quantity = QUANTITY_TIME),
+                  KEY("to", TYPE_FILE), KEY("as", TYPE_TEXT), KEY("t", TYPE_TEXT),
+                  KEY("y", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+                  KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
+                  KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
+                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog)))
+
+COMMAND(stop, .group = "DATA", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

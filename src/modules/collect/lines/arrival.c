@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * When samples were taken, from when their lines arrived. A device that sends at an even rate is
+ * heard late, and in bursts where USB packs its lines: the samples lie on a straight line below
+ * the arrivals. Its slope is the median of slopes between lines far apart (Theil 1950, Sen 1968),
+ * then least squares; lines that were lost are steps of the smallest delays by whole intervals.
+ */
+#include "modules/collect/lines.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    APART_MAX = 4096,  /* lines between the ends of a slope */
+    SLOPES_MAX = 4096, /* slopes that the median is of */
+    BLOCK = 32,        /* lines of which one arrives in time; fewer where there are few … */
+    AHEAD = 16,        /* blocks in which a line that waited is over */
+    BLOCKS_MIN = 8,    /* … but so many blocks, or nothing is said about steps */
+    PASSES = 3         /* of the line and the steps */
+};
+#define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
+#define AT_ONCE 0.1   /* [interval] between lines of one packet */
+#define STEP_SIGMAS 8 /* … nor one that the delays make by themselves */
+#define OUTLIER 6     /* robust standard deviations: a later line waited for something */
+#define TINY 1e-9     /* [s] of rounding */
+#define WANDERS 0.5   /* means of blocks scatter by that share of all: no line describes them */
+
+/* The arrival of the line at place x: from + interval x. */
+struct arrival_line {
+    double from, interval;
+};
+
+static double median_slope(const struct arrivals *a, const double *place, double *scratch)
+{
+    const size_t apart = a->n / 4 < APART_MAX ? a->n / 4 + 1 : APART_MAX, count = a->n - apart,
+                 stride = count / SLOPES_MAX + 1;
+    size_t n = 0;
+    for (size_t i = 0; i < count; i += stride)
+        scratch[n++] = (a->arrival[i + apart] - a->arrival[i]) / (place[i + apart] - place[i]);
+    return values_quantile(scratch, n, 0.5);
+}
+
+static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
+                    size_t i)
+{
+    return a->arrival[i] - line.from - line.interval * place[i];
+}
+
+/* Through those that are no later or earlier than `limit` [s] by the line as it is. */
+static void least_squares(const struct arrivals *a, const double *place, double limit,
+                          struct arrival_line *line)
+{
+    double x = 0, y = 0, xx = 0, xy = 0, n = 0;
+    for (size_t i = 0; i < a->n; i++)
+        if (fabs(delay(a, place, *line, i)) <= limit) {
+            n++;
+            x += (place[i] - x) / n;
+            y += (a->arrival[i] - y) / n;
+        }
+    for (size_t i = 0; i < a->n; i++)
+        if (fabs(delay(a, place, *line, i)) <= limit) {
+            xx += (place[i] - x) * (place[i] - x);
+            xy += (place[i] - x) * (a->arrival[i] - y);
+        }
+    line->interval = xx > 0 ? xy / xx : NAN;
+    line->from = y - line->interval * x;
+}
+
+static size_t block_of(const struct arrivals *a)
+{
+    const size_t most = a->n / (2 * BLOCKS_MIN);
+    return most > BLOCK ? BLOCK : most > 0 ? most : 1;
+}
+
+static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
+                       size_t block)
+{
+    double least = HUGE_VAL;
+    const size_t each = block_of(a);
+    for (size_t i = block * each; i < (block + 1) * each && i < a->n; i++)
+        least = fmin(least, delay(a, place, line, i));
+    return least;
+}
+
+/* Where lines come several at a time, the smallest of their delays may change by one interval. */
+static bool several_at_once(const struct arrivals *a, struct arrival_line line)
+{
+    size_t at_once = 0;
+    for (size_t i = 1; i < a->n; i++)
+        at_once += a->arrival[i] - a->arrival[i - 1] < AT_ONCE * line.interval;
+    return 2 * at_once > a->n;
+}
+
+/* Somebody paused there, or beside it. */
+static bool pauses(const struct arrivals *a, size_t line)
+{
+    return a->pause && (a->pause[line] || (line > 0 && a->pause[line - 1]) ||
+                        (line + 1 < a->n && a->pause[line + 1]));
+}
+
+/* Shifts the places behind each step by as many lines as it is high; so many in all, and those of
+ * them that are lost. */
+static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
+                        double *scratch, size_t *lost)
+{
+    const size_t each = block_of(a), blocks = a->n / each;
+    size_t moved = 0, n = 0;
+    if (a->counted || blocks < BLOCKS_MIN)
+        return 0;
+    for (size_t k = 1; k < blocks; k++)
+        scratch[n++] = fabs(smallest(a, place, line, k) - smallest(a, place, line, k - 1));
+    const double least = several_at_once(a, line) ? 1 + STEP_MIN : STEP_MIN;
+    const double usual = STEP_SIGMAS * MAD_TO_SIGMA * values_quantile(scratch, n, 0.5);
+    double before = smallest(a, place, line, 0), at = 0;
+    memset(scratch, 0, each * sizeof *scratch);
+    for (size_t k = 1; k < blocks; k++) {
+        const double now = smallest(a, place, line, k) - at, step = now - before;
+        const bool steps = step > usual && step > least * line.interval;
+        /* none of these has lines before it, and what only waited comes in time again */
+        double after = k + 1 < blocks || !steps ? HUGE_VAL : step;
+        for (size_t j = k + 1; steps && j < blocks && j <= k + AHEAD; j++)
+            after = fmin(after, smallest(a, place, line, j) - at - before);
+        const double whole = nearbyint(after / line.interval);
+        if (!steps || whole < 1) {
+            before = steps ? before : fmin(now, before + usual);
+            for (size_t i = k * each; i < (k + 1) * each; i++)
+                scratch[i] = at / line.interval;
+            continue;
+        }
+        size_t first = k * each;
+        /* where it begins: behind the last line that came in time */
+        const double half = before + at + 0.5 * whole * line.interval;
+        while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
+            first++;
+        while (first > (k - 1) * each && delay(a, place, line, first - 1) > half)
+            first--;
+        at += whole * line.interval;
+        moved += (size_t)whole;
+        *lost += pauses(a, first) ? 0 : (size_t)whole;
+        for (size_t i = k * each; i < first; i++)
+            scratch[i] = at / line.interval - whole;
+        for (size_t i = first; i < (k + 1) * each; i++)
+            scratch[i] = at / line.interval;
+    }
+    for (size_t i = 0; i < a->n; i++)
+        place[i] += nearbyint(scratch[i < blocks * each ? i : blocks * each - 1]);
+    return moved;
+}
+
+/* Robust standard deviation of the delays, of means of `each` of them. */
+static double scatter(const struct arrivals *a, const double *place, struct arrival_line line,
+                      size_t each, double *scratch)
+{
+    size_t n = 0;
+    for (size_t i = 0; i + each <= a->n; i += each) {
+        double mean = 0;
+        for (size_t k = i; k < i + each; k++)
+            mean += delay(a, place, line, k) / (double)each;
+        scratch[n++] = mean;
+    }
+    const double middle = values_quantile(scratch, n, 0.5);
+    for (size_t i = 0; i < n; i++)
+        scratch[i] = fabs(scratch[i] - middle);
+    return MAD_TO_SIGMA * values_quantile(scratch, n, 0.5);
+}
+
+bool arrival_times(const struct arrivals *a, struct arena *arena, struct collected *collected,
+                   double *t)
+{
+    const size_t n = a->n;
+    double *place = arena_array(arena, n + 1, sizeof *place),
+           *scratch = arena_array(arena, n + SLOPES_MAX + 1, sizeof *scratch);
+    collected->clock = CLOCK_UNEVEN;
+    collected->rate = (struct measured){NAN, NAN};
+    if (!place || !scratch)
+        return false;
+    memcpy(t, a->arrival, n * sizeof *t);
+    if (n < 3)
+        return true;
+    memcpy(place, a->order, n * sizeof *place);
+    struct arrival_line line = {a->arrival[0], median_slope(a, place, scratch)};
+    if (!a->counted)
+        collected->lost = 0;
+    for (int pass = 0; pass < PASSES && line.interval > 0; pass++) {
+        const size_t more = find_lost(a, line, place, scratch, &collected->lost);
+        line.interval = median_slope(a, place, scratch);
+        if (more == 0)
+            break;
+    }
+    for (size_t i = 0; i < n; i++)
+        scratch[i] = delay(a, place, line, i);
+    line.from += values_quantile(scratch, n, 0.5);
+    least_squares(a, place, OUTLIER * scatter(a, place, line, 1, scratch) + TINY, &line);
+    if (!(line.interval > 0))
+        return true;
+    const size_t each = n / (4 * BLOCKS_MIN) > 0 ? n / (4 * BLOCKS_MIN) : 1, blocks = n / each;
+    collected->jitter = scatter(a, place, line, 1, scratch);
+    const double means = scatter(a, place, line, each, scratch);
+    for (size_t i = 0; i < n; i++)
+        collected->largest = fmax(collected->largest, fabs(delay(a, place, line, i)));
+    if (each > 1 && means > WANDERS * collected->jitter &&
+        collected->jitter > 0.5 * line.interval) {
+        collected->lost = a->counted ? collected->lost : 0;
+        return true;
+    }
+    collected->clock = CLOCK_ARRIVAL;
+    collected->lost_known |= n >= 2 * BLOCKS_MIN && !several_at_once(a, line);
+    const double spread = fmax(means, collected->jitter / sqrt((double)each)),
+                 of_interval = spread * sqrt(12 / (double)blocks) / (place[n - 1] - place[0]);
+    collected->rate =
+        (struct measured){1 / line.interval, of_interval / (line.interval * line.interval)};
+    for (size_t i = 0; i < n; i++)
+        t[i] = line.from + line.interval * place[i];
+    return true;
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A device's clock that does not go on: it starts again after a reset, wraps round where its
+ * counter is full, or a digit of a stamp is garbled on the way. What comes after a new start goes
+ * on where the arrivals say; a single stamp that the next ones do not go on from is none. Stamps
+ * that rise are as they are.
+ */
+#include "modules/collect/lines.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+/* A counter that is full after fewer steps is no clock. */
+enum { WRAP_STEPS_MIN = 64 };
+/* Whole periods of a signal that is told from a clock. */
+enum { SAWTOOTH_CYCLES = 4 };
+enum { AHEAD = 5 }; /* stamps that tell a new start from a single wrong one */
+/* Parts of the steps of a clock that go up: of one that is known to be a clock, and of a column
+ * that nobody has named. */
+#define RISING_KNOWN 0.6
+#define RISING_UNNAMED 0.9
+#define GAP 1.5      /* steps: there are lines between */
+#define FAR 8        /* steps: it may be garbled, if the next ones say so */
+#define EVEN 0.25    /* of the usual step: a device that samples evenly … */
+#define EVEN_MIN 0.8 /* … does so for that part of the steps */
+
+/* Where the counters of small boards are full: 16 and 32 bit; microseconds sent as ms and s. */
+static const double full[] = {65536, 4294967296, 4294967.296, 4294.967296, 256};
+
+/* Steps between the stamps of a column. */
+struct clock_steps {
+    double usual; /* the median of those that go up; NAN if none does */
+    size_t up, back, all;
+    bool whole; /* all stamps are whole numbers */
+};
+
+static struct clock_steps clock_steps_count(const double *v, size_t n, double *scratch)
+{
+    struct clock_steps steps = {.usual = NAN, .whole = true};
+    size_t rising = 0;
+    double before = NAN;
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(v[i]))
+            continue;
+        steps.all += isnan(before) ? 0 : 1;
+        steps.up += v[i] >= before ? 1 : 0;
+        steps.back += v[i] < before ? 1 : 0;
+        steps.whole = steps.whole && v[i] == floor(v[i]);
+        if (v[i] > before)
+            scratch[rising++] = v[i] - before;
+        before = v[i];
+    }
+    if (rising > 0)
+        steps.usual = values_quantile(scratch, rising, 0.5);
+    return steps;
+}
+
+double clock_pace(const struct arrivals *a, const double *v, double *scratch)
+{
+    const double usual = clock_steps_count(v, a->n, scratch).usual;
+    double counted = 0, passed = 0;
+    size_t last = a->n;
+    for (size_t i = 0; i < a->n; i++) {
+        if (!isfinite(v[i]))
+            continue;
+        if (last < a->n && v[i] >= v[last] && v[i] - v[last] <= FAR * usual) {
+            counted += v[i] - v[last];
+            passed += a->arrival[i] - a->arrival[last];
+        }
+        last = i;
+    }
+    return passed > 0 ? counted / passed : NAN;
+}
+
+/*
+ * Returns true if the stamps behind `index` continue from it rather than from the one before, at
+ * `last`. Where both are possible, the nearer prediction counts. A new start in the very last line
+ * is told from a garbled stamp by its value, which is 0 or the first one.
+ */
+static bool continues_from(const struct arrivals *a, const double *v, size_t index, size_t last,
+                           double was, double usual)
+{
+    int from_it = 0, from_before = 0, seen = 0;
+    for (size_t j = index + 1; j < a->n && seen < AHEAD; j++) {
+        if (!isfinite(v[j]))
+            continue;
+        const double lines = a->order[j] - a->order[index], most = FAR * usual * (lines + 1),
+                     since_it = v[j] - v[index], since_before = v[j] - was;
+        const bool after_it = since_it >= 0 && since_it <= most,
+                   after_before = since_before >= 0 && since_before <= most;
+        const double miss = fabs(since_it - usual * lines),
+                     miss_before = fabs(since_before - usual * (a->order[j] - a->order[last]));
+        seen++;
+        from_it += after_it && (!after_before || miss < miss_before);
+        from_before += after_before && (!after_it || miss_before < miss);
+    }
+    if (seen == 0)
+        return v[index] == 0 || v[index] == v[0] || v[index] > was;
+    return from_it > from_before || (from_it == from_before && v[index] > was);
+}
+
+/* Returns the step [count] between the last stamp and the first after a new start. */
+static double step_over(double was, double now, double passed, const struct clock_steps *steps,
+                        bool *wrapped)
+{
+    const double most = fmax(2 * passed, 0) + FAR * steps->usual;
+    for (size_t i = 0; i < COUNT_OF(full); i++) {
+        const double step = now + full[i] - was;
+        const bool possible = full[i] >= WRAP_STEPS_MIN * steps->usual &&
+                              (!steps->whole || full[i] == floor(full[i]));
+        if (possible && was < full[i] && now >= 0 && step > 0 && step <= most) {
+            *wrapped = true;
+            return step;
+        }
+    }
+    const double step = fmax(passed, steps->usual);
+    return steps->whole ? nearbyint(step) : step;
+}
+
+/* Returns true if a column starts anew again and again after the same number of lines, at the same
+ * value: it is a periodic signal rather than a clock. Counters that are full do so, too, and are
+ * clocks. */
+static bool is_sawtooth(const double *v, size_t n, const struct clock_steps *steps)
+{
+    size_t begun = 0, first = 0, shortest = n, longest = 0, cycles = 0;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t i = 1; i < n; i++) {
+        bool wrapped = false;
+        if (!(v[i] < v[i - 1]))
+            continue;
+        step_over(v[i - 1], v[i], 0, steps, &wrapped);
+        if (wrapped)
+            return false;
+        low = fmin(low, v[i]);
+        high = fmax(high, v[i]);
+        if (begun > 0) {
+            cycles++;
+            shortest = i - begun < shortest ? i - begun : shortest;
+            longest = i - begun > longest ? i - begun : longest;
+        } else {
+            first = i;
+        }
+        begun = i;
+    }
+    return cycles >= SAWTOOTH_CYCLES && longest - shortest <= 1 && first <= longest &&
+           n - begun <= longest && high - low <= steps->usual;
+}
+
+/* Returns true if the usual step is the step nearly everywhere. */
+static bool steps_are_even(const double *v, size_t n, const struct clock_steps *steps)
+{
+    size_t even = 0;
+    for (size_t i = 1; i < n; i++)
+        even += fabs(v[i] - v[i - 1] - steps->usual) <= 0.5 * steps->usual ? 1 : 0;
+    return (double)even >= RISING_UNNAMED * (double)steps->up;
+}
+
+bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, double *v,
+                struct clock_mended *mended)
+{
+    double *scratch = arena_array(arena, a->n + 1, sizeof *scratch), offset = 0, was = NAN;
+    *mended = (struct clock_mended){.after = arena_array(arena, a->n + 1, sizeof(bool))};
+    if (!scratch || !mended->after)
+        return false;
+    const double pace = clock_pace(a, v, scratch);
+    const struct clock_steps steps = clock_steps_count(v, a->n, scratch);
+    const double usual = steps.usual, up = (double)steps.up, all = (double)steps.all;
+    const bool one_start = steps.back == 1 && steps.up > 2 && steps_are_even(v, a->n, &steps),
+               rises = steps.up > 1 && (up >= RISING_UNNAMED * all || one_start ||
+                                        (trusted && up >= RISING_KNOWN * all));
+    const bool is_clock = rises && (trusted || !is_sawtooth(v, a->n, &steps));
+    size_t last = 0;
+    for (size_t i = 0; rises && i < a->n; i++) {
+        mended->after[i] = false;
+        if (!isfinite(v[i]))
+            continue;
+        const double now = v[i];
+        const bool odd = now < was || now - was > FAR * usual;
+        if (odd && !continues_from(a, v, i, last, was, usual)) {
+            mended->wrong++;
+            v[i] = NAN;
+            continue;
+        }
+        if (now < was && is_clock) {
+            bool wrapped = false;
+            const double passed = pace * (a->arrival[i] - a->arrival[last]);
+            offset += was - now + step_over(was, now, passed > 0 ? passed : 0, &steps, &wrapped);
+            mended->starts += wrapped ? 0 : 1;
+            mended->wraps += wrapped ? 1 : 0;
+            mended->after[i] = !wrapped;
+        }
+        was = now;
+        last = i;
+        v[i] = now + offset;
+    }
+    return true;
+}
+
+size_t clock_lost(const struct arrivals *a, const double *t, const bool *after, double *scratch,
+                  bool *known)
+{
+    size_t lost = 0, even = 0;
+    for (size_t i = 0; i + 1 < a->n; i++)
+        scratch[i] = t[i + 1] - t[i];
+    const double usual = a->n > 1 ? values_quantile(scratch, a->n - 1, 0.5) : NAN;
+    for (size_t i = 0; i + 1 < a->n; i++) {
+        const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
+                     between = a->order[i + 1] - a->order[i]; /* with those that were garbled */
+        even += fabs(steps - whole) < EVEN ? 1 : 0;
+        if (steps > GAP && steps < 1e9 && whole > between && !(after && after[i + 1]) &&
+            !(a->pause && a->pause[i + 1]))
+            lost += (size_t)(whole - between);
+    }
+    *known = (double)even >= EVEN_MIN * (double)(a->n - 1);
+    return *known ? lost : 0;
+}

@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Files of lines that were collected: the lines alone are a table that the other formats read; the
+ * times of their arrival are a column beside it, where it has none.
+ */
+#include "modules/collect/lines.h"
+
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CUT "\\..."
+#define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF" /* as it is kept */
+#define UNIT_NEAR 0.1 /* the device's clock is in ms, us: its rate over that of the arrivals */
+
+/* ---- writing ---- */
+
+static bool is_plain(struct text line, size_t i, size_t *len)
+{
+    const unsigned char c = (unsigned char)line.at[i];
+    *len = 1;
+    if (c < 0x80)
+        return c == '\t' || (c >= ' ' && c < 0x7F);
+    const uint32_t codepoint = text_codepoint((struct text){line.at + i, line.len - i}, len);
+    const bool plain = codepoint != CODEPOINT_INVALID && !codepoint_hidden(codepoint);
+    *len = plain ? *len : 1;
+    return plain;
+}
+
+void collected_put(struct buffer *file, double arrival, struct text line)
+{
+    while (line.len > 0 && line.at[line.len - 1] == '\r')
+        line.len--;
+    buffer_format(file, "%.6f\t", arrival);
+    const size_t end = line.len < COLLECTED_LINE ? line.len : COLLECTED_LINE;
+    for (size_t i = 0, len; i < end; i += len)
+        if (is_plain(line, i, &len))
+            buffer_put(file, (struct text){line.at + i, len});
+        else
+            buffer_format(file, "\\x%02X", (unsigned char)line.at[i]);
+    buffer_put(file, line.len > end ? TEXT(CUT "\n") : TEXT("\n"));
+}
+
+/* ---- reading ---- */
+
+struct collected_text {
+    struct buffer lines; /* as they came; what is garbled is empty */
+    double *arrival;     /* [count] of each line, NAN: none is known */
+    double *order;       /* [count] counted from 0, without blank ones and remarks */
+    bool *pause;         /* [count] it was paused before */
+    size_t count, came, remarks;
+};
+
+static bool split_lines(const struct table_text *text, struct arena *arena,
+                        struct collected *collected, struct collected_text *out)
+{
+    struct text rest = text->text, line;
+    size_t max = 1;
+    bool pause = false;
+    for (size_t i = 0; i < rest.len; i++)
+        max += rest.at[i] == '\n';
+    out->arrival = arena_array(arena, max, sizeof *out->arrival);
+    out->order = arena_array(arena, max, sizeof *out->order);
+    out->pause = arena_array(arena, max, sizeof *out->pause);
+    if (!out->arrival || !out->order || !out->pause)
+        return false;
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        const struct text mark = TEXT(COLLECTED_STATEMENT);
+        size_t used = 0;
+        double arrival;
+        if (text_starts(line, mark)) {
+            collected->statement = (struct text){line.at + mark.len, line.len - mark.len};
+            continue;
+        }
+        if (text_starts(line, TEXT(COLLECTED_CALIBRATION))) {
+            const size_t len = strlen(COLLECTED_CALIBRATION);
+            calibration_take_line((struct text){line.at + len, line.len - len},
+                                  &collected->calibration);
+            continue;
+        }
+        pause |= text_is(line, COLLECTED_PAUSE);
+        if (line.len == 0 || line.at[0] == '#' ||
+            real_scan(line, '.', &arrival, &used) != REAL_OK || used == line.len ||
+            line.at[used] != '\t' || out->count == max)
+            continue;
+        struct text came = {line.at + used + 1, line.len - used - 1};
+        if (out->count == 0 && text_starts(came, TEXT(BYTE_ORDER_MARK)))
+            came = (struct text){came.at + strlen(BYTE_ORDER_MARK),
+                                 came.len - strlen(BYTE_ORDER_MARK)};
+        const bool garbled = came.len > 0 && memchr(came.at, '\\', came.len);
+        out->arrival[out->count] = arrival;
+        out->pause[out->count] = pause && out->count > 0;
+        pause = false;
+        out->order[out->count++] = (double)out->came;
+        const bool remark = !garbled && table_comment(came);
+        out->remarks += remark;
+        out->came += garbled || (text_trim(came).len > 0 && !remark);
+        if (!garbled)
+            buffer_put(&out->lines, came);
+        buffer_char(&out->lines, '\n');
+    }
+    return !out->lines.failed;
+}
+
+/* ---- times ---- */
+
+/* The device's clock counts thousandths where it says nothing, but the arrivals do. */
+static const struct unit *clock_unit(struct recording *recording, double pace)
+{
+    static const char *const names[] = {"ms", "us"};
+    const struct column *time = &recording->column[recording->time];
+    for (size_t i = 0; i < COUNT_OF(names) && !time->unit[0]; i++) {
+        const struct unit *unit = NULL;
+        if (unit_spelled(text_of(names[i]), &recording->arena, &unit) && unit &&
+            fabs(pace * unit->factor - 1) < UNIT_NEAR)
+            return unit;
+    }
+    return NULL;
+}
+
+static bool lines_of(const struct recording *recording, const struct collected_text *lines,
+                     struct arena *arena, struct arrivals *out)
+{
+    const size_t n = recording->rows;
+    double *arrival = arena_array(arena, n + 1, sizeof *arrival),
+           *order = arena_array(arena, n + 1, sizeof *order);
+    bool *pause = arena_array(arena, n + 1, sizeof *pause);
+    *out = (struct arrivals){arrival, order, n, false, pause};
+    for (size_t i = 0, line = 0; arrival && order && pause && i < n; i++) {
+        for (pause[i] = false; line < recording->line[i]; line++)
+            pause[i] |= i > 0 && lines->pause[line];
+        arrival[i] = lines->arrival[recording->line[i] - 1];
+        order[i] = lines->order[recording->line[i] - 1];
+    }
+    return arrival && order && pause;
+}
+
+/* Where the device counts its lines, nobody has to guess which are lost. */
+static bool count_by(const struct arrivals *a, const double *counter, struct arena *arena,
+                     struct collected *collected, struct arrivals *counted)
+{
+    double *order = arena_array(arena, a->n + 1, sizeof *order);
+    double before = 0;
+    for (size_t i = 0, at = 0; order && i < a->n; i++) {
+        const double came = i > 0 ? a->order[i] - a->order[at] : 0;
+        order[i] = before + came;
+        if (isfinite(counter[i])) {
+            order[i] = fmax(before + came, counter[i] - counter[0]);
+            collected->lost += a->pause[i] ? 0 : (size_t)(order[i] - before - came);
+        }
+        before = order[i];
+        at = i;
+    }
+    collected->lost_known = true;
+    *counted = (struct arrivals){a->arrival, order, a->n, true, a->pause};
+    return order != NULL;
+}
+
+/* A column with the times of the samples, from the arrivals of their lines. */
+static bool add_arrivals(struct recording *recording, const struct arrivals *arrivals,
+                         struct collected *collected, struct arena *arena)
+{
+    const size_t n = recording->rows;
+    struct column *column =
+        arena_array(&recording->arena, (size_t)recording->columns + 1, sizeof *column);
+    if (!column)
+        return false;
+    memcpy(column, recording->column, (size_t)recording->columns * sizeof *column);
+    struct column *own = &column[recording->columns];
+    *own = (struct column){.quantity = QUANTITY_TIME, .factor = 1, .run = -1};
+    snprintf(own->name, sizeof own->name, "arrival");
+    snprintf(own->unit, sizeof own->unit, "s");
+    own->value = malloc((n + 1) * sizeof *own->value);
+    if (!own->value)
+        return false;
+    recording->column = column;
+    recording->columns++;
+    return arrival_times(arrivals, arena, collected, own->value);
+}
+
+#define COUNTS 0.01 /* a clock and not lines: it counts ms or us that nearly */
+
+/* Stamps that go back are mended before anybody looks at them: of a column that nobody has named
+ * only where the arrivals say that it is a clock. */
+static bool mend_clock(struct recording *recording, const struct arrivals *arrivals, int at,
+                       bool said, struct arena *arena, struct clock_mended *mended)
+{
+    static const double units[] = {1, 1e3, 1e6}; /* of a second: 1, ms, us */
+    if (at < 0)
+        return true;
+    const struct column *column = &recording->column[at];
+    double *scratch = arena_array(arena, arrivals->n + 1, sizeof *scratch);
+    if (!scratch)
+        return false;
+    const double pace = clock_pace(arrivals, column->value, scratch);
+    for (size_t i = 0; i < COUNT_OF(units); i++)
+        said = said || fabs(pace / units[i] - 1) < UNIT_NEAR;
+    return clock_mend(arrivals, said || column->quantity == QUANTITY_TIME, arena, column->value,
+                      mended);
+}
+
+/* Mends the clock, and the column behind it where the one in front counts the rows. */
+static bool mend_clocks(struct recording *recording, const struct arrivals *arrivals, bool said,
+                        struct arena *arena, struct clock_mended *mended)
+{
+    const int clock = recording_clock(recording);
+    return mend_clock(recording, arrivals, clock, said, arena, mended) &&
+           (clock != 0 || recording->columns <= 2 || recording_counter(recording) != 0 ||
+            mend_clock(recording, arrivals, 1, said, arena, mended));
+}
+
+/* Thousandths are counted one by one where there are a thousand lines a second. */
+static bool counts_time(double pace)
+{
+    return fabs(pace / 1e3 - 1) < COUNTS || fabs(pace / 1e6 - 1) < COUNTS;
+}
+
+/* By that column. */
+static bool choose_time(struct recording *recording, struct load_options *options, int at,
+                        struct arena *arena, struct error *error)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%d", at + 1);
+    const char *copy = arena_text(arena, text_of(number));
+    options->time = copy ? text_of(copy) : options->time;
+    return copy ? recording_choose(recording, options, error) : error_memory(error);
+}
+
+/* rate= says how long a line takes; how many there were, the arrivals, where both agree. */
+static bool place_by_rate(struct recording *recording, const struct arrivals *arrivals, double rate,
+                          struct collected *collected, struct arena *arena)
+{
+    struct collected known = {.lost = 0};
+    double *t = arena_array(arena, recording->rows + 1, sizeof *t);
+    if (!t || !arrival_times(arrivals, arena, &known, t))
+        return false;
+    collected->by_rate = recording->source == TIME_RATE;
+    if (recording->source != TIME_RATE || known.clock != CLOCK_ARRIVAL ||
+        !(fabs(known.rate.value / rate - 1) < COUNTS))
+        return true;
+    for (size_t i = 0; i < recording->rows; i++)
+        recording->t[i] = nearbyint((t[i] - t[0]) * known.rate.value);
+    collected->lost = known.lost;
+    collected->lost_known = known.lost_known;
+    return true;
+}
+
+/* By the columns alone, if one is a clock; else by the arrivals. */
+static bool choose_columns(struct recording *recording, const struct collected_text *lines,
+                           struct load_options *options, struct collected *collected,
+                           struct clock_mended *mended, struct arena *arena, struct error *error)
+{
+    struct error none = {0};
+    struct arrivals arrivals, counted;
+    if (!lines_of(recording, lines, arena, &arrivals) ||
+        !mend_clocks(recording, &arrivals, options->time_unit != NULL, arena, mended))
+        return error_memory(error);
+    bool chosen = recording_choose(recording, options, &none);
+    const int counter = chosen ? -1 : recording_counter(recording);
+    const bool given = options->rate > 0 || options->time.len > 0;
+    double *scratch = arena_array(arena, arrivals.n + 1, sizeof *scratch);
+    if (!scratch)
+        return error_memory(error);
+    const int at = chosen ? recording->time : counter;
+    const double pace = at < 0 ? NAN : clock_pace(&arrivals, recording->column[at].value, scratch);
+    if (counter >= 0 && !given && (options->time_unit || counts_time(pace)))
+        chosen = choose_time(recording, options, counter, arena, &none);
+    if (chosen && recording->source == TIME_COLUMN) {
+        collected->clock = CLOCK_DEVICE;
+        if (!options->time_unit)
+            options->time_unit = clock_unit(recording, pace);
+        return recording_time(recording, options, error);
+    }
+    if (given) {
+        *error = none;
+        return chosen && place_by_rate(recording, &arrivals, options->rate, collected, arena) &&
+               recording_time(recording, options, error);
+    }
+    if ((counter >= 0 &&
+         !count_by(&arrivals, recording->column[counter].value, arena, collected, &counted)) ||
+        !add_arrivals(recording, counter >= 0 ? &counted : &arrivals, collected, arena))
+        return error_memory(error);
+    options->time_unit = NULL;
+    return choose_time(recording, options, recording->columns - 1, arena, error) &&
+           recording_time(recording, options, error);
+}
+
+/* ---- what is told ---- */
+
+/* The lost ones between samples of a device that says its times. */
+static bool count_lost(const struct recording *recording, const struct collected_text *lines,
+                       const struct clock_mended *mended, const uint32_t *line, size_t rows,
+                       struct arena *arena, struct collected *collected)
+{
+    struct arrivals arrivals;
+    double *scratch = arena_array(arena, recording->rows + 1, sizeof *scratch);
+    bool *after = arena_array(arena, recording->rows + 1, sizeof *after);
+    if (!scratch || !after || !lines_of(recording, lines, arena, &arrivals))
+        return false;
+    for (size_t i = 0, row = 0; mended->after && i < recording->rows; i++) {
+        for (; row < rows && line[row] < recording->line[i]; row++)
+            after[i] |= mended->after[row];
+        after[i] |= row < rows && mended->after[row];
+    }
+    collected->lost = clock_lost(&arrivals, recording->t, after, scratch, &collected->lost_known);
+    return true;
+}
+
+static void count_lines(const struct recording *recording, const struct collected_text *lines,
+                        uint32_t first, struct collected *collected)
+{
+    size_t missing = 0;
+    for (size_t i = 0; i < recording->rows; i++)
+        missing += isnan(recording->y[i]) ? 1 : 0;
+    collected->lines = lines->came + lines->remarks;
+    collected->remarks = lines->remarks;
+    collected->last = lines->arrival[lines->count - 1];
+    collected->skipped = (size_t)lines->order[first - 1];
+    collected->repeated = recording->repeated;
+    collected->samples = recording->rows - missing;
+    collected->garbled =
+        lines->came - collected->skipped - collected->samples - collected->repeated;
+    if (collected->clock == CLOCK_DEVICE)
+        collected->rate = (struct measured){recording->rate, NAN};
+}
+
+static void warn_clock(struct recording *recording, const struct collected *collected,
+                       const struct clock_mended *mended)
+{
+    if (mended->starts > 0)
+        recording_warn(
+            recording,
+            "the device's clock started again %zu %s: its times go on as the arrivals do",
+            mended->starts, mended->starts == 1 ? "time" : "times");
+    if (mended->wraps > 0)
+        recording_warn(recording, "the device's clock was full %zu %s: its times go on",
+                       mended->wraps, mended->wraps == 1 ? "time" : "times");
+    if (collected->clock == CLOCK_ARRIVAL)
+        recording_warn(
+            recording,
+            "the device sends no times: those of a line through %zu arrivals, "
+            "%.6g +- %.2g Hz; they jitter by %.2g ms (at most %.2g ms): no period is known "
+            "better than to %.2g %%",
+            recording->rows, collected->rate.value, collected->rate.uncertainty,
+            1000 * collected->jitter, 1000 * collected->largest,
+            100 * collected->rate.uncertainty / collected->rate.value);
+    else if (collected->clock == CLOCK_UNEVEN)
+        recording_warn(recording,
+                       "the device sends no times, and its lines arrive unevenly: the times of "
+                       "arrival are taken as they are");
+    if (collected->lost > 0)
+        recording_warn(recording, "%zu %s lost on the way", collected->lost,
+                       collected->lost == 1 ? "line was" : "lines were");
+    if (!collected->lost_known)
+        recording_warn(recording, "whether %slines were lost on the way cannot be known: %s",
+                       collected->lost > 0 ? "more " : "",
+                       collected->by_rate ? "the arrivals are too uneven, or not at rate="
+                       : collected->clock == CLOCK_DEVICE ? "the device's times are uneven"
+                       : collected->clock == CLOCK_UNEVEN
+                           ? "they arrive unevenly"
+                           : "they are few, or come several at a time");
+}
+
+/* Of the value, as it was said when it was collected. */
+static const struct unit *stated_unit(struct text statement)
+{
+    const struct text key = TEXT(" unit=");
+    while (statement.len > 0 && !text_starts(statement, key))
+        statement = (struct text){statement.at + 1, statement.len - 1};
+    size_t len = key.len;
+    while (len < statement.len && statement.at[len] != ' ')
+        len++;
+    return statement.len > 0 ? unit_find((struct text){statement.at + key.len, len - key.len})
+                             : NULL;
+}
+
+static bool read_lines(const struct table_text *text, struct collected_text *lines,
+                       const struct load_options *options, struct recording *recording,
+                       struct collected *collected, struct arena *arena, struct error *error)
+{
+    const struct format *self = format_by_name(TEXT("collected"));
+    struct table_text own = {
+        .name = text->name, .text = buffer_text(&lines->lines), .first = 1, .header = 1};
+    struct load_options taken = *options;
+    taken.unit = taken.unit ? taken.unit : stated_unit(collected->statement);
+    taken.calibration = taken.calibration ? taken.calibration : &collected->calibration;
+    if (!table_head(&own, arena))
+        return error_memory(error);
+    table_find(&own, 0, options, &own.layout, &own.problem);
+    if (!format_of(&own, self)->read(&own, options, recording, error) ||
+        !enough_rows(recording, error))
+        return false;
+    const size_t rows = recording->rows;
+    uint32_t *line = arena_array(arena, rows, sizeof *line);
+    struct clock_mended mended = {.after = NULL};
+    if (!line)
+        return error_memory(error);
+    memcpy(line, recording->line, rows * sizeof *line);
+    if (!choose_columns(recording, lines, &taken, collected, &mended, arena, error))
+        return false;
+    if (collected->clock == CLOCK_DEVICE && !collected->by_rate &&
+        !count_lost(recording, lines, &mended, line, rows, arena, collected))
+        return error_memory(error);
+    count_lines(recording, lines, line[0], collected);
+    warn_clock(recording, collected, &mended);
+    return true;
+}
+
+bool collected_lines(const struct table_text *text, const struct load_options *options,
+                     struct recording *recording, struct error *error)
+{
+    struct arena arena = {0};
+    struct collected_text lines = {.count = 0};
+    struct collected *collected = arena_alloc(&recording->arena, sizeof *collected);
+    char *statement = NULL; /* outlives the text */
+    bool done = false;
+    if (collected) {
+        *collected = (struct collected){.clock = CLOCK_DEVICE};
+        if (split_lines(text, &arena, collected, &lines))
+            statement = arena_text(&recording->arena, collected->statement);
+    }
+    if (!statement) {
+        error_memory(error);
+    } else if (read_lines(text, &lines, options, recording, collected, &arena, error)) {
+        collected->statement = text_of(statement);
+        recording->collected = collected;
+        done = true;
+    }
+    buffer_free(&lines.lines);
+    arena_reset(&arena);
+    return done;
+}

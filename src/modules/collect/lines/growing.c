@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A recording that lines are added to while they come, thinned where it gets long. */
+#include "modules/collect/lines.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool same_columns(const struct recording *a, const struct recording *b)
+{
+    if (a->columns != b->columns || a->time != b->time || a->value != b->value ||
+        a->source != b->source || a->collected->clock != b->collected->clock)
+        return false;
+    for (int i = 0; i < a->columns; i++)
+        if (a->column[i].quantity != b->column[i].quantity ||
+            a->column[i].factor != b->column[i].factor ||
+            strcmp(a->column[i].name, b->column[i].name) != 0)
+            return false;
+    return true;
+}
+
+static bool reserve(struct lengthening *growth, struct recording *recording, size_t rows)
+{
+    if (rows <= growth->capacity)
+        return true;
+    const size_t capacity = rows + rows / 2;
+    struct {
+        void **array;
+        size_t size;
+    } arrays[3] = {{(void **)&recording->t, sizeof *recording->t},
+                   {(void **)&recording->y, sizeof *recording->y},
+                   {(void **)&recording->line, sizeof *recording->line}};
+    for (int i = 0; i < recording->columns + 3; i++) {
+        void **array = i < 3 ? arrays[i].array : (void **)&recording->column[i - 3].value;
+        void *larger = realloc(*array, capacity * (i < 3 ? arrays[i].size : sizeof(double)));
+        if (!larger)
+            return false;
+        *array = larger;
+    }
+    growth->capacity = capacity;
+    return true;
+}
+
+static void move_row(struct recording *to, const struct recording *from, size_t row)
+{
+    const size_t at = to->rows++;
+    for (int i = 0; i < to->columns; i++)
+        to->column[i].value[at] = from->column[i].value[row];
+    to->t[at] = from->t[row];
+    to->y[at] = from->y[row];
+    to->line[at] = from->line[row];
+}
+
+/* Every second row stays, where there are too many. */
+static void thin(struct lengthening *growth, struct recording *recording)
+{
+    if (recording->rows <= GROWING_ROWS)
+        return;
+    const size_t rows = recording->rows;
+    const bool odd = growth->last_row / growth->stride % 2 == rows % 2;
+    growth->stride *= 2;
+    recording->rows = 0;
+    for (size_t i = odd; i < rows; i += 2)
+        move_row(recording, recording, i);
+}
+
+/* Where that line stands in what was read anew; `rows`: nowhere. */
+static size_t find_line(const struct recording *more, uint32_t line)
+{
+    size_t i = more->rows;
+    while (i > 0 && more->line[i - 1] > line)
+        i--;
+    return i > 0 && more->line[i - 1] == line ? i - 1 : more->rows;
+}
+
+void recording_join_clock(struct recording *more, uint32_t line, double t)
+{
+    const size_t row = find_line(more, line);
+    const double shift = row < more->rows ? t - more->t[row] : 0;
+    if (shift == 0 || more->collected->clock != CLOCK_DEVICE)
+        return;
+    for (size_t i = 0; i < more->rows; i++) {
+        more->t[i] += shift;
+        if (more->source == TIME_COLUMN)
+            more->column[more->time].value[i] += shift / more->column[more->time].factor;
+    }
+}
+
+static void tell_times(struct lengthening *growth, struct recording *recording,
+                       const struct recording *more, double end)
+{
+    const struct text statement = growth->known->statement;
+    *growth->known = *more->collected;
+    growth->known->statement = statement;
+    recording_set_step(recording);
+    recording->rate = 1 / recording->dt;
+    if (recording->window[1] == end) /* nobody has chosen another */
+        recording->window[1] = recording->t[recording->rows - 1];
+    recording->findings = NULL; /* of other rows */
+    recording->cleaned = false;
+}
+
+bool growth_begin(struct lengthening *growth, struct recording *recording)
+{
+    const size_t last = recording->rows - 1;
+    struct collected *known = arena_alloc(&recording->arena, sizeof *known);
+    if (!known)
+        return false;
+    *known = *recording->collected;
+    recording->collected = known;
+    *growth = (struct lengthening){.stride = 1,
+                                   .capacity = recording->rows,
+                                   .last_row = last,
+                                   .line = recording->line[last],
+                                   .t = recording->t[last],
+                                   .known = known};
+    return true;
+}
+
+bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
+                    bool *other)
+{
+    const size_t newest = find_line(more, growth->line);
+    const bool known = newest < more->rows, arrivals = more->collected->clock != CLOCK_DEVICE;
+    *other = !same_columns(recording, more);
+    if (*other)
+        return true;
+    if (!reserve(growth, recording, recording->rows + more->rows))
+        return false;
+    recording_join_clock(more, growth->line, growth->t);
+    const double end = recording->t[recording->rows - 1];
+    size_t first = known ? newest + 1 : 0, row = growth->last_row + 1;
+    if (arrivals && known) { /* the line through them is another now */
+        first = 0;
+        row = growth->last_row - newest;
+        while (recording->rows > 1 && recording->line[recording->rows - 1] >= more->line[0])
+            recording->rows--;
+    }
+    for (size_t i = first; i < more->rows; i++, row++)
+        if (row % growth->stride == 0 && more->t[i] > recording->t[recording->rows - 1])
+            move_row(recording, more, i);
+    growth->last_row = row - 1;
+    growth->line = more->line[more->rows - 1];
+    growth->t = more->t[more->rows - 1];
+    tell_times(growth, recording, more, end);
+    thin(growth, recording);
+    return true;
+}

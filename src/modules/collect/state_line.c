@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is being collected, in the state line. */
+#include "modules/collect/collecting.h"
+
+#include <hooke/base/unit.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+static void put_quantity(struct buffer *out, double value, enum quantity quantity, bool blanks)
+{
+    struct buffer text = {0};
+    buffer_quantity(&text, value, quantity, 3);
+    for (size_t i = 0; i < text.len; i++)
+        if (blanks || text.data[i] != ' ')
+            buffer_char(out, text.data[i]);
+    buffer_free(&text);
+}
+
+/* "T=0.72553(4)s" */
+static void put_fitted(struct buffer *out, const char *name, struct measured value,
+                       const char *unit, bool blanks)
+{
+    if (!isfinite(value.value) || !(value.uncertainty > 0))
+        return;
+    buffer_format(out, " %s=", name);
+    buffer_parenthesis(out, value.value, value.uncertainty);
+    buffer_format(out, "%s%s", blanks && unit[0] ? " " : "", unit);
+}
+
+static void put_live_fit(struct buffer *out, const struct collecting *now, bool blanks)
+{
+    buffer_put(out, TEXT("  fit"));
+    if (!isfinite(now->fit.period.value))
+        buffer_put(out, TEXT(": not determined yet"));
+    put_fitted(out, "T", now->fit.period, "s", blanks);
+    put_fitted(out, "gamma", now->fit.gamma, "", blanks);
+    put_fitted(out, "k", now->fit.k, "N/m", blanks);
+}
+
+/* What is collected, instead of what is simulated. */
+static void put_collecting(struct buffer *out, const struct collecting *now, bool counts,
+                           bool blanks)
+{
+    static const char *const words[] = {[COLLECT_WAITING] = "WAITING",
+                                        [COLLECT_GOES_ON] = "COLLECTING",
+                                        [COLLECT_PAUSED] = "PAUSED"};
+    const bool fits = isfinite(now->fit.t);
+    buffer_format(out, "%s %.1f s", words[now->state], now->seconds);
+    if (counts)
+        buffer_format(out, "  %llu lines", (unsigned long long)now->lines);
+    if (now->period > 0 && !fits) {
+        buffer_put(out, TEXT("  T="));
+        put_quantity(out, now->period, QUANTITY_TIME, blanks);
+    }
+    if (now->amplitude > 0 && now->quantity != QUANTITY_OTHER) {
+        buffer_put(out, TEXT(" A="));
+        put_quantity(out, now->amplitude, now->quantity, blanks);
+    }
+    if (fits)
+        put_live_fit(out, now, blanks);
+    if (counts && now->growing.late > 0) {
+        buffer_put(out, TEXT("  v "));
+        put_quantity(out, now->growing.late, QUANTITY_TIME, blanks);
+        buffer_put(out, TEXT(" late"));
+    }
+}
+
+struct collecting *session_collecting(const struct session *session)
+{
+    const struct collect_part *part = session_part_if_made(session, &collect_module);
+    return part ? part->now : NULL;
+}
+
+bool collect_state(const struct session *session, bool counts, bool blanks, struct buffer *out)
+{
+    if (session_collecting(session))
+        put_collecting(out, session_collecting(session), counts, blanks);
+    return session_collecting(session) != NULL;
+}
+
+bool collect_next(const struct session *session, struct buffer *line, bool *insists)
+{
+    (void)insists;
+    const bool waits = session_collecting(session) && session_collecting(session)->aim.waits;
+    buffer_put(line, waits ? TEXT("calibrate take") : TEXT(""));
+    return waits;
+}

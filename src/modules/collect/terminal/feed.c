@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Lines from a sensor into a file, in a thread: what the session does meanwhile delays none, and
+ * what is complete is in the file after 20 ms, and on the disk after half a second. The session
+ * reads the file.
+ */
+#define _GNU_SOURCE /* pipe2 */
+#include "modules/collect/lines.h"
+#include <hooke/base/cancel.h>
+#include "modules/collect/terminal/sensor.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define GATHER_NS 20000000 /* lines are written together … */
+#define SYNC_NS 500000000  /* … and put on the disk */
+#define HALF_NS 500000000  /* a serial line that speaks so soon was in the middle of a line */
+#define GROWTH_MS 20       /* between looks at a file that grows */
+#define PIECE 65536u
+
+struct feed {
+    struct device device;
+    int file, wake[2];
+    uint64_t max;
+    double from;   /* [s] */
+    int64_t begun; /* [clock_ns] */
+    pthread_t thread;
+    pthread_mutex_t lock; /* of what is below, but `part` and `lines` */
+    struct feed_look look;
+    double until; /* [s] later lines are not wanted */
+    bool paused, stopping;
+    /* of the thread alone */
+    struct buffer part;  /* the line at hand, COLLECTED_LINE + 1 bytes of it at most */
+    struct buffer lines; /* complete ones that are not yet in the file */
+    uint64_t count;      /* of these */
+    size_t written;      /* [byte] of the file */
+    bool rested;         /* it was paused since the last line */
+    bool half;           /* the line at hand may lack its beginning */
+    bool dirty;
+    int64_t flushed, synced; /* [clock_ns] */
+};
+
+static double seconds_of(const struct feed *feed, int64_t now)
+{
+    return feed->from + 1e-9 * (double)(now - feed->begun);
+}
+
+static void end(struct feed *feed, enum feed_end how, const char *failure)
+{
+    pthread_mutex_lock(&feed->lock);
+    if (feed->look.end == FEED_GOES_ON) {
+        feed->look.end = how;
+        snprintf(feed->look.failure, sizeof feed->look.failure, "%.*s",
+                 (int)sizeof feed->look.failure - 1, failure);
+    }
+    pthread_mutex_unlock(&feed->lock);
+}
+
+static void flush(struct feed *feed, int64_t now, bool sync)
+{
+    struct error error = {0};
+    sync = sync || now - feed->synced >= SYNC_NS;
+    if (feed->lines.len == 0 && !(sync && feed->dirty))
+        return;
+    if (feed->lines.failed || !append_lines(feed->file, buffer_text(&feed->lines), sync, &error)) {
+        end(feed, FEED_FAILED, feed->lines.failed ? "out of memory" : error.text);
+        return;
+    }
+    feed->written += feed->lines.len;
+    feed->dirty = !sync;
+    feed->synced = sync ? now : feed->synced;
+    feed->flushed = now;
+    pthread_mutex_lock(&feed->lock);
+    feed->look.lines += feed->count;
+    pthread_mutex_unlock(&feed->lock);
+    feed->count = 0;
+    buffer_clear(&feed->lines);
+}
+
+/* One that is complete. */
+static void take_line(struct feed *feed, double arrival, bool cut)
+{
+    if (cut)
+        buffer_put(&feed->part, TEXT("\\..."));
+    if (feed->rested)
+        buffer_put(&feed->lines, TEXT(COLLECTED_PAUSE "\n"));
+    feed->rested = false;
+    collected_put(&feed->lines, arrival, buffer_text(&feed->part));
+    feed->count++;
+    buffer_clear(&feed->part);
+    pthread_mutex_lock(&feed->lock);
+    feed->look.first = isnan(feed->look.first) ? arrival : feed->look.first;
+    feed->look.last = arrival;
+    const bool full = feed->look.lines + feed->count >= feed->max ||
+                      feed->written + feed->lines.len + 2 * COLLECTED_LINE > LIMIT_FILE;
+    pthread_mutex_unlock(&feed->lock);
+    if (full)
+        end(feed, FEED_FULL, "");
+}
+
+static void take_bytes(struct feed *feed, struct text piece, int64_t now)
+{
+    const double arrival = seconds_of(feed, now);
+    pthread_mutex_lock(&feed->lock);
+    feed->look.bytes += piece.len;
+    const bool paused = feed->paused, late = arrival > feed->until;
+    pthread_mutex_unlock(&feed->lock);
+    if (late) {
+        end(feed, FEED_IN_TIME, "");
+        return;
+    }
+    if (paused) {
+        buffer_clear(&feed->part);
+        feed->half = feed->rested = true;
+        return;
+    }
+    for (size_t i = 0, from = 0; i <= piece.len; i++) {
+        const bool ends = i < piece.len && (piece.at[i] == '\n' || piece.at[i] == '\r');
+        if (!ends && i < piece.len)
+            continue;
+        const size_t room = COLLECTED_LINE + 1 - feed->part.len, len = i - from;
+        buffer_put(&feed->part, (struct text){piece.at + from, len < room ? len : room});
+        from = i + 1;
+        if (ends && feed->part.len > 0)
+            take_line(feed, arrival, feed->half);
+        feed->half &= !ends;
+        if (feed->look.end == FEED_FULL)
+            return;
+    }
+}
+
+/* What there is; false: no more will come. */
+static bool read_some(struct feed *feed)
+{
+    char piece[PIECE];
+    const ssize_t got = read(feed->device.fd, piece, sizeof piece);
+    const int64_t now = clock_ns();
+    if (got > 0) {
+        feed->half |= feed->look.bytes == 0 && feed->device.serial && now - feed->begun < HALF_NS;
+        take_bytes(feed, (struct text){piece, (size_t)got}, now);
+        return feed->look.end == FEED_GOES_ON;
+    }
+    if (got < 0 && (errno == EAGAIN || errno == EINTR))
+        return true;
+    if (got == 0 && feed->device.grows)
+        return true;
+    end(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED,
+        got < 0 ? strerror(errno) : "");
+    return false;
+}
+
+static bool is_stopping(struct feed *feed)
+{
+    pthread_mutex_lock(&feed->lock);
+    const bool stopping = feed->stopping || feed->look.end != FEED_GOES_ON;
+    pthread_mutex_unlock(&feed->lock);
+    return stopping;
+}
+
+static void *run(void *context)
+{
+    struct feed *feed = context;
+    bool more = true;
+    while (more && !is_stopping(feed)) {
+        /* a file is always ready: it is looked at now and then */
+        struct pollfd ready[2] = {{.fd = feed->wake[0], .events = POLLIN},
+                                  {.fd = feed->device.fd, .events = POLLIN}};
+        const nfds_t count = feed->device.grows ? 1 : 2;
+        const int wait = feed->device.grows    ? GROWTH_MS
+                         : feed->lines.len > 0 ? GATHER_NS / 1000000
+                         : feed->dirty         ? SYNC_NS / 1000000
+                                               : -1;
+        const int got = poll(ready, count, wait);
+        if (feed->device.grows) {
+            for (uint64_t before = UINT64_MAX; more && before != feed->look.bytes;) {
+                before = feed->look.bytes;
+                more = read_some(feed);
+            }
+        } else if (got > 0 && ready[1].revents) {
+            more = read_some(feed);
+        }
+        const int64_t now = clock_ns();
+        if (now - feed->flushed >= GATHER_NS)
+            flush(feed, now, false);
+    }
+    if (feed->part.len > 0 && feed->look.end == FEED_ENDED)
+        take_line(feed, seconds_of(feed, clock_ns()), true);
+    flush(feed, clock_ns(), true);
+    pthread_mutex_lock(&feed->lock);
+    feed->look.unwritten = feed->count;
+    pthread_mutex_unlock(&feed->lock);
+    return NULL;
+}
+
+/* ---- for the session ---- */
+
+static void destroy(struct feed *feed)
+{
+    device_close(&feed->device);
+    for (int i = 0; i < 2; i++)
+        if (feed->wake[i] >= 0)
+            close(feed->wake[i]);
+    if (feed->file >= 0)
+        close(feed->file);
+    pthread_mutex_destroy(&feed->lock);
+    buffer_free(&feed->part);
+    buffer_free(&feed->lines);
+    free(feed);
+}
+
+/* Signals are for the thread that asks about them. */
+static int start(struct feed *feed)
+{
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int number = pthread_create(&feed->thread, NULL, run, feed);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return number;
+}
+
+static struct feed *open_feed(const struct feed_request *request, struct error *error)
+{
+    struct feed *feed = calloc(1, sizeof *feed);
+    if (!feed) {
+        close(request->file);
+        error_memory(error);
+        return NULL;
+    }
+    *feed = (struct feed){.file = request->file,
+                          .wake = {-1, -1},
+                          .max = request->max,
+                          .until = HUGE_VAL,
+                          .from = request->from,
+                          .look = {.first = NAN, .last = NAN}};
+    pthread_mutex_init(&feed->lock, NULL);
+    bool ok = device_open(&feed->device, request->source, request->baud, request->safe, error);
+    feed->begun = feed->flushed = feed->synced = clock_ns();
+    if (ok && (pipe2(feed->wake, O_CLOEXEC) != 0 || start(feed) != 0))
+        ok = error_set(error, ERROR_IO, "no thread to collect in: %s", strerror(errno));
+    if (ok)
+        return feed;
+    destroy(feed);
+    return NULL;
+}
+
+static void look_at(struct feed *feed, struct feed_look *look)
+{
+    pthread_mutex_lock(&feed->lock);
+    *look = feed->look;
+    pthread_mutex_unlock(&feed->lock);
+    look->now = seconds_of(feed, clock_ns());
+}
+
+static void pause_feed(struct feed *feed, bool pause)
+{
+    pthread_mutex_lock(&feed->lock);
+    feed->paused = pause;
+    pthread_mutex_unlock(&feed->lock);
+}
+
+static void limit_feed(struct feed *feed, double until)
+{
+    pthread_mutex_lock(&feed->lock);
+    feed->until = until;
+    pthread_mutex_unlock(&feed->lock);
+}
+
+static void close_feed(struct feed *feed, struct feed_look *look)
+{
+    pthread_mutex_lock(&feed->lock);
+    feed->stopping = true;
+    pthread_mutex_unlock(&feed->lock);
+    const ssize_t ignored = write(feed->wake[1], "", 1);
+    (void)ignored;
+    pthread_join(feed->thread, NULL);
+    look_at(feed, look);
+    destroy(feed);
+}
+
+static void heeded(void)
+{
+    if (!signals_ending())
+        atomic_store(&interrupt.requested, 0);
+}
+
+const struct feed_access sensor_feed = {.open = open_feed,
+                                        .look = look_at,
+                                        .pause = pause_feed,
+                                        .until = limit_feed,
+                                        .close = close_feed,
+                                        .heeded = heeded};

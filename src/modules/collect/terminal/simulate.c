@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* An ultrasonic sensor with its quirks, before a scene: for trying `collect` without hardware. */
+#define _GNU_SOURCE /* ppoll */
+#include "modules/collect/terminal/sensor.h"
+
+#include <hooke/method.h>
+#include <hooke/run.h>
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include <hooke/base/numeric.h>
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define TOL 1e-9
+#define MISSED 0.002   /* of the samples have no echo: the sensor writes 0 */
+#define LOST 0.001     /* of the lines never arrive */
+#define GARBLED 0.0005 /* of them lose a byte on the way */
+#define JITTER 0.2     /* [interval] largest delay of a line */
+#define DISTANCE 0.3   /* [m] of the position y = 0 from the sensor */
+
+struct sensor {
+    double rate, noise, length;    /* [Hz], SI of what is measured, [s] (HUGE_VAL: no end) */
+    double quirks, jitter, silent; /* 1 or 0; [s] of silence at the start */
+    enum { STAMP_MS, STAMP_S, STAMP_NONE } stamp;
+    enum quantity quantity;
+    double scale; /* number sent = SI value * scale */
+    uint64_t seed;
+    struct run *run;
+};
+
+static bool refuse(struct text word, const char *why)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, word, false);
+    fprintf(stderr, "hooke: error: --simulate-sensor: %s: %s\n", buffer_view(&safe), why);
+    buffer_free(&safe);
+    return false;
+}
+
+/* NUMBER[UNIT] of that quantity. */
+static bool read_number(struct text value, enum quantity quantity, double *si)
+{
+    size_t used = 0;
+    double number;
+    if (real_scan(value, '.', &number, &used) != REAL_OK || used == 0)
+        return false;
+    const struct text name = text_trim((struct text){value.at + used, value.len - used});
+    const struct unit *unit = name.len ? unit_find(name) : NULL;
+    *si = number;
+    return name.len == 0 || (unit && unit_convert(unit, quantity, number, si));
+}
+
+static bool say_nothing(void *context, struct text text)
+{
+    (void)context;
+    (void)text;
+    return true;
+}
+
+static bool complain(void *context, struct text text)
+{
+    (void)context;
+    return fwrite(text.at, 1, text.len, stderr) == text.len;
+}
+
+static bool execute(struct session *session, const char *command, struct text rest)
+{
+    struct buffer line = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){say_nothing, complain, NULL});
+    buffer_put(&line, text_of(command));
+    buffer_put(&line, rest);
+    const bool ok = command_exec(session, buffer_text(&line), NULL, &reply);
+    reply_free(&reply);
+    buffer_free(&line);
+    return ok;
+}
+
+/* KEY=VALUE, of the sensor or of the scene. */
+static bool take_word(struct session *session, struct sensor *sensor, struct text word)
+{
+    const char *mark = memchr(word.at, '=', word.len);
+    if (!mark)
+        return refuse(word, "KEY=VALUE is wanted: rate= noise= seed= for= time= quirks=, or a "
+                            "parameter of the scene");
+    const struct text key = {word.at, (size_t)(mark - word.at)},
+                      value = {mark + 1, word.len - key.len - 1};
+    static const char *const stamps[] = {[STAMP_MS] = "ms", [STAMP_S] = "s", [STAMP_NONE] = "none"};
+    double seed = 0;
+    bool ok = true;
+    if (text_is(key, "rate"))
+        ok = read_number(value, QUANTITY_FREQUENCY, &sensor->rate) && sensor->rate >= 0.01 &&
+             sensor->rate <= 1e4;
+    else if (text_is(key, "noise"))
+        ok = read_number(value, sensor->quantity, &sensor->noise) && sensor->noise >= 0;
+    else if (text_is(key, "for"))
+        ok = read_number(value, QUANTITY_TIME, &sensor->length) && sensor->length > 0;
+    else if (text_is(key, "silent"))
+        ok = read_number(value, QUANTITY_TIME, &sensor->silent) && sensor->silent >= 0;
+    else if (text_is(key, "seed")) {
+        ok = real_parse(value, &seed) == REAL_OK && seed >= 0 && seed <= 0x1p53;
+        sensor->seed = ok ? (uint64_t)seed : 0;
+    } else if (text_is(key, "quirks")) {
+        ok = text_is(value, "on") || text_is(value, "off");
+        sensor->quirks = text_is(value, "on");
+    } else if (text_is(key, "time")) {
+        ok = false;
+        for (int i = 0; i < (int)COUNT_OF(stamps); i++)
+            if (text_is(value, stamps[i])) {
+                sensor->stamp = (unsigned)i;
+                ok = true;
+            }
+    } else {
+        return execute(session, "", word);
+    }
+    return ok || refuse(word, "not a value of that (rate=100 noise=0.03cm seed=1 for=10s "
+                              "time=ms|s|none quirks=on|off silent=2s)");
+}
+
+static double normal(uint64_t *state)
+{
+    const double size = sqrt(-2 * log(1 - random_fraction(state))); /* Box, Muller 1958 */
+    return size * cos(2 * M_PI * random_fraction(state));
+}
+
+static bool begin(struct session *session, const char *const *word, int words,
+                  struct sensor *sensor)
+{
+    struct error error = {0};
+    if (!execute(session, "scene ", text_of(word[0])))
+        return false;
+    struct system system;
+    if (!scene_bind_motion(&session->setup.scene, &system, &error)) {
+        fprintf(stderr, "hooke: error: %s\n", error.text);
+        return false;
+    }
+    sensor->quantity = system_variable(&system, 0).quantity;
+    sensor->scale = sensor->quantity == QUANTITY_LENGTH  ? 100
+                    : sensor->quantity == QUANTITY_ANGLE ? 180 / M_PI
+                                                         : 1;
+    for (int i = 1; i < words; i++)
+        if (!take_word(session, sensor, text_of(word[i])))
+            return false;
+    const struct run_settings settings = {
+        .dt = 0.1 / sensor->rate, .tol = TOL, .record = {RECORD_EVERY, INT64_MAX / 2, 0}};
+    const struct method *method = method_by_name(TEXT("dop853"));
+    sensor->run = run_create(&session->setup.scene, method, &settings, 1, &error);
+    if (!sensor->run)
+        fprintf(stderr, "hooke: error: %s\n", error.text);
+    return sensor->run != NULL;
+}
+
+/* Until then; false: interrupted. */
+static bool wait_until(int64_t due)
+{
+    for (int64_t left = due - clock_ns(); left > 0; left = due - clock_ns()) {
+        const struct timespec rest = {(time_t)(left / 1000000000), (long)(left % 1000000000)};
+        if (cancelled(&interrupt) || (ppoll(NULL, 0, &rest, NULL) < 0 && errno != EINTR))
+            return false;
+    }
+    return !cancelled(&interrupt);
+}
+
+static void put_line(struct sensor *sensor, double t, double y, struct buffer *line)
+{
+    const double shown = (y + sensor->noise * normal(&sensor->seed)) * sensor->scale +
+                         (sensor->quantity == QUANTITY_LENGTH ? DISTANCE * sensor->scale : 0);
+    const bool missed = sensor->quirks > 0 && random_fraction(&sensor->seed) < MISSED;
+    if (sensor->stamp == STAMP_MS)
+        buffer_format(line, "%.0f,", t * 1000);
+    else if (sensor->stamp == STAMP_S)
+        buffer_format(line, "%.4f,", t);
+    buffer_format(line, "%.3f\r\n", missed ? 0 : shown);
+    if (sensor->quirks > 0 && random_fraction(&sensor->seed) < GARBLED && line->len > 3)
+        line->data[(size_t)(random_fraction(&sensor->seed) * (double)(line->len - 2))] = '\xFF';
+}
+
+static void put_start(const struct sensor *sensor, struct buffer *text)
+{
+    static const char *const stamps[] = {
+        [STAMP_MS] = "time (ms),", [STAMP_S] = "time (s),", [STAMP_NONE] = ""};
+    const char *what = sensor->quantity == QUANTITY_LENGTH  ? "distance (cm)"
+                       : sensor->quantity == QUANTITY_ANGLE ? "angle (deg)"
+                                                            : "value";
+    if (sensor->quirks > 0)
+        buffer_format(text, "\r\nranging sensor, simulated by hooke\r\nwarming up ... ok\r\n");
+    buffer_format(text, "%s%s\r\n", stamps[sensor->stamp], what);
+}
+
+/* Writes the lines, each when it is due. Returns false if the run failed. *failure: errno of a
+ * write that failed, or 0. */
+static bool send(struct sensor *sensor, int *failure)
+{
+    struct buffer line = {0};
+    bool ok = true, open = wait_until(clock_ns() + (int64_t)(sensor->silent * 1e9));
+    const int64_t start = clock_ns();
+    put_start(sensor, &line);
+    open = open && write_all(STDOUT_FILENO, buffer_text(&line), failure);
+    for (int64_t i = 0; open && ok && (double)i < sensor->length * sensor->rate; i++) {
+        const double t = (double)i / sensor->rate;
+        const double late = sensor->quirks * JITTER * random_fraction(&sensor->seed);
+        const struct run_target target = {.t = sensor->run->system.t0 + t, .steps = -1};
+        run_advance(sensor->run, &target, 0, &interrupt);
+        ok = !stop_is_failure(sensor->run->stop);
+        buffer_clear(&line);
+        put_line(sensor, t, sensor->run->y[0], &line);
+        const bool lost = sensor->quirks > 0 && random_fraction(&sensor->seed) < LOST;
+        open = ok && wait_until(start + (int64_t)((t + late / sensor->rate) * 1e9)) &&
+               (lost || write_all(STDOUT_FILENO, buffer_text(&line), failure));
+    }
+    buffer_free(&line);
+    return ok;
+}
+
+int simulate_sensor(struct session *session, const char *const *word, int words,
+                    struct reply *reply)
+{
+    (void)reply; /* the lines are on time, whatever is said */
+    struct sensor sensor = {.rate = 100, .length = HUGE_VAL, .quirks = 1, .seed = 1};
+    if (!begin(session, word, words, &sensor))
+        return ERROR_USAGE;
+    int failure = 0;
+    const bool ok = send(&sensor, &failure), is_lost = failure != 0 && failure != EPIPE;
+    if (is_lost)
+        fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(failure));
+    else if (!ok)
+        fprintf(stderr, "hooke: error: the scene cannot be followed beyond t = %.6g s\n",
+                sensor.run->t);
+    run_destroy(sensor.run);
+    if (!signals_ending())
+        atomic_store(&interrupt.requested, 0); /* a Ctrl-C is the usual end */
+    if (is_lost)
+        return ERROR_IO;
+    return ok ? 0 : ERROR_NUMERICAL;
+}

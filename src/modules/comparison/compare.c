@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* compare */
+#ifndef COMMAND_ROWS
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include <hooke/report.h>
+#include "modules/comparison/comparison.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The rows as they are shown. */
+static void fill_rows(const struct session *session, const struct comparison *from, int count,
+                      struct arena *arena, struct compared_row *rows)
+{
+    struct recording *recording = session_recording(session);
+    for (int i = 0; i < count; i++) {
+        const struct run *run = from[i].run;
+        struct compared_row *row = &rows[i];
+        compared_init(row, &from[i]);
+        const bool stopped = cancelled(session->front.cancel),
+                   arrived = !stop_is_failure(run->stop) && run->stop != STOP_GIVEN_UP;
+        if (stopped || !arrived || !run_period(run, arena, &row->period))
+            row->period = (struct measured){NAN, NAN};
+        for (int k = 0; k < count; k++)
+            row->mixed |= from[k].path != from[0].path;
+        if (!recording || stopped)
+            continue;
+        const struct data_distance data = run_data_distance(run, recording);
+        const int derivative = recorded_derivative(recording, run);
+        row->data_rms = data.rms;
+        row->data_quantity = data.quantity;
+        snprintf(row->data_heading, sizeof row->data_heading, "rms(%s-data)",
+                 run_derivative(run, derivative > 0 ? derivative : 0).name);
+    }
+}
+
+/* Which rows took extra steps: they are not the methods as they are printed. */
+static void put_turning(const struct comparison *rows, int count, struct buffer *out)
+{
+    bool any = false;
+    for (int i = 0; i < count; i++) {
+        const int64_t turns = rows[i].run->cost.turns;
+        if (turns > 0)
+            buffer_format(out, "%s%s %lld",
+                          any ? ", "
+                          : rows[i].run->system.switches > rows[i].run->system.dry
+                              ? "extra steps that end at switches (set turning off): "
+                              : "extra steps that end at turning points (set turning off): ",
+                          rows[i].run->method->row.name, (long long)turns);
+        any |= turns > 0;
+    }
+    if (any)
+        buffer_char(out, '\n');
+}
+
+/* Which rows have times that do not compare with the rest. */
+static void put_general(const struct comparison *rows, int count, struct buffer *out)
+{
+    struct buffer names = {0};
+    const struct method *last = NULL;
+    for (int i = 0; i < count; i++) {
+        if (rows[i].path == KERNEL_GENERAL && rows[i].run->method != last)
+            buffer_format(&names, "%s%s", names.len ? ", " : "", rows[i].run->method->row.name);
+        last = rows[i].run->method;
+    }
+    buffer_format(
+        out,
+        "(!) timed by the general code: %s\n"
+        "    The others have code made for the method and these forces: do not rank by time\n"
+        "    what is marked against what is not.\n",
+        buffer_view(&names));
+    buffer_free(&names);
+}
+
+/* In words, each with its setting where a method has several. */
+static void put_verdicts(const struct compared_row *rows, int count, struct buffer *text)
+{
+    bool several = false;
+    for (int i = 1; i < count; i++)
+        several |= rows[i].method == rows[i - 1].method;
+    for (int i = 0; i < count; i++) {
+        if (!rows[i].by.verdict[0])
+            continue;
+        buffer_put(text, text_of(rows[i].method->row.name));
+        if (several) {
+            buffer_char(text, ' ');
+            compared_setting(&rows[i], text);
+        }
+        buffer_format(text, ": %s\n", rows[i].by.verdict);
+    }
+}
+
+/* Puts the table, without the columns for much room where its rows would be broken. */
+static void put_compared(const struct compared_row *rows, int count, int width, struct arena *arena,
+                         struct buffer *text)
+{
+    bool broken = false;
+    for (int wide = 1; wide >= 0 && (wide || broken); wide--) {
+        struct text_table table = {.arena = arena, .gap = 3, .max = width};
+        buffer_clear(text);
+        columns_text(&compared_columns, rows, (size_t)count, wide, &table);
+        text_table_put(&table, text);
+        broken = text_rows(buffer_text(text), width) > text_rows(buffer_text(text), INT_MAX);
+    }
+}
+
+static void reply_table(const struct session *session, const struct comparison *from,
+                        const struct compared_row *rows, int count, bool brief, struct arena *arena,
+                        struct reply *reply)
+{
+    int width, height;
+    session_size(session, &width, &height);
+    struct buffer text = {0};
+    enum { BELOW = 5 /* [row] the reference, the machine, the runs' numbers */ };
+    put_compared(rows, count, width, arena, &text);
+    bool timed = false;
+    for (int i = 0; i < count; i++)
+        timed |= isfinite(from[i].time.minimum);
+    if (timed && rows[0].mixed)
+        put_general(from, count, &text);
+    put_turning(from, count, &text);
+    const size_t table_end = text.len;
+    put_verdicts(rows, count, &text);
+    const int rows_max =
+        answer_rows(session) > ANSWER_ROWS_MIN ? answer_rows(session) : ANSWER_ROWS_MIN;
+    if (brief && text.len > table_end && text_rows(buffer_text(&text), width) > rows_max - BELOW) {
+        text.len = table_end;
+        buffer_put(&text, TEXT("... what each does in words: --full\n"));
+    }
+    if (from[0].reference[0]) {
+        buffer_format(&text, "errors against %s and %s, which agree to %s",
+                      from[0].reference[0]->row.name, from[0].reference[1]->row.name,
+                      SHOWN_SHORT(from[0].errors.floor, 2));
+        buffer_put(&text, from[0].reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
+    }
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static void reply_comparison(const struct session *session, const struct compared_row *rows,
+                             int count, struct reply *reply)
+{
+    const struct comparison *first = &rows[0].by;
+    struct buffer reference = {0};
+    if (first->reference[0])
+        buffer_format(&reference, "%s and %s, which agree to %s", first->reference[0]->row.name,
+                      first->reference[1]->row.name, SHOWN_SHORT(first->errors.floor, 2));
+    else if (isfinite(first->errors.max))
+        buffer_put(&reference, TEXT("the closed form"));
+    reply_result(session, reply, "compare", &compared_columns, rows, (size_t)count, NULL,
+                 buffer_view(&reference));
+    buffer_free(&reference);
+    reply_records(reply, "compare", &compared_columns, rows, (size_t)count);
+}
+
+/* ---- the command ---- */
+
+static double *values_of(const struct argument_value *args, struct arena *arena)
+{
+    double *values = arena_array(arena, (size_t)args->count + 1, sizeof *values);
+    for (int i = 0; values && i < args->count; i++)
+        values[i] = args->item[i].value.value;
+    return values;
+}
+
+/* The session takes the runs over; after a failure those that it has not taken are gone. */
+static bool keep_runs(struct session *session, struct comparison *rows, int count,
+                      struct error *error)
+{
+    bool ok = true;
+    for (int i = 0; i < count; i++) {
+        if (ok)
+            ok = session_add_run(session, rows[i].run, error);
+        else
+            comparison_free(&rows[i]);
+    }
+    return ok;
+}
+
+/* The panes show what was compared on the same axes: the last as the present run, those before it
+ * over it. */
+static void overlay_runs(struct view *view, const struct comparison *rows, int count)
+{
+    view->overlays = 0;
+    for (int i = count > LIMIT_OVERLAY ? count - 1 - LIMIT_OVERLAY : 0; i + 1 < count; i++)
+        view->overlay[view->overlays++] = rows[i].run->number;
+}
+
+static void reply_saved(const struct comparison *rows, int count, struct reply *reply)
+{
+    enum { NUMBERS_MAX = 4 /* that are named one by one */ };
+    struct buffer numbers = {0};
+    for (int i = 0; i < count && count <= NUMBERS_MAX; i++)
+        buffer_format(&numbers, "%s%d", i ? " " : "", rows[i].run->number);
+    if (count > NUMBERS_MAX) {
+        reply_line(reply,
+                   "saved as runs %d to %d   ('runs', 'plot energy run all', "
+                   "'export runs.csv run all')",
+                   rows[0].run->number, rows[count - 1].run->number);
+        return;
+    }
+    reply_line(
+        reply, "saved as run%s %s   ('runs', 'plot energy run %s', 'export runs.csv run %s')",
+        count == 1 ? "" : "s", buffer_view(&numbers), buffer_view(&numbers), buffer_view(&numbers));
+    buffer_free(&numbers);
+}
+
+static bool choices_adapt(const struct compare_request *request)
+{
+    for (int c = 0; c < request->choices && request->tols > 0; c++)
+        if (request->choice[c].method->flags & METHOD_ADAPTIVE)
+            return true;
+    return false;
+}
+
+/* Says which times are not sound, and how busy the machine was. */
+static void reply_machine(const struct comparison *rows, int count, struct reply *reply)
+{
+    struct buffer text = {0};
+    double others = 0;
+    for (int i = 0; i < count; i++) {
+        const struct timing_result *time = &rows[i].time;
+        if (isnan(time->minimum))
+            continue;
+        others = time->others;
+        if (!timing_is_sound(time))
+            buffer_format(&text,
+                          "the time of %s is uncertain: its shortest samples differ by %.0f %%\n",
+                          rows[i].run->method->row.name, 100 * time->spread);
+    }
+    timing_put_machine(others, &text);
+    if (text.len > 0)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+HANDLER(compare)
+{
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *dt = argument_value(args, "dt"),
+                                *tol = argument_value(args, "tol");
+    const struct settings *settings = &session->setup.settings;
+    const int max = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
+    struct method_choice *choice = arena_array(args->arena, (size_t)methods->count, sizeof *choice);
+    struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
+    struct compared_row *compared = arena_array(args->arena, (size_t)max, sizeof *compared);
+    double *dts = values_of(dt, args->arena), *tols = values_of(tol, args->arena);
+    if (!choice || !rows || !compared || !dts || !tols)
+        return error_memory(error);
+    const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
+    if (dt->count == 0)
+        dts[0] = settings->dt;
+    if (tol->count && dt->count > 1)
+        return error_at(error, dt->where,
+                        "with tol= at most one dt is given: the first step, and the step of "
+                        "methods that do not adapt");
+    if (session->runs.count + max > LIMIT_RUNS) {
+        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", max,
+                  session->runs.count, LIMIT_RUNS);
+        return error_hint(error, "drop some: drop N.. or drop all");
+    }
+    int count = 0;
+    if (!choose_methods(args, session->setup.drag, choice, &count, error))
+        return false;
+    const struct compare_request request = {.scene = &session->setup.scene,
+                                            .choice = choice,
+                                            .choices = methods->count,
+                                            .dt = dts,
+                                            .dts = dt->count ? dt->count : 1,
+                                            .tol = adapts       ? &settings->tol
+                                                   : tol->count ? tols
+                                                                : NULL,
+                                            .tols = adapts ? 1 : tol->count,
+                                            .first = dt->count ? 0 : session_first_step(session),
+                                            .duration = settings->duration,
+                                            .compensated =
+                                                session_run_settings(session).compensated,
+                                            .record = settings->record,
+                                            .timing = (enum timing)settings->timing,
+                                            .references = session_references(session),
+                                            .cancel = session->front.cancel};
+    double steps, seconds;
+    if (!study_compare_plan(&request, &steps, &seconds, error) ||
+        !allow_long(session, seconds, steps, has_argument(args, "force"), error))
+        return false;
+    struct error study = {0};
+    reply_assumed(session, choices_adapt(&request), true, reply);
+    reply_shorter(session, reply);
+    const bool ok = study_compare(&request, rows, &count, &study);
+    if (!keep_runs(session, rows, count, error))
+        return false;
+    if (count > 0) {
+        overlay_runs(&session->view, rows, count);
+        fill_rows(session, rows, count, args->arena, compared);
+        reply_table(session, rows, compared, count, !asks_full(args), args->arena, reply);
+        reply_comparison(session, compared, count, reply);
+        for (int i = 0; i < count; i++)
+            reply_unsound(rows[i].run, reply);
+        reply_machine(rows, count, reply);
+        reply_saved(rows, count, reply);
+    }
+    if (!ok)
+        *error = study;
+    return ok;
+}
+#endif
+
+COMMAND(compare, .group = "STUDY", .flags = COMMAND_CHANGES | COMMAND_TABLES,
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY,
+                        .choices = &method_catalog),
+                  KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),
+                  KEY("tol", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_NUMBER),
+                  KEY("drag", TYPE_CHOICE, .flags = ARG_MANY, .choices = &drag_catalog),
+                  OPTION("force", TYPE_NONE), OPTION("full", TYPE_NONE)))

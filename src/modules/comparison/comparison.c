@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The module comparison: methods against each other, and against what is known of them. */
+#include "modules/comparison/comparison.h"
+
+#include <stdlib.h>
+
+struct references *session_references(const struct session *session)
+{
+    struct comparison_part *part = session_part(session, &comparison_module);
+    return part ? &part->references : NULL;
+}
+
+const struct precision *session_precision(const struct session *session)
+{
+    const struct comparison_part *part = session_part_if_made(session, &comparison_module);
+    return part ? part->precision : NULL;
+}
+
+bool choose_methods(const struct arguments *args, enum drag usual, struct method_choice *choice,
+                    int *count, struct error *error)
+{
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *drag = argument_value(args, "drag");
+    for (int i = 0; i < methods->count; i++) {
+        const struct method *method = method_from(methods->item[i].row);
+        choice[i] =
+            (struct method_choice){method, method->drags & (1u << usual) ? usual : DRAG_DEFAULT};
+    }
+    *count = methods->count ? methods->count : *count;
+    if (drag->count > 1 && drag->count != *count)
+        return error_at(error, drag->where,
+                        "drag= takes one variant for all methods or one for each");
+    for (int i = 0; i < *count && drag->count; i++) {
+        const enum drag wanted = (enum drag)(drag->item[drag->count > 1 ? i : 0].index + 1);
+        if (*count == 1 || drag->count > 1 || choice[i].method->drags & (1u << wanted))
+            choice[i].drag = wanted;
+    }
+    return true;
+}
+
+static void free_part(void *state)
+{
+    struct comparison_part *part = state;
+    if (part->precision)
+        precision_free(part->precision);
+    free(part->precision);
+    references_free(&part->references);
+}
+
+static bool part_uses(const void *state, const struct model *model)
+{
+    const struct comparison_part *part = state;
+    bool uses = part->precision && scene_uses(&part->precision->scene, model);
+    for (int i = 0; i < REFERENCES && !uses; i++)
+        uses = scene_uses(&part->references.stored[i].scene, model);
+    return uses;
+}
+
+/* A reference that the next study would not have to compute. */
+static void plan(const struct session *session, struct buffer *text)
+{
+    struct comparison_part *part = session_part_if_made(session, &comparison_module);
+    const struct setup *setup = &session->setup;
+    const struct reference *known =
+        part ? references_find(&part->references, &setup->scene, setup->settings.duration) : NULL;
+    if (!known || known->exact)
+        return;
+    buffer_put(text, TEXT("reference "));
+    reference_describe(known, text);
+    buffer_put(text, TEXT(": found before, for precision, compare and order\n"));
+}
+
+const struct module comparison_module = {
+    .row = {"comparison", "", "methods compared: error, run time, order, stability", "", NULL},
+    .needs = "solving",
+    .part_size = sizeof(struct comparison_part),
+    .part_free = free_part,
+    .part_uses = part_uses,
+    .plan = plan,
+};

@@ -1,0 +1,453 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Methods compared: timing, references, precision, order, selftest. */
+#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_COMPARE_H
+#define HOOKE_MODULES_COMPARISON_COMPUTE_COMPARE_H
+
+#include <hooke/figure.h>
+#include <hooke/result.h>
+#include <hooke/run.h>
+#include "modules/solving/compute/solve.h"
+#include <hooke/run/timing.h>
+
+struct cancel;
+struct catalog;
+
+/* ---- timing: how long a solve takes, nothing recorded ----
+ *
+ * Repeats are chained through the data (a start that depends on the last result), batched until a
+ * sample is long enough for the clock, and reported as minimum and median. One warm-up solve is
+ * discarded. Nothing is allocated or written in the timed region.
+ */
+
+#define TIMING_SAMPLES 15
+
+/* Processor time of one solve, in seconds; NAN if it was not timed. */
+struct timing_result {
+    double minimum, median;
+    double spread; /* how far the second shortest sample is above the shortest, relative */
+    /* Mean number of other threads that ran meanwhile. Where some did, the time may be up to
+     * TIMING_CONTENTION times too long: processors share units, caches and memory. */
+    double others;
+    int samples;
+    bool few; /* fewer samples than asked for */
+};
+
+#define TIMING_SPREAD 0.1 /* above it a time is flagged and not ranked */
+
+/* Fewest samples that show whether a time is sound. */
+enum { TIMING_SAMPLES_MIN = 3 };
+
+/* What other threads beside it may do to a time, and how many of them are none. */
+#define TIMING_CONTENTION 2.2
+#define TIMING_OTHERS 0.25
+
+/* Adds a line that says how busy the machine was, if it was. */
+void timing_put_machine(double others, struct buffer *text);
+
+/* Returns true if at least three samples were taken and the two shortest agree. */
+bool timing_is_sound(const struct timing_result *time);
+
+/* [ns] of the minimum; NAN: not timed */
+double timing_step_ns(const struct timing_result *time, int64_t steps);
+
+/* ---- reference: what errors are measured against ----
+ *
+ * On a common grid of 257 times, so that a coarse method is not sampled kindly: the closed form
+ * where one is known, else the same problem solved by two methods of different kinds (explicit,
+ * splitting, implicit, Rosenbrock), with compensated sums. What they agree to is the accuracy, and
+ * nothing below it is claimed; a contestant at a tighter tolerance alone would be no reference.
+ * Distances are those of the positions (of all variables in a first-order scene), each divided by
+ * its amplitude, the largest |y_i| on the grid.
+ */
+
+struct reference {
+    double *y; /* [STUDY_TIMES][n], owned: reference_free() */
+    int n, scored;
+    double span;                       /* [s] */
+    double amplitude[LIMIT_VARIABLES]; /* > 0 */
+    bool exact;
+    const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
+    double accuracy; /* distance between both, or the conditioning floor of the closed form */
+    struct singularity singular; /* where there is no reference because the solution ends */
+    double meaning;  /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+    bool sudden;     /* there they part within 1/256 of the span: not as rounding grows */
+    double shortest; /* [s] the shortest stretch that its steps had to be cut for, 0: none */
+    double bound;    /* [s] no step of it is longer, except of one of the two methods */
+    bool again;      /* computed again, in shorter steps, because finer runs disagreed with it */
+    /* their runs agree with each other and not with it: not resolved; NULL: nobody */
+    const struct method *against[2];
+    double apart; /* by so much, in amplitudes */
+    bool stored;  /* by an earlier study of the same scene */
+};
+
+/* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or
+ * no two methods agree to reach the end. Of a failure `singular` holds. */
+bool study_reference(const struct system *system, double span, const struct cancel *cancel,
+                     struct reference *reference, struct error *error);
+/* As study_reference(), where no step of any method is longer than `step` [s]. */
+bool study_reference_again(const struct system *system, double span, double step,
+                           const struct cancel *cancel, struct reference *reference,
+                           struct error *error);
+void reference_free(struct reference *reference);
+/* "dop853 and gauss6, which agree …" */
+void reference_describe(const struct reference *reference, struct buffer *text);
+
+/*
+ * References of the scenes that were studied last, so that the next study of one of them does not
+ * compute it again; also that there is none. Owned by the caller, zeroed at first,
+ * references_free(). They hold as long as the typed models that they are of.
+ */
+#define REFERENCES 4
+
+struct references {
+    struct stored_reference {
+        struct scene scene;
+        double span; /* [s] */
+        struct reference reference;
+        struct error why; /* there is none: y NULL */
+        uint64_t used;    /* when, counted in uses; 0: nothing is kept here */
+    } stored[REFERENCES];
+    uint64_t uses;
+};
+
+/*
+ * As study_reference() of the scene bound to `system`, which keeps it there: any other value of a
+ * parameter, start, tolerance of a variable, typed line or span is another scene. A copy, the
+ * caller's own. references NULL: nothing is kept.
+ */
+bool references_get(struct references *references, const struct scene *scene,
+                    const struct system *system, double span, const struct cancel *cancel,
+                    struct reference *reference, struct error *error);
+/* One that is suspect, computed again in steps of at most `step` [s], and kept instead. False: that
+ * cannot be done, and the old one stays (ERROR_NUMERICAL), or cancelled. */
+bool references_again(struct references *references, const struct scene *scene,
+                      const struct system *system, double span, double step,
+                      const struct cancel *cancel, struct reference *reference,
+                      struct error *error);
+/* What is kept of it; NULL: nothing, or that there is none. */
+const struct reference *references_find(struct references *references, const struct scene *scene,
+                                        double span);
+void references_free(struct references *references);
+
+struct study_errors {
+    double end, max; /* at the end, on the grid */
+    /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
+    double energy;
+    double phase, amplitude; /* [rad] and relative, at the end, of an oscillator; NAN */
+};
+
+/* ---- precision: error against run time ---- */
+
+struct method_choice {
+    const struct method *method;
+    enum drag drag; /* DRAG_DEFAULT: the method's own */
+};
+
+const char *contender_drag(const struct method_choice *by); /* NULL: the method's own */
+
+struct precision_request {
+    const struct scene *scene;
+    const struct method_choice *choice;
+    int choices;
+    /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps too */
+    double dt[2];
+    double tol[2];    /* ends of the sweep of methods that adapt, NAN: choose */
+    double duration;  /* [s] */
+    bool compensated; /* sums of fixed steps */
+    enum timing timing;
+    double seconds; /* [s] about what all of it may take besides the reference, 0: chosen */
+    bool recording; /* time a run that records, too */
+    struct references *references; /* kept between studies, NULL: not */
+    const struct cancel *cancel;
+};
+
+struct precision_point {
+    int curve;
+    double dt, tol; /* dt = duration / 2^k [s]; tol > 0: adaptive, then dt = 0 */
+    int64_t steps;
+    struct cost cost;
+    enum stop stop;
+    bool refused; /* the method takes no steps of this size here */
+    struct study_errors errors;
+    /* lost already where the motion goes furthest: steps, cost and error are of that 1/256 alone */
+    bool probed;
+    /* [s] of the processor, for the one solve that was measured, sampling included */
+    double seconds;
+    /* the time is that of so many, scaled to all of them; 0: of whole solves */
+    int64_t timed_steps;
+    double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
+    bool below;   /* below the accuracy of the reference */
+    bool asymptotic;  /* takes part in the fit */
+    enum kernel path; /* as study_path() */
+    struct timing_result time;
+    /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+    double recording;
+};
+
+/* One method: its points from coarse to fine, and the line through the asymptotic ones. */
+struct precision_curve {
+    struct method_choice by;
+    bool adaptive;
+    int first, count;
+    double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
+    int fitted;
+    /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is expected (exact) */
+    double expected;
+    /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is expected */
+    bool differs;
+    bool cut; /* ended by the time allowed, not by rounding or cost */
+};
+
+#define PRECISION_SLOPE 0.3
+
+struct precision {
+    struct scene scene;
+    struct system system;
+    struct reference reference;
+    double duration;
+    bool compensated;
+    struct precision_point *point;
+    int points;
+    struct precision_curve *curve;
+    int curves; /* finished */
+};
+
+/*
+ * Sweeps each choice from coarse steps to the floor of rounding (or the ends given), measures
+ * the errors, then times all points together. Failed points are results; of those before the first
+ * success only the last is kept. A choice that does not apply is an error before anything runs.
+ * False also when cancelled: what is finished is kept (curves > 0), times may be missing.
+ * precision_free() in every case.
+ */
+bool study_precision(const struct precision_request *request, struct precision *precision,
+                     struct error *error);
+void precision_free(struct precision *precision);
+
+/* A point with what it belongs to: a row of its result. */
+struct precision_row {
+    struct precision_point point;
+    struct precision_curve curve;
+    double accuracy; /* of the reference */
+    bool stored;     /* the reference, by an earlier study */
+    bool resolved;   /* it is not contradicted by the finest runs of two methods */
+    const struct precision *precision;
+};
+
+/* One for each point, from the arena; they hold as long as `precision`. NULL: no memory. */
+const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena);
+extern const struct result_columns precision_columns; /* of struct precision_row */
+
+/* A point that says something: it reached the end, with an error below 1. */
+bool precision_meaningful(const struct precision_point *point);
+
+/* What an error costs, read off a curve between its points (straight lines in logarithms); false:
+ * not reached. */
+struct precision_cost {
+    int curve;
+    enum kernel path;
+    double evals, minimum, median; /* [s], NAN without times */
+    bool timed;                    /* by sound times */
+    /* Its minimum is inside of [minimum, median] of the fastest, or within PRECISION_TIE of its
+     * minimum. */
+    bool tied;
+};
+
+/* what minima of the same solve differ by from one process to the next */
+#define PRECISION_TIE 1.05
+
+bool precision_cost_at(const struct precision *precision, int curve, double error,
+                       struct precision_cost *cost);
+/*
+ * The curves that reach this error, the fastest first (without times: by evaluations); returns how
+ * many are ranked. Those with general code that are not ahead of all specialised ones follow,
+ * *others: code of their own might bring them anywhere ahead. (One that is ahead stays there: it
+ * would only gain.) costs [curves]; others may be NULL.
+ */
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
+                      int *others);
+
+/*
+ * Force evaluations that an error needs on an undamped linear oscillator, predicted from the
+ * method's amplification matrix: phase, amplitude and shape of M^n against the rotation
+ * (NUMERICS 1.5). NAN: another scene, adaptive steps, or a method without such a matrix.
+ */
+double precision_predict(const struct precision *precision, int curve, double error);
+bool precision_predicts(const struct system *system);
+
+/* Natural rates times duration are so large that explicit methods take their steps for stability
+ * alone. */
+bool precision_is_stiff(const struct system *system, double duration);
+/* A dozen methods that apply to the system, by what it is (stiff or not); returns how many. Each of
+ * the others that was considered is offered with the reason. */
+#define PRECISION_DEFAULTS 12
+int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
+                       void (*absent)(void *context, const char *method, const char *reason),
+                       void *context);
+
+/* ---- compare ---- */
+
+struct compare_request {
+    const struct scene *scene;
+    const struct method_choice *choice;
+    int choices;
+    const double *dt; /* [s] [dts]; with tol[] given: first guesses, one is enough */
+    int dts;
+    const double *tol; /* [tols] adaptive where the method can; fixed-step methods use dt */
+    int tols;
+    double first;     /* [s] first step of methods that adapt, 0: dt[0] */
+    double duration;  /* [s] */
+    bool compensated; /* sums of fixed steps */
+    struct recording_rule record;
+    enum timing timing;
+    struct references *references; /* kept between studies, NULL: not */
+    const struct cancel *cancel;
+};
+
+struct comparison {  /* one method at one setting */
+    struct run *run; /* owned by the caller after study_compare */
+    /* against the exact solution; without one end, max and floor against the reference */
+    struct run_errors errors;
+    double duration; /* [s] asked for */
+    const struct method
+        *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
+    bool reference_stored; /* by an earlier study */
+    struct ledger ledger;
+    /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
+    double order;
+    double energy_factor; /* E/E0 at the end */
+    /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
+    double predicted_factor;
+    enum kernel path; /* as study_path() */
+    struct timing_result time;
+    char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
+};
+
+/* Steps and computing time [s] that all of it will take; false where study_compare would refuse. */
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
+                        struct error *error);
+/*
+ * Runs every choice at every setting, in order. rows has room for choices * max(dts, 1) (or
+ * tols); *count says how many were finished. A method that does not apply to the scene, or a
+ * setting that is refused, is an error before anything runs. A diverged run is a result. False also
+ * when cancelled: the finished rows are kept and *count > 0.
+ */
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,
+                   struct error *error);
+void comparison_free(struct comparison *row); /* destroys the run if it is still there */
+
+/* A comparison as it is shown, written and kept: without the run, which has a life of its own. */
+struct compared_row {
+    struct comparison by; /* its run NULL */
+    const struct method *method;
+    double dt, tol; /* [s] and a number; NAN: the other one */
+    int64_t steps;
+    struct cost cost;
+    enum stop stop;
+    int number;                         /* of the run */
+    struct measured period;             /* [s] NAN: none, or not looked for */
+    double data_rms;                    /* from a recording, NAN: there is none */
+    enum quantity data_quantity;        /* of that */
+    char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
+    bool mixed;                         /* the rows are not all timed by the same code */
+    bool balanced; /* drag or a drive changes the energy, so that its error is one of the balance */
+};
+
+/* Takes over what is known; period, data and `mixed` are to be filled in. */
+void compared_init(struct compared_row *row, const struct comparison *from);
+/* "10 ms", "tol 1e-06" */
+void compared_setting(const struct compared_row *row, struct buffer *text);
+extern const struct result_columns compared_columns; /* of struct compared_row */
+
+/* ---- order: how fast the error falls with the step ----
+ *
+ * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order
+ * is the slope over the asymptotic part: below the errors that are too large to say anything, above
+ * rounding and the accuracy of the reference; there the finest few points whose local slopes agree.
+ */
+
+struct order_request {
+    const struct scene *scene;
+    struct method_choice by;
+    double dt[2];                  /* [s] ends of the sweep, NAN: choose */
+    double duration;               /* [s] */
+    struct references *references; /* kept between studies, NULL: not */
+    const struct cancel *cancel;
+};
+
+struct order_point {
+    double dt; /* [s] */
+    int64_t steps;
+    enum stop stop;
+    bool refused; /* the method takes no steps of this size here */
+    /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    double error;
+    double slope;  /* to the point before; NAN */
+    int64_t turns; /* extra steps that end at turning points */
+    bool fitted;
+};
+
+#define ORDER_POINTS 64
+#define ORDER_BAND 0.05 /* a slope that close to the claim agrees with it */
+
+enum order_verdict {
+    ORDER_AGREES,
+    ORDER_LOWER,
+    ORDER_HIGHER,
+    ORDER_ERRATIC,
+    ORDER_NO_RANGE,
+    ORDER_EXACT
+};
+
+extern const struct catalog order_verdict_catalog; /* struct row at the enum's place */
+
+struct order {
+    struct method_choice by;
+    int claimed; /* by the row; explicit drag claims 1 on a scene with drag */
+    /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    double slope, guard, r2;
+    struct order_point point[ORDER_POINTS];
+    int points, fitted;
+    double floor;          /* errors below are not claimed */
+    bool reference_stored; /* what they are measured against was there before */
+    enum order_verdict verdict;
+    bool switches;   /* the forces switch, beside dry friction */
+    bool unsettled;  /* there are points to fit, but their slopes have not reached one value */
+    char words[300]; /* why the scene spoils it, "" where nothing is to say */
+};
+
+/* of struct order, struct order_point */
+extern const struct result_columns order_columns, order_point_columns;
+
+/* False: the method does not apply, there is no reference, or cancelled (what is finished is kept:
+ * points > 0). */
+bool study_order(const struct order_request *request, struct order *order, struct error *error);
+
+/* ---- selftest: what the rows claim, measured on this machine ---- */
+
+enum selftest_check {
+    SELFTEST_ORDER,
+    SELFTEST_AREA,
+    SELFTEST_REVERSAL,
+    SELFTEST_STABILITY,
+    SELFTEST_CHECKS
+};
+
+extern const struct catalog selftest_catalog;
+
+struct selftest_result {
+    bool applies, passed;
+    /* order; area factor - 1; distance from the start; growth around the limit; NAN */
+    double value, wanted;
+};
+
+struct selftest_row {
+    const struct method *method;
+    struct selftest_result check[SELFTEST_CHECKS];
+    bool passed;
+};
+
+/* One method, as its row says; false: no memory, or cancelled. */
+bool selftest_method(const struct method *method, const struct cancel *cancel,
+                     struct selftest_row *row);
+
+#endif

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a row of a comparison says: to programs, to files, to people. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
+#include "modules/comparison/compute/compare.h"
+
+#include <math.h>
+#include <string.h>
+
+void compared_init(struct compared_row *row, const struct comparison *from)
+{
+    const struct run *run = from->run;
+    *row = (struct compared_row){.by = *from,
+                                 .method = run->method,
+                                 .dt = run->plan.adaptive ? NAN : run->settings.dt,
+                                 .tol = run->plan.adaptive ? run->settings.tol : NAN,
+                                 .steps = run->steps,
+                                 .cost = run->cost,
+                                 .stop = run->stop,
+                                 .number = run->number,
+                                 .period = {NAN, NAN},
+                                 .data_rms = NAN,
+                                 .balanced = run->plan.ledger};
+    row->by.run = NULL;
+}
+
+static const struct compared_row *compared(const void *row)
+{
+    return row;
+}
+
+/* ---- values ---- */
+
+static double step_ns(const void *row)
+{
+    return timing_step_ns(&compared(row)->by.time, compared(row)->steps);
+}
+
+static const char *status_of(const void *row)
+{
+    return stop_name(compared(row)->stop);
+}
+
+static enum quantity data_quantity(const void *row)
+{
+    return compared(row)->data_quantity;
+}
+
+/* A method that fails says so in the column of its energy. */
+static bool has_energy(const void *row)
+{
+    return isfinite(compared(row)->by.ledger.error_max) || stop_is_failure(compared(row)->stop);
+}
+
+static bool has_data(const void *row)
+{
+    return compared(row)->data_heading[0] != '\0';
+}
+
+static bool is_timed(const void *row)
+{
+    return isfinite(compared(row)->by.time.minimum);
+}
+
+/* ---- for people ---- */
+
+void compared_setting(const struct compared_row *row, struct buffer *text)
+{
+    if (isfinite(row->tol))
+        buffer_format(text, "tol %.3g", row->tol);
+    else
+        buffer_quantity(text, row->dt, QUANTITY_TIME, 4);
+}
+
+static void setting_cell(struct text_table *table, const void *row)
+{
+    struct buffer text = {0};
+    compared_setting(row, &text);
+    cell_take(table, &text);
+}
+
+static void energy_cell(struct text_table *table, const void *row)
+{
+    const enum stop stop = compared(row)->stop;
+    if (stop_is_failure(stop) || stop == STOP_GIVEN_UP)
+        cell_text(table, stop_name(stop));
+    else
+        cell_quantity(table, compared(row)->by.ledger.error_max, QUANTITY_NUMBER, 3);
+}
+
+/* Names what the column holds: the energy balance where drag or a drive changes the energy. */
+static const char *energy_head(const void *first)
+{
+    return compared(first)->balanced ? "balance" : "|dE/E0|";
+}
+
+static const char *data_head(const void *first)
+{
+    return compared(first)->data_heading;
+}
+
+static void period_cell(struct text_table *table, const void *row)
+{
+    const struct measured period = compared(row)->period;
+    cell_text(table, isfinite(period.value) ? SHOWN_MEASURED(period, QUANTITY_TIME, 6) : "-");
+}
+
+static void angle_cell(struct text_table *table, double radians)
+{
+    struct buffer text = {0};
+    buffer_phase(&text, radians);
+    cell_take(table, &text);
+}
+
+/* Marked where the times of other rows are by other code. */
+static void step_time_cell(struct text_table *table, const void *row)
+{
+    const bool marked = compared(row)->mixed && compared(row)->by.path == KERNEL_GENERAL;
+    const double ns = step_ns(row);
+    cell_format(table, isnan(ns) ? "-" : ns < 1000 ? "%.3g%s" : "%.0f%s", ns, marked ? " (!)" : "");
+}
+
+/* ---- the columns ---- */
+
+#define AT(member) .at = offsetof(struct compared_row, member)
+
+/* clang-format off */
+static const struct result_column columns[] = {
+    {.name = "method", .kind = COLUMN_ROW, AT(method), .index = 1, .heading = "method"},
+    {.name = "dt", AT(dt), .quantity = QUANTITY_TIME,
+     .index = 2, .heading = "dt", .cell = setting_cell},
+    {.name = "tol", AT(tol)},
+    {.name = "steps", .kind = COLUMN_COUNT, AT(steps), .index = 3, .heading = "steps"},
+    {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
+    {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
+    {.name = "error", AT(by.errors.max), .index = 5, .heading = "max error"},
+    {.name = "energy_error", AT(by.ledger.error_max), .index = 4, .head = energy_head,
+     .cell = energy_cell, .flags = COLUMN_IF_ANY, .any = has_energy},
+    {.name = "energy_factor", AT(by.energy_factor)},
+    {.name = "predicted_factor", AT(by.predicted_factor)},
+    {.name = "order", AT(by.order)},
+    {.name = "phase_error", AT(by.errors.phase), .quantity = QUANTITY_ANGLE,
+     .index = 8, .heading = "phase err", .look = angle_cell, .flags = COLUMN_IF_ANY},
+    {.name = "period", AT(period.value), .quantity = QUANTITY_TIME, .index = 7,
+     .heading = "period T", .cell = period_cell, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD},
+    {.name = "period_uncertainty", AT(period.uncertainty), .quantity = QUANTITY_TIME,
+     .flags = COLUMN_NO_RECORD},
+    {.name = "data_rms", AT(data_rms), .quantity_of = data_quantity, .index = 6,
+     .head = data_head, .flags = COLUMN_IF_ANY | COLUMN_NO_RECORD, .any = has_data},
+    {.name = "time_min", AT(by.time.minimum), .quantity = QUANTITY_TIME,
+     .index = 9, .heading = "time", .look = cell_seconds},
+    {.name = "time_median", AT(by.time.median), .quantity = QUANTITY_TIME},
+    {.name = "ns_per_step", .real = step_ns, .index = 10, .heading = "ns/step",
+     .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_timed},
+    {.name = "path", .kind = COLUMN_CHOICE, AT(by.path), .choices = &kernel_catalog},
+    {.name = "status", .kind = COLUMN_NAME, .text = status_of},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(by.reference_stored),
+     .flags = COLUMN_NO_FILE},
+    {.name = "verdict", .kind = COLUMN_CHARS, AT(by.verdict), .flags = COLUMN_NO_FILE},
+    {.name = "run", .kind = COLUMN_INT, AT(number)},
+};
+/* clang-format on */
+
+const struct result_columns compared_columns = RESULT_COLUMNS(columns, struct compared_row);

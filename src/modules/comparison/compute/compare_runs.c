@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost
+ * and a verdict in words. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include "modules/comparison/compute/errors.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the one-step matrix (or the growth factor) of the method says of the energy of one undriven
+ * linear oscillator.
+ */
+struct prediction {
+    bool known;
+    double growth; /* spectral radius: amplitude factor a step */
+    /* ln of the amplitude factor after the run; the last step may be a shorter one */
+    double amplitude;
+    double factor; /* E/E0 after the run: the energy is quadratic in the state */
+    double exact;  /* the same for the exact solution */
+    double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
+};
+
+/*
+ * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2
+ * constant. The energy q^2 + p^2 then stays within the ratio of that form's eigenvalues.
+ */
+static double ellipse_swing(const double matrix[4])
+{
+    double p = -matrix[2];
+    double r = matrix[1];
+    double s = 0.5 * (matrix[0] - matrix[3]);
+    double mean = 0.5 * (p + r);
+    double half = hypot(0.5 * (p - r), s);
+    return mean > half ? (mean + half) / (mean - half) - 1 : NAN;
+}
+
+static double matrix_size(const double matrix[4])
+{
+    return hypot(hypot(matrix[0], matrix[1]), hypot(matrix[2], matrix[3]));
+}
+
+#define SHORTER 1e-6 /* of dt: a last step that is not just rounded */
+
+/* E/E0 of the exact solution where the run ends: with damping its energy falls in waves. */
+static double exact_factor(const struct run *run, double omega)
+{
+    const double *start = trace_state(run->trace, 0);
+    double y[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
+    system_exact(&run->system, run->system.t0, start, run->t, y, floor);
+    /* no square underflows */
+    const double ratio = hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega);
+    return ratio * ratio;
+}
+
+static struct prediction predict(const struct run *run)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    struct prediction prediction = {
+        .growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
+    bool oscillates = o->stiffness > 0 && fabs(o->damping) < 2 * sqrt(o->stiffness);
+    if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 ||
+        !oscillates || run->plan.adaptive || !system_has_potential(&run->system)) {
+        return prediction;
+    }
+    double omega = sqrt(o->stiffness), x = omega * run->settings.dt,
+           zeta = o->damping / (2 * omega);
+    double matrix[4];
+    bool one_step = method_amplification(run->method, run->settings.drag, x, zeta, matrix);
+    if (isnan(prediction.growth)) { /* a method of several steps */
+        prediction.growth = method_growth(run->method, run->settings.drag, x, zeta);
+    }
+    prediction.known = !isnan(prediction.growth);
+    const double dt = fabs(run->settings.dt),
+                 last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
+    if (last > 0 && last < (1 - SHORTER) * dt) {
+        const double end = method_growth(run->method, run->settings.drag, omega * last, zeta);
+        prediction.amplitude = (double)(run->steps - 1) * log(prediction.growth) + log(end);
+        if (run->steps == 1) {
+            prediction.growth = end;
+            one_step =
+                method_amplification(run->method, run->settings.drag, omega * last, zeta, matrix);
+        }
+    } else {
+        prediction.amplitude = (double)run->steps * log(prediction.growth);
+    }
+    prediction.factor = exp(2 * prediction.amplitude);
+    prediction.exact = exact_factor(run, omega);
+    prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
+    if (one_step && isnan(prediction.swing)) /* what single steps do beyond the spectral radius */
+        prediction.swing = fmax(2 * log(matrix_size(matrix) / prediction.growth), 0);
+    return prediction;
+}
+
+/* A predicted factor over the whole run within this of 1 counts as bounded. */
+#define BOUNDED 0.02
+
+/* max |energy-error| over the last quarter of the rows / over the first; NAN: not known. */
+static double energy_trend(const struct run *run)
+{
+    const struct observable *missing = observable_by_name(TEXT("energy-error"));
+    const size_t n = trace_count(run->trace);
+    double *value = malloc(n * sizeof *value), max[4] = {0};
+    struct error ignored;
+    const bool known = value && run_column(run, missing, value, &ignored);
+    for (size_t i = 0; known && i < n; i++)
+        max[4 * i / n] = fmax(max[4 * i / n], fabs(value[i]));
+    free(value);
+    return known ? max[3] / max[0] : NAN;
+}
+
+#define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
+#define ROUNDING 1e-12         /* energy errors below are rounding */
+#define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
+#define STEADY 1.5 /* a drift makes it four times as large, what is bounded stays */
+
+/* Appends "within 0.01 of E0" or "off by 1700 times E0". */
+static void put_energy_off(double error, struct buffer *out)
+{
+    buffer_format(out, error < 1 ? "within %.2g of E0" : "off by %.2g times E0", error);
+}
+
+/* What the energy was seen to do where nothing predicts it. */
+static void observe(const struct comparison *row, const char *span, struct buffer *out)
+{
+    const struct run *run = row->run;
+    const struct ledger *ledger = &row->ledger;
+    const double peak = run_energy_peak(run, ledger);
+    if (isnan(ledger->error_max)) {
+        buffer_format(out, "reached %s", span);
+        return;
+    }
+    if (ledger->error_max <= ROUNDING) {
+        buffer_format(out, "energy%s kept to rounding", run->plan.ledger ? " balance" : "");
+    } else if (row->energy_factor == 0) {
+        buffer_put(out, TEXT("vanished: the energy is below the smallest number"));
+    } else if (!run->system.conservative && isnan(peak)) {
+        buffer_put(out, TEXT("energy balance "));
+        put_energy_off(ledger->error_max, out);
+    } else if (!run->system.conservative) {
+        buffer_format(out,
+                      "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
+                      ledger->error_max / peak, span, peak);
+        return;
+    } else if (energy_trend(run) <= STEADY) { /* after an orbit or two, of others too: they drift */
+        buffer_format(out, "energy %s",
+                      run->method->flags & KEEPS_ENERGY && !run->plan.adaptive ? "bounded: " : "");
+        put_energy_off(ledger->error_max, out);
+    } else if (row->energy_factor > 2 || (row->energy_factor < 0.5 && row->energy_factor >= 0)) {
+        buffer_format(out, "%s by the method: energy x %.4g",
+                      row->energy_factor > 2 ? "driven up" : "damped away", row->energy_factor);
+    } else {
+        buffer_format(out, "energy drifts: by %.2g E0", ledger->error);
+    }
+    buffer_format(out, " in %s", span);
+}
+
+/* What it did beside what the method's matrix says. */
+static void confirm(struct comparison *row, const struct prediction *prediction, const char *span,
+                    struct buffer *out)
+{
+    const bool conservative = row->run->system.conservative;
+    const double predicted = 2 * prediction->amplitude, /* the factor may be below all numbers */
+        swing = isnan(prediction->swing) ? 0 : prediction->swing;
+    row->predicted_factor = prediction->factor;
+    if (conservative && fabs(predicted) <= BOUNDED) {
+        buffer_format(out, "energy bounded, %s: ",
+                      row->ledger.error_max <= 1.001 * swing + BOUNDED ? "as predicted"
+                                                                       : "but NOT as predicted");
+        put_energy_off(row->ledger.error_max, out);
+        buffer_format(out, " in %s", span);
+        return;
+    }
+    const bool vanished = row->energy_factor == 0,
+               agrees = vanished ? 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) +
+                                                          swing + BOUNDED
+                                 : fabs(predicted - log(row->energy_factor)) <=
+                                       0.1 * fabs(predicted) + BOUNDED + swing;
+    const char *as = agrees ? "as predicted" : "NOT as predicted";
+    if (vanished)
+        buffer_format(out, "vanished, %s: the energy is below the smallest number in %s, ", as,
+                      span);
+    else
+        buffer_format(out, "energy x %.4g in %s, %s: ", row->energy_factor, span, as);
+    buffer_format(out, "amplitude x %.6g a step", prediction->growth);
+    if (!conservative || vanished)
+        buffer_format(out, " (exact: energy x %.4g)", prediction->exact);
+}
+
+static void judge(struct comparison *row)
+{
+    const struct run *run = row->run;
+    const double span = fabs(run->t - run->system.t0);
+    struct buffer text = {0};
+    const struct prediction prediction =
+        run->stop == STOP_END ? predict(run) : (struct prediction){0};
+    if (run->stop == STOP_GIVEN_UP) {
+        buffer_format(&text,
+                      "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of "
+                      "them%s",
+                      run->t, (long long)run->steps, row->duration,
+                      (double)run->steps * row->duration / span,
+                      run->method->flags & METHOD_IMPLICIT
+                          ? ""
+                          : "; try an implicit method that adapts, as radau5");
+    } else if (run->stop != STOP_END) {
+        run_explain(run, &text);
+    } else {
+        const char *shown = SHOWN_QUANTITY(span, QUANTITY_TIME, 4);
+        if (prediction.known)
+            confirm(row, &prediction, shown, &text);
+        else
+            observe(row, shown, &text);
+        if (!prediction.known && !isnan(row->errors.max))
+            buffer_format(&text, ", error %.2g of the amplitude", row->errors.max);
+    }
+    snprintf(row->verdict, sizeof row->verdict, "%s", buffer_view(&text));
+    buffer_free(&text);
+}
+
+/* Without a closed form: the same solve again on the common grid, against the reference. */
+static void measure(struct comparison *row, const struct reference *reference,
+                    const struct cancel *cancel)
+{
+    const struct run *run = row->run;
+    const size_t size = (size_t)STUDY_TIMES * (size_t)run->system.n;
+    double *grid = malloc(size * sizeof *grid);
+    struct solver solver;
+    if (grid && solver_init(&solver, &run->system, run->method, &run->settings, reference->span)) {
+        struct study_errors errors;
+        if (solver_run(&solver, grid, cancel) == STOP_END) {
+            grid_errors(&run->system, reference, grid, &errors);
+            row->errors.end = errors.end;
+            row->errors.max = errors.max;
+        }
+        solver_free(&solver);
+    }
+    free(grid);
+}
+
+static bool compare_one(const struct compare_request *request, const struct method_choice *choice,
+                        double dt, double tol, const struct reference *reference,
+                        struct comparison *row, struct error *error)
+{
+    *row = (struct comparison){
+        .duration = request->duration, .order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
+    const bool adapts = choice->method->flags & METHOD_ADAPTIVE && tol > 0;
+    struct run_settings settings = {
+        .dt = adapts && request->first > 0 ? request->first : dt,
+        .tol = adapts ? tol : 0,
+        .drag = choice->drag,
+        /* methods are compared, not powers of their matrices: evaluations are counted */
+        .kernel = KERNEL_SPECIALISED,
+        .compensated = request->compensated,
+        .record = request->record,
+    };
+    row->run = run_create(request->scene, choice->method, &settings, request->duration, error);
+    if (!row->run) {
+        return false;
+    }
+    const struct run_target target = {.t = row->run->system.t0 + request->duration,
+                                      .steps = adapts ? ADAPTIVE_STEPS : -1};
+    while (run_advance(row->run, &target, 0, request->cancel)) {
+    }
+    /* nobody could say before how many it would take */
+    if (row->run->stop == STOP_END && row->run->t != target.t)
+        row->run->stop = STOP_GIVEN_UP;
+    run_diagnose(row->run);
+    if (row->run->stop == STOP_END && !isnan(reference->singular.t)) { /* it jumped over */
+        row->run->stop = STOP_SINGULAR;
+        row->run->singular = reference->singular;
+    }
+    if (cancelled(request->cancel)) {
+        return true; /* the caller drops the row: nothing more is computed for it */
+    }
+    run_errors(row->run, &row->errors);
+    if (reference->y) {
+        memcpy(row->reference, reference->by, sizeof row->reference);
+        row->reference_stored = reference->stored;
+        row->errors.floor = reference->accuracy;
+        if (row->run->stop == STOP_END)
+            measure(row, reference, request->cancel);
+    }
+    run_ledger(row->run, &row->ledger);
+    row->energy_factor = row->ledger.factor;
+    row->path = study_path(&row->run->system, choice->method, &row->run->settings);
+    row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
+    judge(row);
+    return true;
+}
+
+/* Observed order between two rows of one method: error ~ dt^p. */
+static double observed_order(const struct comparison *coarse, const struct comparison *fine)
+{
+    double ratio = log(coarse->run->settings.dt / fine->run->settings.dt);
+    double order = log(coarse->errors.max / fine->errors.max) / ratio;
+    return fine->run->stop == STOP_END && coarse->run->stop == STOP_END && isfinite(order) ? order
+                                                                                           : NAN;
+}
+
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
+                        struct error *error)
+{
+    const bool by_tol = request->tols > 0;
+    struct system system;
+    *steps = *seconds = 0;
+    if (!scene_bind(request->scene, &system, error)) {
+        return false;
+    }
+    for (int c = 0; c < request->choices; c++) {
+        enum drag drag = request->choice[c].drag;
+        if (!method_applies(request->choice[c].method, &system, &drag, error)) {
+            return false;
+        }
+        for (int s = 0; s < (by_tol ? request->tols : request->dts); s++) {
+            struct run_settings each = {
+                .dt = request->dt[by_tol ? 0 : s], .drag = drag, .record = request->record};
+            if (by_tol && (request->choice[c].method->flags & METHOD_ADAPTIVE)) {
+                each.tol = request->tol[s];
+            }
+            struct plan plan;
+            if (!plan_make(&system, request->choice[c].method, &each, request->duration, &plan,
+                           error)) {
+                return false;
+            }
+            if (isnan(plan.steps)) /* adaptive: not known, and no reason to forget the others */
+                continue;
+            *steps += plan.steps;
+            *seconds += plan.seconds;
+        }
+    }
+    return true;
+}
+
+static bool compare_all(const struct compare_request *request, const struct reference *reference,
+                        struct comparison *rows, int *count, struct error *error)
+{
+    bool by_tol = request->tols > 0;
+    int settings = by_tol ? request->tols : request->dts;
+    for (int c = 0; c < request->choices; c++) {
+        for (int s = 0; s < settings; s++) {
+            bool adaptive = by_tol && (request->choice[c].method->flags & METHOD_ADAPTIVE);
+            if (by_tol && !adaptive && s > 0) {
+                break; /* tolerances mean nothing to a fixed-step method: one row */
+            }
+            struct comparison *row = &rows[*count];
+            if (!compare_one(request, &request->choice[c], request->dt[by_tol ? 0 : s],
+                             adaptive ? request->tol[s] : 0, reference, row, error)) {
+                return false;
+            }
+            if (cancelled(request->cancel)) {
+                comparison_free(row);
+                return error_set(error, ERROR_CANCELLED, "stopped: %d of %d finished", *count,
+                                 request->choices * settings);
+            }
+            if (!by_tol && s > 0) {
+                row->order = observed_order(row - 1, row);
+            }
+            (*count)++;
+        }
+    }
+    return true;
+}
+
+/* Side by side, so that whatever disturbs the machine meets all of them alike. */
+static bool time_rows(const struct compare_request *request, struct comparison *rows, int count,
+                      struct error *error)
+{
+    struct solver *solver = calloc((size_t)count + 1, sizeof *solver);
+    struct timing_result *result = calloc((size_t)count + 1, sizeof *result);
+    int *index = calloc((size_t)count + 1, sizeof *index), timed = 0;
+    bool ok = solver && result && index;
+    for (int i = 0; i < count && ok; i++) {
+        const struct run *run = rows[i].run;
+        if (run->stop != STOP_END)
+            continue;
+        ok = solver_init(&solver[timed], &run->system, run->method, &run->settings,
+                         request->duration);
+        index[timed] = i;
+        timed += ok;
+    }
+    if (ok)
+        time_solvers(solver, result, timed, request->timing, 0, request->cancel);
+    for (int i = 0; i < timed; i++) {
+        if (ok)
+            rows[index[i]].time = result[i];
+        solver_free(&solver[i]);
+    }
+    free(solver);
+    free(result);
+    free(index);
+    if (!ok)
+        return error_memory(error);
+    return !cancelled(request->cancel) ||
+           error_set(error, ERROR_CANCELLED,
+                     "stopped: all runs are finished, not all times are taken");
+}
+
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,
+                   struct error *error)
+{
+    *count = 0;
+    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones
+     * before it. */
+    double steps, seconds;
+    struct system system;
+    struct error none = {0};
+    struct reference reference = {.singular = {.t = NAN}};
+    if (!study_compare_plan(request, &steps, &seconds, error) ||
+        !scene_bind(request->scene, &system, error)) {
+        return false;
+    }
+    /* Without a reference there are no errors; that is no reason not to compare. */
+    if (!system_has_exact(&system) &&
+        !references_get(request->references, request->scene, &system, request->duration,
+                        request->cancel, &reference, &none) &&
+        none.code != ERROR_NUMERICAL) {
+        *error = none;
+        return false;
+    }
+    bool ok = compare_all(request, &reference, rows, count, error);
+    reference_free(&reference);
+    if (ok && request->timing != TIMING_OFF)
+        ok = time_rows(request, rows, *count, error);
+    return ok;
+}
+
+void comparison_free(struct comparison *row)
+{
+    run_destroy(row->run);
+    row->run = NULL;
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a measured order says, and each point of its sweep: to programs, to people. */
+#include <hooke/base/catalog.h>
+#include "modules/comparison/compute/compare.h"
+
+#include <math.h>
+
+const char *contender_drag(const struct method_choice *by)
+{
+    return by->drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)by->drag - 1)->name;
+}
+
+/* ---- the whole ---- */
+
+#define AT(member) .at = offsetof(struct order, member)
+
+static const void *list_points(const void *row, size_t *count)
+{
+    *count = (size_t)((const struct order *)row)->points;
+    return ((const struct order *)row)->point;
+}
+
+static const struct result_column of_order[] = {
+    {.name = "method", .kind = COLUMN_ROW, AT(by.method)},
+    {.name = "drag",
+     .kind = COLUMN_CHOICE,
+     AT(by.drag),
+     .choices = &drag_catalog,
+     .choice_first = DRAG_EXACT},
+    {.name = "order_claimed", .kind = COLUMN_INT, AT(claimed)},
+    {.name = "order_measured", AT(slope)},
+    {.name = "guard", AT(guard)},
+    {.name = "r2", AT(r2)},
+    {.name = "points", .kind = COLUMN_INT, AT(fitted)},
+    {.name = "verdict", .kind = COLUMN_CHOICE, AT(verdict), .choices = &order_verdict_catalog},
+    {.name = "floor", AT(floor)},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(reference_stored)},
+    {.name = "note", .kind = COLUMN_CHARS, AT(words)},
+    {.name = "sweep", .kind = COLUMN_LIST, .part = &order_point_columns, .list = list_points},
+};
+
+const struct result_columns order_columns = RESULT_COLUMNS(of_order, struct order);
+
+/* ---- a point ---- */
+
+static const char *status_of(const void *row)
+{
+    const struct order_point *point = row;
+    return point->refused ? "refused" : stop_name(point->stop);
+}
+
+static void state_cell(struct text_table *table, const void *row)
+{
+    const struct order_point *point = row;
+    cell_text(table, point->refused             ? "refused"
+                     : point->stop == STOP_FULL ? "out of budget"
+                     : isnan(point->error)      ? stop_name(point->stop)
+                     : point->fitted            ? "*"
+                                                : "");
+}
+
+#define IN(member) .at = offsetof(struct order_point, member)
+
+/* clang-format off */
+static const struct result_column of_point[] = {
+    {.name = "dt", IN(dt), .quantity = QUANTITY_TIME, .index = 1, .heading = "dt", .digits = 4},
+    {.name = "steps", .kind = COLUMN_COUNT, IN(steps), .index = 2, .heading = "steps"},
+    {.name = "turning_steps", .kind = COLUMN_COUNT, IN(turns)},
+    {.name = "error", IN(error), .index = 3, .heading = "error", .look = cell_error},
+    {.name = "slope", IN(slope), .index = 4, .heading = "slope", .digits = 4},
+    {.name = "fitted", .kind = COLUMN_BOOL, IN(fitted)},
+    {.name = "status", .kind = COLUMN_NAME, .text = status_of,
+     .index = 5, .heading = "", .cell = state_cell},
+};
+/* clang-format on */
+
+const struct result_columns order_point_columns = RESULT_COLUMNS(of_point, struct order_point);

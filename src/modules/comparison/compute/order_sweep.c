@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* order: fixed steps from coarse to fine, and the slope of the errors where it means something. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include "modules/comparison/compute/verify.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SMALL 1e-6 /* above it a slope near 0 is no rounding */
+#define IDLE 0.3   /* the slope below which a smaller step gains nothing */
+#define NOISE 10   /* times the error there: with less rounding bends the line */
+#define WINDOW 4   /* points in the fit, one more where the steps are closer together */
+#define LEAST 3
+/* Orders are whole numbers, or halves: a slope so close is that order, or within this share of it,
+ * as high orders come to rounding after few steps. */
+#define AGREES 0.25
+#define AGREES_SHARE 0.05
+#define UNCERTAIN 0.3 /* a guard band wider than that tells no order from the next */
+/* Slopes that come so much nearer to the claim within a window are on their way to it. */
+#define APPROACH 0.03
+#define SUSPECT 300           /* times the level of rounding: there its traces may begin */
+#define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
+#define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
+#define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
+#define SLOPE_KINK 0.02       /* a change above that of slopes alike before is of rounding */
+#define COST_MAX 6e6          /* of one solve */
+#define HIGH 5                /* from this order on the steps of the sweep are closer together */
+
+static const struct row verdicts[] = {
+    [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
+    [ORDER_LOWER] = {"lower", "", "the error falls more slowly than claimed", "", NULL},
+    [ORDER_HIGHER] = {"higher", "", "the error falls faster than claimed", "", NULL},
+    [ORDER_ERRATIC] = {"erratic", "", "the slope changes from step to step: no order", "", NULL},
+    [ORDER_NO_RANGE] = {"no range", "",
+                        "no asymptotic part between the largest step that works and rounding", "",
+                        NULL},
+    [ORDER_EXACT] = {"exact", "", "no error but rounding", "", NULL},
+};
+
+const struct catalog order_verdict_catalog = CATALOG("verdict", verdicts);
+
+/* ---- the sweep ---- */
+
+/*
+ * Returns the root of the mean square distance from the known states at the quarters of the span,
+ * over all variables in units of their amplitudes. A single time or variable would not do: its
+ * error has zeros as a function of the step, next to which slopes mean nothing. Fewer than four
+ * steps are compared at the end only.
+ */
+static double state_distance(const struct sweep_target *target, int64_t steps, const double *grid)
+{
+    const int n = target->system->n, stride = steps % 4 ? STUDY_TIMES - 1 : SWEEP_STRIDE;
+    double sum = 0;
+    int count = 0;
+    for (int k = stride; k < STUDY_TIMES; k += stride)
+        for (int i = 0; i < n; i++, count++) {
+            const double distance = (grid[k * n + i] - target->state[k * n + i]) / target->size[i];
+            sum += distance * distance;
+        }
+    return sqrt(sum / count);
+}
+
+static bool solve_point(const struct sweep_target *target, const struct method_choice *by,
+                        double *grid, struct order_point *point, int64_t *cost)
+{
+    const struct run_settings settings = {.dt = point->dt, .drag = by->drag, .compensated = true};
+    struct error ignored;
+    struct solver solver;
+    *cost = 0;
+    point->error = point->slope = NAN;
+    if (!method_fits(by->method, target->system, by->drag, point->dt, &ignored)) {
+        point->refused = true;
+        return true;
+    }
+    if (!solver_init(&solver, target->system, by->method, &settings, target->span))
+        return false;
+    solver.max = target->max;
+    point->stop = solver_run(&solver, grid, target->cancel);
+    point->steps = solver.steps;
+    point->turns = solver.step.cost.turns;
+    *cost = solver_cost(&solver) + solver.steps;
+    if (point->stop == STOP_END)
+        point->error = state_distance(target, solver.steps, grid);
+    solver_free(&solver);
+    return true;
+}
+
+/* Sets the number of steps of point i: multiples of 4 by factors of 2, of sqrt 2 where an error
+ * falls by 32 and more each time. Returns false beyond the range. */
+static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
+{
+    const double each = order >= HIGH ? sqrt(2) : 2, span = fabs(target->span);
+    const bool wanted = !isnan(target->dt[0]);
+    const double first = wanted ? span / fmax(target->dt[0], target->dt[1]) : 4;
+    const double last = wanted ? span / fmin(target->dt[0], target->dt[1]) : 4e9;
+    *steps = nearbyint(first * pow(each, i));
+    if (*steps > 4)
+        *steps = 4 * nearbyint(*steps / 4);
+    return *steps >= 1 && *steps <= fmax(last, first) * (1 + 1e-9) + 2;
+}
+
+static double log_slope(const struct order_point *coarse, const struct order_point *fine)
+{
+    return log(coarse->error / fine->error) / log(coarse->dt / fine->dt);
+}
+
+/* Returns true if no step from point i on has an error far below that of the point before it. */
+static bool gains_nothing(const struct order *order, int i)
+{
+    const double before = order->point[i - 1].error;
+    bool gains = !(before < SMALL && order->point[i].slope < IDLE);
+    for (; !gains && i < order->points; i++)
+        gains = order->point[i].error < before / NOISE;
+    return !gains;
+}
+
+/* Returns the index of the first point from which on a smaller step gains nothing, as rounding
+ * grows with the number of steps; the number of points if there is none. A multistep method that
+ * takes no step of its own, only those of its start, is no such point. */
+static int rounding_begin(const struct order *order)
+{
+    int i = 1;
+    while (i < order->points && !gains_nothing(order, i))
+        i++;
+    return i < order->points ? i - 1 : order->points;
+}
+
+/* Errors below this have rounding in them: far above the level from which on a smaller step gains
+ * nothing. */
+static double rounding_level(const struct order *order)
+{
+    const double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
+    const int begin = rounding_begin(order);
+    return begin == order->points ? level
+                                  : fmax(level, NOISE * fmax(order->point[begin].error,
+                                                             order->point[begin + 1].error));
+}
+
+/* ---- the fit ---- */
+
+struct order_line {
+    double slope, guard, r2;
+};
+
+/*
+ * Least squares of log error = a + p log dt + c dt, the last term for what comes after the leading
+ * one; with three points c = 0. guard: the standard error, half of what that term changes, or how
+ * far local slopes are from a line.
+ */
+static struct order_line fit(const struct order_point *point, int n)
+{
+    double x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, hh = 0, hy = 0;
+    for (int i = 0; i < n; i++) {
+        x += log(point[i].dt) / n;
+        y += log(point[i].error) / n;
+        h += point[i].dt / point[0].dt / n;
+    }
+    for (int i = 0; i < n; i++) {
+        const double dx = log(point[i].dt) - x, dy = log(point[i].error) - y,
+                     dh = point[i].dt / point[0].dt - h;
+        xx += dx * dx;
+        xy += dx * dy;
+        yy += dy * dy;
+        xh += dx * dh;
+        hh += dh * dh;
+        hy += dh * dy;
+    }
+    const double free = xx * hh - xh * xh, plain = xy / xx;
+    const double bend = n > LEAST ? (hy * xx - xy * xh) / free : 0;
+    struct order_line line = {.slope = (xy - bend * xh) / xx, .r2 = xy * xy / (xx * yy)};
+    if (n > LEAST) {
+        const double rest = fmax(0, yy - line.slope * xy - bend * hy);
+        line.guard = fmax(sqrt(rest / (n - LEAST) * hh / free), fabs(line.slope - plain) / 2);
+    }
+    for (int i = 1; i < n && n == LEAST; i++)
+        line.guard = fmax(line.guard, fabs(log_slope(&point[i - 1], &point[i]) - line.slope));
+    return line;
+}
+
+/* Relative error of a point's error: what the reference and rounding leave uncertain. */
+static double point_noise(const struct order *order, const struct order_point *point)
+{
+    return fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor) / ORDER_ACCURACIES / point->error;
+}
+
+/*
+ * Returns true if the slopes within a window of n points are alike, or approach a limit: each
+ * change is smaller than the one before. *rest is how far the
+ * last slope may be from the limit.
+ */
+static bool slopes_settle(const struct order *order, const struct order_point *point, int n,
+                          double *rest)
+{
+    const double ratio = point[n - 2].dt / point[n - 1].dt,
+                 noise = 2 * point_noise(order, &point[n - 1]) / log(ratio),
+                 last = point[n - 1].slope, change = fabs(last - point[n - 2].slope),
+                 change_before = n > LEAST ? fabs(point[n - 2].slope - point[n - 3].slope) : 0;
+    double spread = 0;
+    for (int i = 1; i < n - 1; i++)
+        spread = fmax(spread, fabs(point[i].slope - last));
+    *rest = fmax(noise, change / (ratio - 1));
+    if (spread <= SETTLED_SPREAD + noise)
+        return true;
+    return change <= SETTLED_CHANGE && change <= SETTLED_SHRINKING * change_before + noise;
+}
+
+/* Finds the finest run of points that are asymptotic and above rounding: *last is the index of the
+ * finest one. Returns how many there are. */
+static int usable_points(const struct order *order, int *last)
+{
+    const double level = rounding_level(order);
+    int count = 0;
+    *last = rounding_begin(order) - 1;
+    while (*last >= 0 &&
+           !(order->point[*last].error > level && order->point[*last].error < ORDER_ERROR_MAX))
+        --*last;
+    for (int i = *last;
+         i >= 0 && order->point[i].error > level && order->point[i].error < ORDER_ERROR_MAX; i--)
+        count++;
+    return count;
+}
+
+/* Fits a line through the `size` points that end with point `last`. Returns false if their slopes
+ * have not settled. */
+static bool fit_window(struct order *order, int last, int size)
+{
+    const struct order_point *first = &order->point[last + 1 - size], *finest = &order->point[last];
+    double rest;
+    if (!slopes_settle(order, first, size, &rest))
+        return false;
+    const struct order_line line = fit(first, size);
+    const double ahead = fmax(fabs(line.slope - finest->slope), point_noise(order, finest)),
+                 guard = fmax(line.guard, rest + ahead);
+    if (!(line.slope > IDLE) || guard > UNCERTAIN)
+        return false;
+    order->slope = line.slope;
+    order->guard = guard;
+    order->r2 = line.r2;
+    order->fitted = size;
+    order->unsettled = false;
+    for (int i = 0; i < order->points; i++)
+        order->point[i].fitted = i > last - size && i <= last;
+    return true;
+}
+
+/*
+ * Returns true if the slope changes at a point far more than at the one before it, as it does where
+ * rounding is met. What rounding takes from the slope p grows as h^-p, and what a next term of the
+ * error adds changes far more slowly.
+ */
+static bool has_kink(const struct order_point *point)
+{
+    const double change = fabs(point[0].slope - point[-1].slope),
+                 before = fabs(point[-1].slope - point[-2].slope),
+                 growth = pow(point[-1].dt / point[0].dt, fabs(point[-1].slope) / 2);
+    return change > SLOPE_KINK && change > fmax(2, growth) * before;
+}
+
+/* Returns the error below which a point may have traces of rounding, which grows with the number of
+ * steps. */
+static double suspect_level(const struct order *order, const struct order_point *point)
+{
+    return SUSPECT * fmax(rounding_level(order), DBL_EPSILON * (double)point->steps);
+}
+
+/*
+ * Fits a line through the finest points whose slopes have settled: as many as do, up to `size`.
+ * Methods differ in what rounding does to them: points next to its level may be left out. Returns
+ * false if some were left out that are not where rounding bends the line.
+ */
+static bool choose_window(struct order *order, int size)
+{
+    int last;
+    int usable = usable_points(order, &last);
+    bool only_kinks = true;
+    order->unsettled = usable >= LEAST;
+    for (; usable >= LEAST; usable--, last--) {
+        const struct order_point *finest = &order->point[last];
+        const bool suspect = finest->error <= suspect_level(order, finest),
+                   kink = usable > LEAST && suspect && has_kink(finest);
+        for (int n = size < usable ? size : usable; n >= LEAST && !kink; n--)
+            if (fit_window(order, last, n))
+                return only_kinks;
+        if (!suspect)
+            break;
+        only_kinks = only_kinks && kink;
+    }
+    return only_kinks;
+}
+
+/*
+ * Returns true if the slopes of the window approach the claimed order from one point to the next:
+ * the leading term of the error, whose power is the order, does not yet dominate.
+ */
+static bool slopes_approach_claim(const struct order *order)
+{
+    const struct order_point *first = order->point;
+    while (!first->fitted)
+        first++;
+    const double before = fabs(first[1].slope - order->claimed),
+                 after = fabs(first[order->fitted - 1].slope - order->claimed);
+    return before - after > APPROACH + 2 * point_noise(order, &first[order->fitted - 1]);
+}
+
+static void forget_window(struct order *order)
+{
+    order->unsettled = true;
+    order->slope = order->guard = order->r2 = NAN;
+    order->fitted = 0;
+    for (int i = 0; i < order->points; i++)
+        order->point[i].fitted = false;
+}
+
+/* A window that is not `finest` above rounding, or has few points, may confirm the claim, but not
+ * refute it. */
+static enum order_verdict judge(struct order *order, bool finest)
+{
+    bool exact = order->points > 0;
+    for (int i = 0; i < order->points; i++)
+        exact &= order->point[i].error <= fmax(1e-12, 10 * order->floor);
+    if (exact)
+        return ORDER_EXACT;
+    const double near = fmax(AGREES, AGREES_SHARE * order->claimed);
+    if (order->fitted && fabs(order->slope - order->claimed) <= fmax(near, 2 * order->guard))
+        return ORDER_AGREES;
+    if (order->fitted && (!finest || order->fitted < WINDOW || slopes_approach_claim(order)))
+        forget_window(order);
+    if (order->fitted == 0)
+        return order->unsettled ? ORDER_ERRATIC : ORDER_NO_RANGE;
+    return order->slope < order->claimed ? ORDER_LOWER : ORDER_HIGHER;
+}
+
+/* Solves with ever smaller steps until rounding, the budget or the range ends it. grid
+ * [STUDY_TIMES][n] is for the states. */
+static bool sweep_steps(const struct sweep_target *target, double *grid, struct order *order,
+                        struct error *error)
+{
+    const bool wanted = !isnan(target->dt[0]);
+    double steps, last = 0;
+    int low = 0;
+    for (int i = 0; order->points < ORDER_POINTS && steps_at(target, order->claimed, i, &steps);
+         i++) {
+        struct order_point point = {.dt = fabs(target->span) / steps};
+        int64_t cost;
+        if (steps == last)
+            continue;
+        last = steps;
+        if (!solve_point(target, &order->by, grid, &point, &cost))
+            return error_memory(error);
+        if (cancelled(target->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped after %d step sizes", order->points);
+        struct order_point *before = order->points ? &order->point[order->points - 1] : NULL;
+        if (before)
+            point.slope = log_slope(before, &point);
+        /* Of the steps too coarse to arrive only the last is of interest. */
+        const bool instead = before && !wanted && isnan(before->error) && isnan(point.error);
+        order->point[instead ? order->points - 1 : order->points] = point;
+        order->points += !instead;
+        low += point.error <= fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
+        if (!wanted && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
+            break;
+    }
+    return true;
+}
+
+bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error)
+{
+    double *grid = malloc((size_t)STUDY_TIMES * (size_t)target->system->n * sizeof *grid);
+    order->points = order->fitted = 0;
+    order->unsettled = false;
+    order->slope = order->guard = order->r2 = NAN;
+    if (!grid)
+        return error_memory(error);
+    const bool ok = sweep_steps(target, grid, order, error);
+    free(grid);
+    if (!ok)
+        return false;
+    const bool finest = choose_window(order, order->claimed >= HIGH ? WINDOW + 1 : WINDOW);
+    order->verdict = judge(order, finest);
+    return true;
+}
+
+/* ---- the study ---- */
+
+bool study_order(const struct order_request *request, struct order *order, struct error *error)
+{
+    struct system system;
+    struct reference reference;
+    *order = (struct order){.by = request->by, .slope = NAN, .guard = NAN, .r2 = NAN};
+    if (request->by.method->flags & METHOD_EXTERNAL)
+        return error_set(error, ERROR_COMMAND, "%s chooses its steps itself: it has no order in dt",
+                         request->by.method->row.name);
+    if (!(request->duration > 0) || !isfinite(request->duration))
+        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",
+                         request->duration);
+    if (!scene_bind(request->scene, &system, error) ||
+        !method_applies(request->by.method, &system, &order->by.drag, error) ||
+        !references_get(request->references, request->scene, &system, request->duration,
+                        request->cancel, &reference, error))
+        return false;
+    const bool first = order->by.drag == DRAG_EXPLICIT && system.velocity;
+    order->claimed = first && request->by.method->order > 1 ? 1 : request->by.method->order;
+    order->floor = reference.accuracy;
+    order->reference_stored = reference.stored;
+    struct sweep_target target = {.system = &system,
+                                  .span = request->duration,
+                                  .state = reference.y,
+                                  .dt = {request->dt[0], request->dt[1]},
+                                  .max = (int64_t)(COST_MAX / system.n),
+                                  .cancel = request->cancel};
+    for (int i = 0; i < system.n; i++) {
+        for (int k = 0; k < STUDY_TIMES; k++)
+            target.size[i] = fmax(target.size[i], fabs(reference.y[k * system.n + i]));
+        if (!(target.size[i] > 1e-18 * system.scale[i]))
+            target.size[i] = system.scale[i];
+    }
+    const bool ok = order_sweep(&target, order, error),
+               rests = system.oscillator.friction != 0 &&
+                       target.state[(STUDY_TIMES - 1) * system.n + 1] == 0;
+    reference_free(&reference);
+    if (ok)
+        order_explain(&system, rests, order);
+    return ok;
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a measured order means on its scene, in words. */
+#include "modules/comparison/compute/verify.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define PLATEAU_SPREAD 0.1 /* slopes as close as that belong to one power, */
+#define PLATEAU_SLOPES 3   /* so many are a range of their own, */
+#define PLATEAU_APART 0.5  /* and as far from the claim as that another order */
+
+/* Fastest rate at the start [1/s]. */
+static double fastest(const struct system *system)
+{
+    struct mode mode[STABILITY_MODES];
+    int count = 0;
+    double max = 0, re[2], im;
+    modes_at(system, system->t0, system->start, mode, &count, STABILITY_MODES);
+    for (int i = 0; i < count; i++) {
+        mode_eigenvalues(&mode[i], re, &im);
+        max = fmax(max, hypot(re[1], im));
+    }
+    return max;
+}
+
+/* What turning points and switches do to the order; NULL: nothing. misses: another one was found,
+ * or none. */
+static const char *explain_jumps(const struct system *system, const struct order *order,
+                                 bool misses)
+{
+    const struct method *method = order->by.method;
+    const bool meets = method_meets_switches(method, system), turns = method_turns(method, system);
+    if (misses && system->oscillator.friction != 0 && system->across)
+        return "dry friction jumps where the velocity is 0: each turning point that is crossed "
+               "spoils the order";
+    if (misses && system->switches > 0 && !meets && !turns)
+        return "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
+               "the order";
+    if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces && meets)
+        return "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
+               "switches";
+    if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
+        return "dry friction jumps where the velocity is 0: the order holds because steps end at "
+               "the turning points";
+    if (misses && system->oscillator.quadratic != 0 && order->claimed > 2)
+        return "quadratic drag is smooth only up to its first derivative where the velocity is 0: "
+               "each turning point spoils higher orders";
+    if (order->verdict == ORDER_AGREES && turns)
+        return "drag has a kink where the velocity is 0: the order holds because steps end at the "
+               "turning points";
+    return NULL;
+}
+
+/* What the sizes of steps and errors say where the order is another one, or none was found. */
+static void explain_sizes(const struct system *system, struct order *order)
+{
+    const bool none = order->verdict == ORDER_NO_RANGE,
+               explicit = !(order->by.method->flags & METHOD_IMPLICIT);
+    const double rate = fastest(system),
+                 last = order->points ? order->point[order->points - 1].dt : NAN;
+    double dt = NAN, best = HUGE_VAL;
+    for (int i = 0; i < order->points; i++) {
+        if (order->point[i].fitted || (!order->fitted && order->point[i].error < ORDER_ERROR_MAX) ||
+            isnan(dt))
+            dt = order->point[i].dt;
+        best = fmin(best, order->point[i].error);
+    }
+    char *out = order->words;
+    const size_t size = sizeof order->words;
+    if ((none && explicit && !(best < ORDER_ERROR_MAX) && rate * last > 0.5) || rate * dt > 1)
+        snprintf(out, size,
+                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
+                 "lose order (order reduction), or do not arrive%s",
+                 rate, explicit ? "; an implicit method may do" : "");
+    else if (none && !(best < ORDER_ERROR_MAX))
+        snprintf(out, size, "no step that could be afforded gave an error below %.1g",
+                 ORDER_ERROR_MAX);
+    else if (none)
+        snprintf(out, size,
+                 "no asymptotic part: too few of the steps that could be afforded gave an error "
+                 "between %.1g and what the reference (good to %.1g) and rounding allow; a longer "
+                 "duration may help",
+                 ORDER_ERROR_MAX, order->floor);
+    else if (order->unsettled)
+        snprintf(out, size,
+                 "the slopes of the finest steps above rounding have not settled: the leading term "
+                 "of the error does not dominate yet (a longer duration may help), or the scene is "
+                 "not smooth");
+    else
+        snprintf(
+            out, size,
+            "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
+}
+
+/* Finds the longest run of slopes that are alike among steps that are coarser than those of the
+ * fit. Returns the number of slopes; *first is the index of the first point. */
+static int find_plateau(const struct order *order, int *first)
+{
+    int longest = 0;
+    for (int i = 1; i < order->points && !order->point[i].fitted; i++) {
+        int n = 0;
+        while (i + n < order->points && !order->point[i + n].fitted &&
+               order->point[i + n].error < ORDER_ERROR_MAX &&
+               fabs(order->point[i + n].slope - order->point[i].slope) < PLATEAU_SPREAD)
+            n++;
+        if (n > longest) {
+            longest = n;
+            *first = i - 1;
+        }
+    }
+    return longest;
+}
+
+/* Tells where a stiff scene takes order from a method whose finest steps have all of it. */
+static void explain_plateau(const struct system *system, struct order *order)
+{
+    int first = 0;
+    const int slopes = find_plateau(order, &first);
+    if (slopes < PLATEAU_SLOPES)
+        return;
+    const struct order_point *from = &order->point[first], *to = &order->point[first + slopes];
+    const double rate = fastest(system),
+                 slope = log(from->error / to->error) / log(from->dt / to->dt);
+    if (!(rate * to->dt > 1) || !(fabs(slope - order->claimed) > PLATEAU_APART))
+        return;
+    snprintf(order->words, sizeof order->words,
+             "order reduction: from dt = %.3g s to %.3g s, which leave the fastest motion (%.2g "
+             "1/s) unresolved, the slope is %.2f",
+             from->dt, to->dt, rate, slope);
+}
+
+void order_explain(const struct system *system, bool rests, struct order *order)
+{
+    const bool misses = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC ||
+                        order->verdict == ORDER_NO_RANGE;
+    const struct method *method = order->by.method;
+    const char *jumps = explain_jumps(system, order, misses);
+    const size_t size = sizeof order->words;
+    order->switches = system->switches > system->dry;
+    if (order->by.drag == DRAG_EXPLICIT && method->drag != DRAG_EXPLICIT && system->velocity)
+        snprintf(order->words, size, "with drag=explicit %s is of first order, not %d",
+                 method->row.name, method->order);
+    else if (order->verdict != ORDER_AGREES && rests)
+        snprintf(order->words, size,
+                 "the body is at rest at the end: all that is left is the error of where, which "
+                 "may be of another order; a duration that ends before shows that of the motion");
+    else if (jumps)
+        snprintf(order->words, size, "%s", jumps);
+    else if (misses)
+        explain_sizes(system, order);
+    else if (order->verdict == ORDER_HIGHER && system->linear && system->autonomous)
+        snprintf(order->words, size,
+                 "the scene is linear: only the method's stability function counts there, and its "
+                 "order is higher than that of the method");
+    else if (order->verdict == ORDER_AGREES)
+        explain_plateau(system, order);
+}

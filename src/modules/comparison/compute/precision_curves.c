@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* precision: each method swept from coarse steps to the floor of rounding, its errors measured,
+ * everything timed. */
+#include "modules/comparison/compute/suspect.h"
+#include <hooke/base/cancel.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SECONDS 12.0       /* allowed unless the request says, */
+#define SECONDS_STIFF 20.0 /* and on stiff scenes, where one solve can take half a second */
+#define SWEEP_SHARE 0.45   /* of them for the errors, the rest for the times */
+#define SECONDS_QUICK 0.4  /* for the times alone, with `timing quick` */
+#define LOG2_FIRST 0       /* the coarsest step is duration/2^this */
+#define LOG2_LAST 27
+#define TOL_FIRST 1e-2
+#define TOL_LAST 1e-14
+/* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
+#define COST_USUAL 2.1e6
+#define COST_MAX 6e6   /* before that */
+#define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
+#define ENOUGH 4
+/* errors that stop falling are rounding only below this, or near the reference's accuracy */
+#define FLOOR_ERROR 1e-9
+#define SETTLED 0.05   /* once an error was this small, */
+#define FAILURES 3     /* so many failures in a row end a sweep: one may be bad luck on the way */
+#define FLOOR_POINTS 2 /* that many without gain end a sweep */
+
+bool precision_meaningful(const struct precision_point *point)
+{
+    return !point->refused && point->stop == STOP_END && point->errors.max < 1;
+}
+
+struct sweeping {
+    const struct precision_request *request;
+    struct precision *precision;
+    struct precision_curve *curve;
+    double *grid;
+    struct witnesses witnesses;
+    int hardest;     /* grid time before the interval where the motion goes furthest */
+    size_t capacity; /* points allocated */
+    int64_t begin;   /* clock */
+    int meaningful;
+    double best; /* error so far */
+    int stale, failures;
+};
+
+/* NULL: no memory */
+static struct precision_point *add_point(struct sweeping *sweep)
+{
+    struct precision *precision = sweep->precision;
+    if ((size_t)precision->points == sweep->capacity) {
+        const size_t capacity = sweep->capacity ? 2 * sweep->capacity : 64;
+        void *grown = realloc(precision->point, capacity * sizeof *precision->point);
+        if (!grown)
+            return NULL;
+        precision->point = grown;
+        sweep->capacity = capacity;
+    }
+    sweep->curve->count++;
+    return &precision->point[precision->points++];
+}
+
+static double local_order(const struct precision_point *coarse, const struct precision_point *fine)
+{
+    const double ratio = fine->tol > 0 ? coarse->tol / fine->tol : coarse->dt / fine->dt;
+    const double order = log(coarse->errors.max / fine->errors.max) / log(ratio);
+    return precision_meaningful(coarse) && precision_meaningful(fine) && isfinite(order) ? order
+                                                                                         : NAN;
+}
+
+static int hardest_interval(const struct precision *precision)
+{
+    const struct reference *reference = &precision->reference;
+    double max = 0;
+    int found = 0;
+    for (int k = 0; k + 1 < STUDY_TIMES; k++) {
+        const double *y = reference->y + k * reference->n;
+        const double distance = grid_distance(reference, y, y + reference->n);
+        if (distance > max) {
+            max = distance;
+            found = k;
+        }
+    }
+    return found;
+}
+
+/*
+ * Steps that already lose the motion in the one of 256 intervals where it goes furthest, started on
+ * the solution, lose all of it: 1/256 of the cost finds that out. False: nothing is lost there, or
+ * the steps are longer than the interval.
+ */
+static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *point, bool *memory)
+{
+    const struct precision *precision = sweep->precision;
+    const struct reference *reference = &precision->reference;
+    const double interval = precision->duration / (STUDY_TIMES - 1);
+    const double *from = reference->y + sweep->hardest * reference->n;
+    const struct run_settings settings = precision_settings(precision, point);
+    struct system system = precision->system;
+    struct solver solver;
+    if (point->tol > 0 || point->dt > interval / 4)
+        return false;
+    system.t0 += interval * sweep->hardest;
+    memcpy(system.start, from, (size_t)system.n * sizeof *from);
+    *memory = solver_init(&solver, &system, sweep->curve->by.method, &settings, interval);
+    if (!*memory)
+        return false;
+    point->stop = solver_run(&solver, NULL, sweep->request->cancel);
+    point->steps = solver.steps;
+    point->cost = solver.step.cost;
+    if (point->stop == STOP_END)
+        point->errors.max = grid_distance(reference, solver.y, from + reference->n);
+    solver_free(&solver);
+    point->probed = !precision_meaningful(point);
+    return point->probed;
+}
+
+/* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
+ * much. */
+static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool wanted)
+{
+    const struct cancel *cancel = sweep->request->cancel;
+    if (solver->tol > 0 && !wanted) {
+        solver->max = (int64_t)COST_TRIAL;
+        const enum stop stop = solver_run(solver, sweep->grid, cancel);
+        const double part = (solver->step.t - solver->system->t0) / solver->span;
+        if (stop != STOP_FULL || solve_work(&solver->step.cost, solver->steps) > part * COST_MAX)
+            return stop;
+        solver_start(solver);
+    }
+    solver->max = (int64_t)(4 * COST_MAX);
+    return solver_run(solver, sweep->grid, cancel);
+}
+
+/* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a
+ * probe would say. */
+static bool measure(struct sweeping *sweep, struct precision_point *point, bool wanted)
+{
+    const struct precision *precision = sweep->precision;
+    const struct precision_curve *curve = sweep->curve;
+    const struct run_settings settings = precision_settings(precision, point);
+    struct error ignored;
+    struct solver solver;
+    point->path = study_path(&precision->system, curve->by.method, &settings);
+    point->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
+    point->recording = point->order = NAN;
+    point->errors = (struct study_errors){NAN, NAN, NAN, NAN, NAN};
+    if (point->tol == 0 &&
+        !method_fits(curve->by.method, &precision->system, curve->by.drag, point->dt, &ignored)) {
+        point->refused = true;
+        return true;
+    }
+    bool memory = true;
+    if ((!wanted && lost_in_probe(sweep, point, &memory)) || !memory)
+        return memory;
+    point->errors.max = NAN;
+    if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
+        return false;
+    const int64_t begin = clock_cpu_ns();
+    point->stop = solve(sweep, &solver, wanted);
+    point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
+    point->steps = solver.steps;
+    point->cost = solver.step.cost;
+    solver_free(&solver);
+    if (point->stop == STOP_END) {
+        grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
+        witness_explain(&sweep->witnesses, precision->curves, &precision->reference,
+                        curve->by.method, point->steps, sweep->grid);
+    }
+    point->below = point->errors.max <= precision->reference.accuracy;
+    return true;
+}
+
+/* Whether the point just measured ends the sweep. */
+static bool finished(struct sweeping *sweep, const struct precision_point *point, double fraction)
+{
+    struct precision_curve *curve = sweep->curve;
+    const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
+    const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
+    const double next =
+        each * solve_work(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
+    if (!precision_meaningful(point)) {
+        curve->cut = clock_seconds(sweep->begin) > 2 * fraction;
+        sweep->failures++;
+        return curve->cut || next > COST_MAX ||
+               (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
+    }
+    sweep->meaningful++;
+    sweep->failures = 0;
+    sweep->stale = error > 0.6 * sweep->best && error < fmax(FLOOR_ERROR, 100 * accuracy)
+                       ? sweep->stale + 1
+                       : 0;
+    sweep->best = fmin(sweep->best, error);
+    if (sweep->stale == FLOOR_POINTS || error == 0)
+        return true;
+    if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MAX))
+        return true;
+    curve->cut = clock_seconds(sweep->begin) > fraction;
+    return curve->cut;
+}
+
+/* The i-th setting from coarse to fine; false: there are no more. */
+static bool setting_at(const struct sweeping *sweep, int i, struct precision_point *point)
+{
+    const struct precision_request *request = sweep->request;
+    const double duration = sweep->precision->duration;
+    if (sweep->curve->adaptive) {
+        const double first =
+            isnan(request->tol[0]) ? TOL_FIRST : fmax(request->tol[0], request->tol[1]);
+        const double last =
+            isnan(request->tol[0]) ? TOL_LAST : fmin(request->tol[0], request->tol[1]);
+        /* A division by an exact power of ten rounds to the decade itself. */
+        point->tol = first / pow(10, i);
+        point->dt = 0;
+        return point->tol >= last * (1 - 1e-9);
+    }
+    int first = LOG2_FIRST, last = LOG2_LAST;
+    if (!isnan(request->dt[0])) {
+        const double coarse = fmax(request->dt[0], request->dt[1]),
+                     fine = fmin(request->dt[0], request->dt[1]);
+        first = (int)ceil(log2(duration / coarse) - 1e-9);
+        last = (int)floor(log2(duration / fine) + 1e-9);
+        if (last < first) /* no power of two between them: the nearest */
+            first = last = (int)lround(log2(duration / sqrt(coarse * fine)));
+    }
+    point->dt = ldexp(duration, -(first + i));
+    return first + i <= last;
+}
+
+static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *error)
+{
+    struct precision *precision = sweep->precision;
+    struct precision_curve *curve = sweep->curve;
+    const bool wanted = !isnan(curve->adaptive ? sweep->request->tol[0] : sweep->request->dt[0]);
+    sweep->begin = clock_ns();
+    sweep->meaningful = sweep->stale = sweep->failures = 0;
+    sweep->best = HUGE_VAL;
+    struct precision_point next = {.curve = precision->curves};
+    for (int i = 0; setting_at(sweep, i, &next); i++) {
+        struct precision_point point = next;
+        if (!measure(sweep, &point, wanted))
+            return error_memory(error);
+        if (cancelled(sweep->request->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
+        struct precision_point *before =
+            curve->count ? &precision->point[precision->points - 1] : NULL;
+        if (before)
+            point.order = local_order(before, &point);
+        /* Of settings in a row that say nothing only the last is of interest. */
+        const bool instead =
+            before && !wanted && !precision_meaningful(before) && !precision_meaningful(&point);
+        struct precision_point *index = instead ? before : add_point(sweep);
+        if (!index)
+            return error_memory(error);
+        *index = point;
+        const bool over = finished(sweep, &point, fraction);
+        if (over && (!wanted || curve->cut))
+            break;
+    }
+    precision->curves++;
+    return true;
+}
+
+static bool prepare(const struct precision_request *request, struct precision *precision,
+                    struct error *error)
+{
+    const bool fixed = !isnan(request->dt[0]) && isnan(request->tol[0]);
+    if (!(request->duration > 0) || !isfinite(request->duration))
+        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",
+                         request->duration);
+    for (int i = 0; i < 2; i++)
+        if (request->dt[i] <= 0 || request->tol[i] <= 0 ||
+            isnan(request->dt[i]) != isnan(request->dt[0]) ||
+            isnan(request->tol[i]) != isnan(request->tol[0]))
+            return error_set(error, ERROR_COMMAND,
+                             "a sweep needs two ends above 0, as in dt=1ms:100ms");
+    precision->scene = *request->scene;
+    precision->duration = request->duration;
+    precision->compensated = request->compensated;
+    precision->curve = calloc((size_t)request->choices + 1, sizeof *precision->curve);
+    if (!precision->curve)
+        return error_memory(error);
+    if (!scene_bind(request->scene, &precision->system, error))
+        return false;
+    for (int c = 0; c < request->choices; c++) {
+        struct precision_curve *curve = &precision->curve[c];
+        curve->by = request->choice[c];
+        curve->adaptive = curve->by.method->flags & METHOD_ADAPTIVE && !fixed;
+        curve->slope = curve->r2 = NAN;
+        if (!method_applies(curve->by.method, &precision->system, &curve->by.drag, error))
+            return false;
+    }
+    return true;
+}
+
+/* All curves against the reference; what their finest runs say is left behind. */
+static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, struct error *error)
+{
+    struct precision *precision = sweep->precision;
+    const int choices = sweep->request->choices;
+    bool ok = true;
+    precision->points = precision->curves = 0;
+    for (int c = 0; c < choices; c++)
+        sweep->witnesses.one[c].by = NULL;
+    sweep->hardest = hardest_interval(precision);
+    for (int c = 0; c < choices && ok; c++) {
+        const double left = SWEEP_SHARE * seconds - clock_seconds(begin);
+        sweep->curve = &precision->curve[c];
+        sweep->curve->first = precision->points;
+        sweep->curve->count = 0;
+        ok = sweep_curve(sweep, fmax(left, 0.02 * seconds) / (choices - c), error);
+    }
+    return ok;
+}
+
+/* A reference that they contradict is computed again, so that it sees what they see, and all is
+ * measured anew. */
+static bool sweep_all(const struct precision_request *request, struct precision *precision,
+                      int64_t begin, double seconds, struct error *error)
+{
+    struct sweeping sweep = {.request = request, .precision = precision};
+    struct reference *reference = &precision->reference;
+    double step;
+    sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
+    bool ok = sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->choices);
+    if (!ok)
+        error_memory(error);
+    ok = ok && sweep_once(&sweep, begin, seconds, error);
+    if (ok && reference_suspect(reference, &sweep.witnesses, &step) && !reference->again) {
+        struct error none;
+        if (references_again(request->references, request->scene, &precision->system,
+                             request->duration, step, request->cancel, reference, &none)) {
+            ok = sweep_once(&sweep, begin, 2 * seconds, error);
+            if (ok)
+                reference_suspect(reference, &sweep.witnesses, &step);
+        }
+    }
+    witnesses_free(&sweep.witnesses);
+    free(sweep.grid);
+    return ok;
+}
+
+bool study_precision(const struct precision_request *request, struct precision *precision,
+                     struct error *error)
+{
+    *precision = (struct precision){0};
+    if (!prepare(request, precision, error) ||
+        !references_get(request->references, request->scene, &precision->system, request->duration,
+                        request->cancel, &precision->reference, error))
+        return false;
+    const int64_t begin = clock_ns();
+    const double usual =
+        precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
+    const double seconds = request->seconds > 0 ? request->seconds : usual;
+    bool ok = sweep_all(request, precision, begin, seconds, error);
+    if (!ok) /* the one that was under way */
+        precision->points = precision->curve[precision->curves].first;
+    for (int c = 0; c < precision->curves; c++)
+        precision_fit(precision, c);
+    if (!ok && error->code == ERROR_CANCELLED)
+        return error_set(error, ERROR_CANCELLED,
+                         "stopped: %d of %d methods finished, nothing timed", precision->curves,
+                         request->choices);
+    if (ok && request->timing != TIMING_OFF)
+        ok = precision_time(request, precision,
+                            request->timing == TIMING_QUICK && !(request->seconds > 0)
+                                ? SECONDS_QUICK
+                                : fmax(seconds - clock_seconds(begin), 0.1 * seconds),
+                            error);
+    return ok &&
+           (!cancelled(request->cancel) ||
+            error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));
+}
+
+void precision_free(struct precision *precision)
+{
+    reference_free(&precision->reference);
+    free(precision->point);
+    free(precision->curve);
+    *precision = (struct precision){0};
+}

@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the points of a precision study say: slopes, the fastest for an error, predicted against
+ * measured cost. */
+#include "modules/comparison/compute/errors.h"
+
+#include <hooke/base/numeric.h>
+
+#include <gsl/gsl_fit.h>
+#include <gsl/gsl_statistics_double.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- slopes ---- */
+
+#define STARTED 32       /* steps for each step that a starter takes, before an order shows */
+#define BAND_TOP 0.05    /* errors above are not yet asymptotic */
+#define BAND_BOTTOM 30.0 /* times the accuracy of the reference: below it rounding takes part */
+#define ROUNDING 1e-8
+#define FINEST 4 /* points of a dt sweep in the fit, the finest inside the bands */
+#define LEAST 3
+#define PRECISION_POINTS 64 /* of a curve that are fitted at most */
+
+static double abscissa(const struct precision_point *point)
+{
+    return log(point->tol > 0 ? point->tol : point->dt);
+}
+
+/* Median of the local orders of points [begin, end) after the first. */
+static double typical_order(const struct precision_point *point, int begin, int end)
+{
+    double order[PRECISION_POINTS];
+    int count = 0;
+    for (int i = begin + 1; i < end && count < (int)COUNT_OF(order); i++)
+        if (!isnan(point[i].order))
+            order[count++] = point[i].order;
+    return values_quantile(order, (size_t)count, 0.5);
+}
+
+/* A multistep method has not had its own way yet where its starter did much of the work. */
+static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
+{
+    const struct method *method = curve->by.method;
+    return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED * method->order;
+}
+
+/*
+ * The points between the guard bands: from the last error above the top (or failure) to the last
+ * above the bottom; below ROUNDING ended where the error falls less than half as fast as it
+ * typically does, and the point before that left out too: it has some of the rounding already.
+ */
+static int asymptotic(const struct precision *precision, const struct precision_curve *curve,
+                      int *first)
+{
+    const struct precision_point *point = precision->point + curve->first;
+    const double bottom = fmax(BAND_BOTTOM * precision->reference.accuracy, 1e-13);
+    int begin = 0, end = 0, best = 0;
+    for (int i = 1; i < curve->count; i++)
+        if (precision_meaningful(&point[i]) &&
+            !(precision_meaningful(&point[best]) && point[best].errors.max <= point[i].errors.max))
+            best = i;
+    for (int i = 0; i < curve->count && i <= best; i++)
+        if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP ||
+            mostly_started(curve, &point[i]))
+            begin = i + 1;
+    for (end = begin; end < curve->count; end++)
+        if (!precision_meaningful(&point[end]) || point[end].errors.max < bottom)
+            break;
+    const double typical = typical_order(point, begin, end);
+    for (int i = begin + 1; i < end; i++) {
+        if (point[i - 1].errors.max < ROUNDING && point[i].order < 0.5 * typical) {
+            end = i - 1;
+            break;
+        }
+    }
+    if (!curve->adaptive && end - begin > FINEST)
+        begin = end - FINEST;
+    *first = curve->first + begin;
+    return end - begin;
+}
+
+void precision_fit(struct precision *precision, int c)
+{
+    struct precision_curve *curve = &precision->curve[c];
+    const struct method *method = curve->by.method;
+    double x[PRECISION_POINTS], y[PRECISION_POINTS], start, cov, residual;
+    int first, n = asymptotic(precision, curve, &first);
+    n = n < PRECISION_POINTS ? n : PRECISION_POINTS;
+    curve->expected = method->order == 0 ? NAN : curve->adaptive ? 1 : method->order;
+    curve->slope = curve->r2 = NAN;
+    curve->fitted = n >= LEAST ? n : 0;
+    curve->differs = false;
+    for (int i = 0; i < curve->count; i++)
+        precision->point[curve->first + i].asymptotic = false;
+    for (int i = 0; i < curve->fitted; i++) {
+        struct precision_point *point = &precision->point[first + i];
+        point->asymptotic = true;
+        x[i] = abscissa(point);
+        y[i] = log(point->errors.max);
+    }
+    const size_t fitted = (size_t)curve->fitted;
+    const double spread = fitted ? gsl_stats_tss(y, 1, fitted) : 0;
+    if (!(spread > 0) || !(gsl_stats_tss(x, 1, fitted) > 0))
+        return;
+    gsl_fit_linear(x, 1, y, 1, fitted, &start, &curve->slope, &cov, &cov, &cov, &residual);
+    curve->r2 = 1 - residual / spread;
+    curve->differs =
+        fabs(curve->slope - curve->expected) > PRECISION_SLOPE * fmax(1, curve->expected / 6);
+}
+
+/* ---- the fastest for an error ---- */
+
+static double between(double a, double b, double part)
+{
+    return a > 0 && b > 0 ? exp(log(a) + part * (log(b) - log(a))) : b;
+}
+
+bool precision_cost_at(const struct precision *precision, int c, double error,
+                       struct precision_cost *cost)
+{
+    const struct precision_curve *curve = &precision->curve[c];
+    const struct precision_point *coarse = NULL;
+    for (int i = 0; i < curve->count; i++) {
+        const struct precision_point *fine = &precision->point[curve->first + i];
+        if (!precision_meaningful(fine) || error < precision->reference.accuracy) {
+            coarse = NULL;
+            continue;
+        }
+        if (fine->errors.max <= error) {
+            const double part =
+                coarse && fine->errors.max > 0
+                    ? log(coarse->errors.max / error) / log(coarse->errors.max / fine->errors.max)
+                    : 1;
+            coarse = coarse ? coarse : fine;
+            *cost = (struct precision_cost){
+                .curve = c,
+                .path = fine->path,
+                .evals = between((double)coarse->cost.evals, (double)fine->cost.evals, part),
+                .minimum = between(coarse->time.minimum, fine->time.minimum, part),
+                .median = between(coarse->time.median, fine->time.median, part),
+                .timed = timing_is_sound(&coarse->time) && timing_is_sound(&fine->time),
+            };
+            return true;
+        }
+        coarse = fine;
+    }
+    return false;
+}
+
+static bool cheaper(const struct precision_cost *a, const struct precision_cost *b)
+{
+    return !a->timed && !b->timed ? a->evals < b->evals
+           : a->timed && b->timed ? a->minimum < b->minimum
+                                  : a->timed;
+}
+
+/* Those that cannot be ranked move behind the others; returns how many are left. */
+static int set_apart(struct precision_cost *costs, int count)
+{
+    int ranked = 0;
+    bool special = false;
+    for (int i = 0; i < count; i++) {
+        const struct precision_cost cost = costs[i];
+        special |= cost.path == KERNEL_SPECIALISED;
+        if (!cost.timed || (special && cost.path == KERNEL_GENERAL))
+            continue;
+        memmove(&costs[ranked + 1], &costs[ranked], (size_t)(i - ranked) * sizeof cost);
+        costs[ranked++] = cost;
+    }
+    return ranked;
+}
+
+/* Returns the ratio up to which two times tie. */
+static double tie_of(const struct precision *precision)
+{
+    for (int i = 0; i < precision->points; i++)
+        if (precision->point[i].time.others > TIMING_OTHERS)
+            return TIMING_CONTENTION;
+    return PRECISION_TIE;
+}
+
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
+                      int *others)
+{
+    int count = 0;
+    for (int c = 0; c < precision->curves; c++) {
+        struct precision_cost cost;
+        if (!precision_cost_at(precision, c, error, &cost))
+            continue;
+        int index = count++;
+        for (; index > 0 && cheaper(&cost, &costs[index - 1]); index--)
+            costs[index] = costs[index - 1];
+        costs[index] = cost;
+    }
+    const bool timed = count > 0 && costs[0].timed;
+    const int ranked = timed ? set_apart(costs, count) : count;
+    for (int i = 1; i < ranked; i++)
+        costs[i].tied =
+            costs[i].minimum <= fmax(costs[0].median, costs[0].minimum * tie_of(precision));
+    if (others)
+        *others = count - ranked;
+    return ranked;
+}
+
+/* ---- prediction for the undamped oscillator ---- */
+
+bool precision_predicts(const struct system *system)
+{
+    const struct oscillator *o = &system->oscillator;
+    return system->order == 2 && system->n == 2 && system->linear && o->whole && o->stiffness > 0 &&
+           o->damping == 0 && o->drive == 0;
+}
+
+/*
+ * M^n = r^n (cos n theta + sin n theta B) against the rotation by n x, from (q, p) of length 1. To
+ * first order the position is wrong by cos(.) (a q + f p) + sin(.) (a p - f q + d): a the growth, f
+ * the phase gained, d what the shape of B (not that of a rotation) adds. The largest of start and
+ * end.
+ */
+static double predicted_error(const double matrix[4], double x, double radians, double q, double p)
+{
+    const double mean = (matrix[0] + matrix[3]) / 2, half = (matrix[0] - matrix[3]) / 2;
+    const double turn = -(half * half + matrix[1] * matrix[2]);
+    if (!(turn > 0))
+        return NAN;
+    const double sine = sqrt(turn), theta = atan2(sine, mean), steps = radians / x;
+    const double a = expm1(steps * 0.5 * log(mean * mean + turn)), f = steps * (theta - x);
+    const double d = half / sine * q + (matrix[1] / sine - 1) * p;
+    return fmax(fabs(d), hypot(a * q + f * p, a * p - f * q + d));
+}
+
+double precision_predict(const struct precision *precision, int c, double error)
+{
+    const struct precision_curve *curve = &precision->curve[c];
+    const struct system *system = &precision->system;
+    if (!precision_predicts(system) || curve->adaptive || curve->by.method->evals == 0)
+        return NAN;
+    const double omega = sqrt(system->oscillator.stiffness), radians = omega * precision->duration;
+    const double centre = -system->oscillator.gravity / system->oscillator.stiffness;
+    double q = system->start[0] - centre, p = system->start[1] / omega, size = hypot(q, p);
+    double before = NAN, before_x = NAN, slope = NAN, found = NAN;
+    if (!(size > 0))
+        return NAN;
+    /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one
+     * before it is luck. Smaller errors lie on along the last slope. */
+    double x = 3;
+    while (x > 1e-6) {
+        double matrix[4];
+        if (!method_amplification(curve->by.method, curve->by.drag, x, 0, matrix))
+            return NAN;
+        const double wrong = predicted_error(matrix, x, radians, q / size, p / size);
+        if (wrong < 1e3 * 2.220446049250313e-16 * radians / x)
+            break;
+        if (wrong > 0 && wrong < 0.3)
+            slope = log(before / wrong) / log(before_x / x);
+        if (wrong <= error && !(before <= error))
+            found = before > error ? x * pow(error / wrong, 1 / slope) : x;
+        before = wrong;
+        before_x = x;
+        x /= 1.09;
+    }
+    if (!(before <= error))
+        found = before_x * pow(error / before, 1 / slope);
+    return curve->by.method->evals * radians / found;
+}
+
+/* ---- the methods that are compared unless others are named ---- */
+
+static const char *const usual[] = {"euler",
+                                    "symplectic-euler",
+                                    "verlet",
+                                    "rk4",
+                                    "pefrl",
+                                    "blanes-moan6",
+                                    "kahan-li8",
+                                    "dopri5",
+                                    "dop853",
+                                    "odex",
+                                    "gauss6",
+                                    "radau5",
+                                    "rodas5p",
+                                    "tsit5",
+                                    "implicit-midpoint",
+                                    "trapezoid",
+                                    "heun",
+                                    "midpoint",
+                                    "backward-euler"};
+static const char *const stiff[] = {
+    "backward-euler", "trapezoid", "tr-bdf2", "bdf2",   "gauss4",    "radau5", "ros3p",
+    "rodas4",         "rodas5p",   "dopri5",  "dop853", "cvode-bdf", "sdirk2", "implicit-midpoint"};
+
+#define STIFF 2e4 /* |J| duration, J in units of the natural sizes */
+
+bool precision_is_stiff(const struct system *system, double duration)
+{
+    const int n = system->n;
+    double norm = 0, *jacobian = system_new_jacobian(system, system->t0, system->start);
+    for (int i = 0; jacobian && i < n; i++) {
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += fabs(jacobian[i * n + j]) * system->scale[j] / system->scale[i];
+        norm = fmax(norm, sum);
+    }
+    free(jacobian);
+    return norm * duration > STIFF;
+}
+
+int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
+                       void (*absent)(void *context, const char *method, const char *reason),
+                       void *context)
+{
+    const bool hard = precision_is_stiff(system, duration);
+    const char *const *names = hard ? stiff : usual;
+    const size_t max = hard ? COUNT_OF(stiff) : COUNT_OF(usual);
+    int count = 0;
+    for (size_t i = 0; i < max && count < PRECISION_DEFAULTS; i++) {
+        struct error reason;
+        struct method_choice by = {method_find(names[i]), DRAG_DEFAULT};
+        if (!by.method)
+            continue;
+        if (method_applies(by.method, system, &by.drag, &reason))
+            choice[count++] = by;
+        else if (absent)
+            absent(context, names[i], reason.text);
+    }
+    return count;
+}

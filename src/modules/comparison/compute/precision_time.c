@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* precision: what the solves of its points take. */
+#include "modules/comparison/compute/suspect.h"
+#include <hooke/base/cancel.h>
+
+#include <stdlib.h>
+
+#define PART 30000 /* steps that are timed of a longer solve of fixed steps */
+#define PART_OFF 0.15
+
+struct run_settings precision_settings(const struct precision *precision,
+                                       const struct precision_point *point)
+{
+    return (struct run_settings){.dt = point->dt,
+                                 .tol = point->tol,
+                                 .drag = precision->curve[point->curve].by.drag,
+                                 .kernel =
+                                     KERNEL_SPECIALISED, /* methods are compared, not matrices */
+                                 .compensated = precision->compensated};
+}
+
+static double time_recording(const struct precision_request *request,
+                             const struct precision *precision, const struct precision_point *point)
+{
+    struct run_settings settings = precision_settings(precision, point);
+    double shortest = NAN;
+    settings.unbalanced = true; /* recording alone is timed */
+    if (point->tol > 0)         /* a run wants a first guess */
+        settings.dt = precision->duration / (STUDY_TIMES - 1);
+    for (int i = 0; i < 3 && !(shortest > 0.1); i++) {
+        struct error ignored;
+        struct run *run = run_create(request->scene, precision->curve[point->curve].by.method,
+                                     &settings, precision->duration, &ignored);
+        if (!run)
+            return NAN;
+        const struct run_target target = {.t = run->system.t0 + precision->duration, .steps = -1};
+        const int64_t begin = clock_cpu_ns();
+        while (run_advance(run, &target, 0, request->cancel)) {
+        }
+        if (run->stop == STOP_END)
+            shortest = fmin(shortest, (double)(clock_cpu_ns() - begin) * 1e-9);
+        run_destroy(run);
+    }
+    return shortest;
+}
+
+/* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
+static void shorten(const struct precision *precision, struct solver *solver, const int *index,
+                    int count)
+{
+    for (int i = 0; i < count; i++)
+        if (solver[i].tol == 0 && precision->point[index[i]].steps > PART)
+            solver[i].part = PART;
+}
+
+static void multiply(struct timing_result *time, double factor)
+{
+    time->minimum *= factor;
+    time->median *= factor;
+}
+
+/* The points of a study that are timed. */
+struct timed_points {
+    struct solver *solver;
+    struct timing_result *result;
+    int *index; /* of the point */
+    int count;
+};
+
+/* Turns the times of parts into those of whole solves, in proportion to what was evaluated. */
+static void scale_up(struct precision *precision, const struct timed_points *timed)
+{
+    for (int i = 0; i < timed->count; i++) {
+        struct precision_point *point = &precision->point[timed->index[i]];
+        const struct solver *s = &timed->solver[i];
+        if (s->part == 0 || isnan(point->time.minimum))
+            continue;
+        point->timed_steps = s->steps;
+        multiply(&point->time,
+                 solve_work(&point->cost, point->steps) / solve_work(&s->step.cost, s->steps));
+    }
+}
+
+/* Times the first shortened point of each curve whole, too. Where that differs by more than
+ * PART_OFF, the steps of the method do not all cost the same here, and each of its points is timed
+ * whole. */
+static void check_parts(struct precision *precision, const struct timed_points *timed,
+                        const struct cancel *cancel)
+{
+    int curve = -1;
+    bool differs = false;
+    for (int i = 0; i < timed->count && !cancelled(cancel); i++) {
+        struct precision_point *point = &precision->point[timed->index[i]];
+        struct timing_result whole;
+        if (timed->solver[i].part == 0 || isnan(point->time.minimum) ||
+            (point->curve == curve && !differs))
+            continue;
+        timed->solver[i].part = 0;
+        time_solvers(&timed->solver[i], &whole, 1, TIMING_QUICK, 1e-9, cancel);
+        if (isnan(whole.minimum))
+            continue;
+        differs = (point->curve == curve && differs) ||
+                  !(fabs(whole.minimum / point->time.minimum - 1) <= PART_OFF);
+        curve = point->curve;
+        if (differs) {
+            point->time = whole;
+            point->timed_steps = 0;
+        }
+    }
+}
+
+bool precision_time(const struct precision_request *request, struct precision *precision,
+                    double seconds, struct error *error)
+{
+    const size_t capacity = (size_t)precision->points + 1;
+    struct timed_points timed = {.solver = calloc(capacity, sizeof *timed.solver),
+                                 .result = calloc(capacity, sizeof *timed.result),
+                                 .index = calloc(capacity, sizeof *timed.index)};
+    const struct cancel *cancel = request->cancel;
+    bool ok = timed.solver && timed.result && timed.index;
+    for (int i = 0; ok && i < precision->points; i++) {
+        const struct precision_point *point = &precision->point[i];
+        const struct run_settings settings = precision_settings(precision, point);
+        if (!precision_meaningful(point))
+            continue;
+        ok = solver_init(&timed.solver[timed.count], &precision->system,
+                         precision->curve[point->curve].by.method, &settings, precision->duration);
+        timed.index[timed.count++] = i;
+    }
+    if (ok) {
+        if (request->timing == TIMING_QUICK)
+            shorten(precision, timed.solver, timed.index, timed.count);
+        time_solvers(timed.solver, timed.result, timed.count, request->timing, seconds, cancel);
+        for (int i = 0; i < timed.count; i++)
+            precision->point[timed.index[i]].time = timed.result[i];
+        scale_up(precision, &timed);
+        check_parts(precision, &timed, cancel);
+        for (int i = 0; i < timed.count && request->recording && !cancelled(cancel); i++)
+            precision->point[timed.index[i]].recording =
+                time_recording(request, precision, &precision->point[timed.index[i]]);
+    }
+    for (int i = 0; i < timed.count; i++)
+        solver_free(&timed.solver[i]);
+    free(timed.solver);
+    free(timed.result);
+    free(timed.index);
+    return ok || error_memory(error);
+}

@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The solution that errors are measured against: the closed form, or two integrations by methods of
+ * different kinds that agree. What they agree to is all that can be claimed.
+ */
+#include "modules/comparison/compute/reference.h"
+#include <hooke/base/cancel.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * In the order tried, looked up by name: a method that is not there or does not apply is passed
+ * over. tol: of an adaptive method, the next try takes ten times as much; 0: fixed steps, halved
+ * until the result does not move.
+ */
+static const struct candidate {
+    const char *name;
+    enum solver_kind kind;
+    double tol;
+} candidates[] = {
+    {"dop853", KIND_EXPLICIT, 1e-14},        {"odex", KIND_EXPLICIT, 1e-14},
+    {"kahan-li8", KIND_SPLITTING, 0},        {"radau5", KIND_IMPLICIT, 1e-13},
+    {"rodas5p", KIND_ROSENBROCK, 1e-13},     {"gauss6", KIND_IMPLICIT, 0},
+    {"blanes-moan6", KIND_SPLITTING, 0},     {"tsit5", KIND_EXPLICIT, 1e-14},
+    {"dopri5", KIND_EXPLICIT, 1e-14},        {"gauss4", KIND_IMPLICIT, 0},
+    {"implicit-midpoint", KIND_IMPLICIT, 0},
+};
+
+#define ENOUGH 1e-12 /* agreement with which the search ends */
+#define STILL 1e-13  /* change on halving that is taken for rounding */
+#define SUDDEN 1e4   /* times as far apart as one time of the grid before */
+/* grid times: growth from rounding to MEANING within so many is not told from a jump */
+#define FIRST 3
+#define MEANING 1e-3  /* where two references differ by more, neither means anything */
+#define COST_MAX 40e6 /* evaluations, Jacobians and solves of one solution, over n */
+#define COST_ALL 80e6 /* of all of them, over n: some seconds */
+#define TRIES 3
+#define TRIES_BURST 8
+#define SHRINKS 1e4
+#define PARTS 4 /* of all but the first: no step is longer than a thousandth of the span, */
+#define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
+
+static double *solution(const struct reference_search *search, enum solver_kind kind)
+{
+    return search->grid + (size_t)kind * search->size;
+}
+
+/* max |y_i| over the grid; next to nothing counts as a thousandth of a natural size's rounding. */
+static void set_amplitudes(struct reference *reference, const struct system *system,
+                           const double *grid)
+{
+    for (int i = 0; i < system->n; i++) {
+        double max = 0;
+        for (int k = 0; k < STUDY_TIMES; k++)
+            max = fmax(max, fabs(grid[k * system->n + i]));
+        /* A motion far below its natural size is rounding, unless that is at its own floor. */
+        const bool moves = max > 1e-18 * system->scale[i] || (max > 0 && system->scale[i] < 1e-280);
+        reference->amplitude[i] = moves ? max : system->scale[i];
+    }
+}
+
+static double largest_distance(const struct reference_search *search, const double *a,
+                               const double *b)
+{
+    const int n = search->system->n;
+    double max = 0;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double distance = grid_distance(search->reference, a + k * n, b + k * n);
+        if (!(distance <= max))
+            max = distance;
+    }
+    return max;
+}
+
+/* Inside of a burst that is short the clock has few digits left: what is found there is as good as
+ * it can be. */
+static bool solve_adaptive(struct reference_search *search, struct solver *s, bool explicit,
+                           double *grid)
+{
+    const int64_t max = s->max;
+    for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
+        s->max = search->bursts > 0 ? max / TRIES_BURST : max;
+        const enum stop stop = reference_walk(search, s, 0, grid);
+        const bool bursts = search->bursts > 0;
+        search->stiff |= stop == STOP_FULL && explicit && !bursts;
+        if (stop == STOP_END || stop == STOP_CANCELLED || (stop == STOP_FULL && !bursts))
+            return stop == STOP_END;
+    }
+    return false;
+}
+
+/* Halves the step until the result stands still, moves more than before (rounding), or becomes too
+ * dear. */
+static bool solve_fixed(struct reference_search *search, struct solver *s, double *grid)
+{
+    double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
+    bool have = false;
+    for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
+        if (reference_walk(search, s, steps, finer) != STOP_END) {
+            if (have || solver_cost(s) > s->max || cancelled(search->cancel))
+                break;
+            continue;
+        }
+        set_amplitudes(search->reference, search->system, finer);
+        const double change = have ? largest_distance(search, finer, grid) : HUGE_VAL;
+        if (change < 1e-8 && change > moved)
+            break;
+        memcpy(grid, finer, search->size * sizeof *grid);
+        have = true;
+        moved = change;
+        if (change < STILL || solver_cost(s) > s->max / 2)
+            break;
+    }
+    return have && moved < MEANING;
+}
+
+static bool try_candidate(struct reference_search *search, const struct candidate *candidate)
+{
+    const struct method *method = method_by_name(text_of(candidate->name));
+    struct error ignored;
+    struct run_settings settings = {.dt = fabs(search->reference->span), .tol = candidate->tol};
+    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) ||
+        !method || !method_applies(method, search->system, &settings.drag, &ignored))
+        return false;
+    struct solver s;
+    if (!solver_init(&s, search->system, method, &settings, search->reference->span)) {
+        search->failed = true;
+        return false;
+    }
+    s.max = (int64_t)(COST_MAX / search->system->n);
+    double *grid = solution(search, candidate->kind);
+    const bool ok = s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid)
+                              : solve_fixed(search, &s, grid);
+    solver_free(&s);
+    if (ok)
+        search->by[candidate->kind] = method;
+    return ok;
+}
+
+/*
+ * Where two of them part for the first time. Rounding that grows takes its time from one power of
+ * ten to the next; what is a jump has another reason.
+ */
+static void set_meaning(const struct reference_search *search, const double *a, const double *b)
+{
+    struct reference *reference = search->reference;
+    const int n = search->system->n;
+    double before = 0;
+    reference->meaning = reference->span;
+    reference->sudden = false;
+    for (int k = 1; k < STUDY_TIMES; k++) {
+        const double distance = grid_distance(reference, a + k * n, b + k * n);
+        if (!(distance < MEANING)) {
+            reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
+            reference->sudden = k > FIRST && !(distance < SUDDEN * fmax(before, STILL));
+            return;
+        }
+        before = fmax(before, distance);
+    }
+}
+
+/* The new solution against those there are: the best agreement so far stays. */
+static void confront(struct reference_search *search, enum solver_kind kind)
+{
+    struct reference *reference = search->reference;
+    const double *grid = solution(search, kind);
+    for (enum solver_kind other = 0; other < KIND_COUNT; other++) {
+        if (other == kind || !search->by[other])
+            continue;
+        const double *with = solution(search, other);
+        set_amplitudes(reference, search->system, with);
+        const double agreement = largest_distance(search, grid, with);
+        if (reference->by[1] && !(agreement < reference->accuracy))
+            continue;
+        reference->accuracy = agreement;
+        reference->by[0] = search->by[other];
+        reference->by[1] = search->by[kind];
+        memcpy(reference->y, with, search->size * sizeof *with);
+        set_meaning(search, grid, with);
+    }
+}
+
+static void take_closed_form(const struct system *system, struct reference *reference)
+{
+    const int n = system->n;
+    double floor[LIMIT_VARIABLES], max[LIMIT_VARIABLES] = {0};
+    reference->exact = true;
+    for (int k = 0; k < STUDY_TIMES; k++) {
+        const double t = system->t0 + reference->span * k / (STUDY_TIMES - 1);
+        system_exact(system, system->t0, system->start, t, reference->y + k * n, floor);
+        for (int i = 0; i < reference->scored; i++)
+            max[i] = fmax(max[i], floor[i]);
+    }
+    set_amplitudes(reference, system, reference->y);
+    for (int i = 0; i < reference->scored; i++)
+        reference->accuracy = fmax(reference->accuracy, max[i] / reference->amplitude[i]);
+}
+
+/*
+ * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at
+ * the start, times the span. There explicit methods take their steps for stability alone.
+ */
+static bool shrinks_fast(const struct system *system, double span)
+{
+    double trace = 0, *jacobian = system_new_jacobian(system, system->t0, system->start);
+    for (int i = 0; jacobian && i < system->n; i++)
+        trace += jacobian[i * system->n + i];
+    free(jacobian);
+    return -trace * span > SHRINKS;
+}
+
+/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape
+ * both. */
+static void search_kinds(struct reference_search *search, bool explicit_ones, bool others)
+{
+    struct reference *reference = search->reference;
+    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed;
+         i++) {
+        const bool explicit = candidates[i].kind == KIND_EXPLICIT;
+        if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
+            continue; /* steps of one size, short enough for a burst, would be too many */
+        if (search->left > 0 && try_candidate(search, &candidates[i])) {
+            confront(search, candidates[i].kind);
+            const int parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+            search->parts = search->parts > parts ? search->parts : parts;
+            reference->bound = fabs(reference->span) / (STUDY_TIMES - 1) / search->parts;
+        }
+        if (reference->by[1] && reference->accuracy <= ENOUGH)
+            break;
+    }
+}
+
+bool study_reference(const struct system *system, double span, const struct cancel *cancel,
+                     struct reference *reference, struct error *error)
+{
+    return study_reference_again(system, span, fabs(span), cancel, reference, error);
+}
+
+bool study_reference_again(const struct system *system, double span, double step,
+                           const struct cancel *cancel, struct reference *reference,
+                           struct error *error)
+{
+    const double min = ceil(fmin(fabs(span) / (STUDY_TIMES - 1) / step, 1 << 16));
+    const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
+    *reference =
+        (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
+    reference->scored = system->order == 2 ? system->n / 2 : system->n;
+    reference->y = calloc(size, sizeof *reference->y);
+    if (!reference->y)
+        return error_memory(error);
+    if (system_has_exact(system)) {
+        take_closed_form(system, reference);
+        return true;
+    }
+    if (!reference_exists(system, reference, cancel, error))
+        return false;
+    struct system smooth =
+        *system; /* the reference keeps its order, whatever is compared with it */
+    system_turn_at_kinks(&smooth);
+    struct reference_search search = {
+        .system = &smooth, .reference = reference, .cancel = cancel, .size = size};
+    search.parts = (int)fmax(min, 1);
+    search.left = (int64_t)(COST_ALL / system->n);
+    search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
+    search.burst = calloc(BURSTS, sizeof *search.burst);
+    search.node = calloc(NODES, sizeof *search.node);
+    if (!search.grid || !search.burst || !search.node) {
+        free(search.grid);
+        free(search.burst);
+        free(search.node);
+        reference_free(reference);
+        return error_memory(error);
+    }
+    const bool late = shrinks_fast(&smooth, span);
+    search_kinds(&search, !late, true);
+    if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
+        search_kinds(&search, true, false);
+    reference->shortest = search.bursts > 0 ? HUGE_VAL : 0;
+    for (int i = 0; i < search.bursts; i++)
+        reference->shortest =
+            fmin(reference->shortest, fabs(search.burst[i].to - search.burst[i].from));
+    free(search.grid);
+    free(search.burst);
+    free(search.node);
+    if (cancelled(cancel) || search.failed || !reference->by[1]) {
+        reference_free(reference);
+        return search.failed       ? error_memory(error)
+               : cancelled(cancel) ? error_set(error, ERROR_CANCELLED,
+                                               "stopped while the reference solution was computed")
+               : search.left <= 0  ? error_set(error, ERROR_NUMERICAL,
+                                               "no two methods of different kinds reach the end of "
+                                                "this scene within %.0e evaluations: "
+                                                "there is nothing to measure errors against; a "
+                                                "shorter duration can be studied",
+                                               COST_ALL / system->n)
+                                   : error_set(error, ERROR_NUMERICAL,
+                                               "no two methods of different kinds reach the end of "
+                                                "this scene: there is nothing to "
+                                                "measure errors against");
+    }
+    return true;
+}

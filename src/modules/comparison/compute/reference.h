@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The search for a solution that errors are measured against. */
+#ifndef HOOKE_MODULES_COMPARISON_COMPUTE_REFERENCE_H
+#define HOOKE_MODULES_COMPARISON_COMPUTE_REFERENCE_H
+
+#include "modules/comparison/compute/errors.h"
+
+struct cancel;
+
+/* Methods of one kind err alike: agreement counts between kinds only. */
+enum solver_kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
+
+#define BURSTS 4096
+#define NODES 66 /* states between which an interval of the grid is looked at */
+
+struct reference_search {
+    const struct system *system;
+    struct reference *reference;
+    const struct cancel *cancel;
+    double *grid;                        /* [KIND_COUNT] solutions, and one to work with */
+    const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
+    size_t size;                         /* [double] of one solution */
+    bool failed;                         /* no memory */
+    int64_t left;                        /* of COST_ALL */
+    bool stiff; /* an explicit method became too dear: the others will, too */
+    int parts;  /* adaptive steps end at so many parts of each grid interval, */
+    struct burst
+        *burst; /* [BURSTS] and at so many parts of each of these, in the order of the way */
+    int bursts;
+    bool looked; /* for them */
+    struct reference_node {
+        double t, y[LIMIT_VARIABLES];
+    } * node; /* [NODES] where bursts begin and end in an interval, and its ends */
+    int nodes;
+};
+
+/* On the grid, `steps` in each interval, 0: adaptive; within what is left of the cost of all. */
+enum stop reference_walk(struct reference_search *search, struct solver *s, int64_t steps,
+                         double *grid);
+
+#endif

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* References that were computed before: a scene that is studied again has its own already. */
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
+#include "modules/comparison/compute/errors.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void reference_free(struct reference *reference)
+{
+    free(reference->y);
+    reference->y = NULL;
+}
+
+bool reference_exists(const struct system *system, struct reference *reference,
+                      const struct cancel *cancel, struct error *error)
+{
+    const double t0 = system->t0;
+    reference->singular =
+        system_singularity(system, t0, system->start, t0 + reference->span, cancel);
+    if (isnan(reference->singular.t))
+        return true;
+    reference_free(reference);
+    error_set(error, ERROR_NUMERICAL,
+              "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
+              singularity_text(&reference->singular), reference->singular.t);
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s",
+                      0.9 * fabs(reference->singular.t - t0));
+}
+
+void reference_describe(const struct reference *reference, struct buffer *text)
+{
+    if (reference->exact) {
+        buffer_format(text, "the closed form, good to %s", SHOWN_SHORT(reference->accuracy, 2));
+        return;
+    }
+    buffer_format(text, "%s and %s, which agree to %s", reference->by[0]->row.name,
+                  reference->by[1]->row.name, SHOWN_SHORT(reference->accuracy, 2));
+    if (reference->against[0])
+        buffer_format(text,
+                      ", but %s and %s agree with each other and are %s from it, also after it was "
+                      "computed again in shorter steps: which is right is not resolved",
+                      reference->against[0]->row.name, reference->against[1]->row.name,
+                      SHOWN_SHORT(reference->apart, 2));
+    if (reference->meaning != reference->span) {
+        buffer_format(text, " only: they part at %s",
+                      SHOWN_QUANTITY(fabs(reference->meaning), QUANTITY_TIME, 3));
+        buffer_put(text,
+                   reference->sudden
+                       ? TEXT(", beyond it no number means anything (at once: one of them missed "
+                              "something, or something there is not resolved)")
+                       : TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+    }
+}
+
+/* What a solution depends on. A typed model is never changed: each line makes another one. */
+static bool same_scene(const struct scene *a, const struct scene *b)
+{
+    return a->model == b->model && memcmp(a->value, b->value, sizeof a->value) == 0 &&
+           memcmp(a->atol, b->atol, sizeof a->atol) == 0;
+}
+
+static struct stored_reference *find(struct references *references, const struct scene *scene,
+                                     double span)
+{
+    for (size_t i = 0; references && i < REFERENCES; i++) {
+        struct stored_reference *stored = &references->stored[i];
+        if (stored->used > 0 && stored->span == span && same_scene(&stored->scene, scene))
+            return stored;
+    }
+    return NULL;
+}
+
+const struct reference *references_find(struct references *references, const struct scene *scene,
+                                        double span)
+{
+    const struct stored_reference *stored = find(references, scene, span);
+    return stored && stored->reference.y ? &stored->reference : NULL;
+}
+
+static bool copy(const struct reference *from, struct reference *to)
+{
+    const size_t size = (size_t)STUDY_TIMES * (size_t)from->n;
+    *to = *from;
+    to->y = malloc(size * sizeof *to->y);
+    if (to->y)
+        memcpy(to->y, from->y, size * sizeof *to->y);
+    return to->y;
+}
+
+/* In the place of the one that was used the longest time ago; without memory it is not kept. */
+static void keep(struct references *references, const struct scene *scene, double span,
+                 const struct reference *reference, const struct error *why)
+{
+    struct stored_reference *oldest = &references->stored[0];
+    for (size_t i = 1; i < REFERENCES; i++)
+        if (references->stored[i].used < oldest->used)
+            oldest = &references->stored[i];
+    reference_free(&oldest->reference);
+    *oldest = (struct stored_reference){.scene = *scene, .span = span, .used = ++references->uses};
+    if (why) {
+        oldest->why = *why;
+        oldest->reference.singular = reference->singular;
+    } else if (!copy(reference, &oldest->reference)) {
+        oldest->used = 0;
+    }
+}
+
+bool references_get(struct references *references, const struct scene *scene,
+                    const struct system *system, double span, const struct cancel *cancel,
+                    struct reference *reference, struct error *error)
+{
+    struct stored_reference *stored = find(references, scene, span);
+    if (stored) {
+        stored->used = ++references->uses;
+        *reference = (struct reference){.singular = {.t = NAN}};
+        if (!stored->reference.y) {
+            reference->singular = stored->reference.singular;
+            *error = stored->why;
+            return false;
+        }
+        if (!copy(&stored->reference, reference))
+            return error_memory(error);
+        reference->stored = true;
+        return true;
+    }
+    const bool ok = study_reference(system, span, cancel, reference, error);
+    if (references && (ok || error->code == ERROR_NUMERICAL))
+        keep(references, scene, span, reference, ok ? NULL : error);
+    return ok;
+}
+
+bool references_again(struct references *references, const struct scene *scene,
+                      const struct system *system, double span, double step,
+                      const struct cancel *cancel, struct reference *reference, struct error *error)
+{
+    struct reference anew;
+    if (!study_reference_again(system, span, fmin(step, reference->bound / 2), cancel, &anew,
+                               error))
+        return false;
+    anew.again = true;
+    reference_free(reference);
+    *reference = anew;
+    struct stored_reference *stored = find(references, scene, span);
+    if (stored) {
+        reference_free(&stored->reference);
+        stored->used = copy(reference, &stored->reference) ? stored->used : 0;
+    }
+    return true;
+}
+
+void references_free(struct references *references)
+{
+    if (references->uses == 0) /* pages that were never touched stay so */
+        return;
+    for (size_t i = 0; i < REFERENCES; i++)
+        reference_free(&references->stored[i].reference);
+    *references = (struct references){0};
+}

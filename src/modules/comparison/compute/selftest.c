@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* selftest: what a method's row claims, measured on the machine at hand in a few hundredths of a
+ * second. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include "modules/comparison/compute/verify.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ORDER_COST 250000 /* evaluations of one solve */
+#define ORDER_NEAR 0.15   /* of the claim */
+/* above it so few steps lie between the largest and rounding that later terms still add */
+#define HIGH 8
+#define AREA_MAX 1e-10
+#define RETURN_MAX 1e-9
+#define RETURN_STEPS 200
+
+static const struct row checks[] = {
+    [SELFTEST_ORDER] = {"order", "",
+                        "the slope of the error on a Kepler orbit is the claimed order", "", NULL},
+    [SELFTEST_AREA] = {"area", "", "symplectic: a step keeps areas (its determinant is 1)", "",
+                       NULL},
+    [SELFTEST_REVERSAL] = {"reversal", "", "symmetric: steps of h, then of -h, lead back", "",
+                           NULL},
+    [SELFTEST_STABILITY] = {"stability", "",
+                            "runs below the stability limit stay, runs above it grow as predicted",
+                            "", NULL},
+};
+
+const struct catalog selftest_catalog = CATALOG("check", checks);
+
+struct check_setting {
+    const char *param;
+    double value;
+};
+
+static bool bind(const char *preset, const struct check_setting *set, int count,
+                 struct system *system)
+{
+    struct scene scene;
+    struct error ignored;
+    scene_init(&scene, preset_by_name(text_of(preset)));
+    for (int i = 0; i < count; i++)
+        if (!scene_set(&scene, scene_param(&scene, set[i].param),
+                       (struct measured){set[i].value, 0}, &ignored))
+            return false;
+    return scene_bind(&scene, system, &ignored);
+}
+
+/* ---- order: most of an orbit of eccentricity 0.1, where every order condition counts and the
+ * answer is known ---- */
+
+static bool check_order(const struct method *method, const struct cancel *cancel,
+                        struct selftest_row *row)
+{
+    const struct check_setting set[] = {{"e", 0.1}};
+    struct system system;
+    struct order order = {.by = {method, DRAG_DEFAULT}, .claimed = method->order};
+    struct error error;
+    double state[STUDY_TIMES * 4];
+    if (method->order == 0 || !bind("kepler", set, 1, &system) ||
+        !method_applies(method, &system, &order.by.drag, &error))
+        return true;
+    struct sweep_target target = {.system = &system,
+                                  .span = 5,
+                                  .state = state,
+                                  .dt = {NAN, NAN},
+                                  .max = ORDER_COST,
+                                  .cancel = cancel};
+    for (int k = SWEEP_STRIDE; k < STUDY_TIMES; k += SWEEP_STRIDE)
+        system_exact(&system, system.t0, system.start,
+                     system.t0 + target.span * k / (STUDY_TIMES - 1), state + k * system.n, NULL);
+    for (int i = 0; i < system.n; i++)
+        target.size[i] = 1;
+    order.floor = 4e-16;
+    if (!order_sweep(&target, &order, &error))
+        return false;
+    row->check[SELFTEST_ORDER].applies = true;
+    row->check[SELFTEST_ORDER].value = order.slope;
+    row->check[SELFTEST_ORDER].wanted = method->order;
+    row->check[SELFTEST_ORDER].passed =
+        order.slope > method->order - ORDER_NEAR &&
+        order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
+    return true;
+}
+
+/* ---- geometry, on a pendulum (or, for what steps only closed forms, on a spring) ---- */
+
+static bool swing(const struct method *method, struct system *system, enum drag *drag)
+{
+    const struct check_setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
+    struct error ignored;
+    *drag = DRAG_DEFAULT;
+    if (bind("pendulum", NULL, 0, system) && method_applies(method, system, drag, &ignored))
+        return true;
+    *drag = DRAG_DEFAULT;
+    return bind("spring", unit, 3, system) && method_applies(method, system, drag, &ignored);
+}
+
+static bool advance(const struct method *method, const struct system *system, enum drag drag,
+                    double h, int steps, double *work, double *y)
+{
+    struct step step = {.system = system, .drag = drag, .h = h, .y = y, .work = work};
+    for (int i = 0; i < steps; i++)
+        if (method_step(method, &step) != STEP_OK)
+            return false;
+    return true;
+}
+
+/* Determinant of one step's Jacobian, by central differences of sixth order. */
+static double area_factor(const struct method *method, const struct system *system, enum drag drag,
+                          double h, double *work)
+{
+    static const double weight[] = {45. / 60, -9. / 60, 1. / 60};
+    const double delta = 0.01;
+    double jac[4] = {0};
+    for (int column = 0; column < 2; column++)
+        for (int k = -3; k <= 3; k++) {
+            double y[2] = {system->start[0], 0.3 * system->scale[1]};
+            if (k == 0)
+                continue;
+            y[column] += k * delta * system->scale[column];
+            if (!advance(method, system, drag, h, 1, work, y))
+                return NAN;
+            for (int r = 0; r < 2; r++)
+                jac[2 * r + column] += copysign(weight[abs(k) - 1], weight[abs(k) - 1] * k) * y[r] /
+                                       (delta * system->scale[column]);
+        }
+    return jac[0] * jac[3] - jac[1] * jac[2];
+}
+
+static bool check_geometry(const struct method *method, struct selftest_row *row)
+{
+    struct system system;
+    enum drag drag;
+    if (!(method->flags & (METHOD_SYMPLECTIC | METHOD_SYMMETRIC)) || !swing(method, &system, &drag))
+        return true;
+    double *work = malloc((method_work_size(method, system.n) + 1) * sizeof *work);
+    if (!work)
+        return false;
+    const double h = 0.3 * system.scale[0] / system.scale[1];
+    if (method->flags & METHOD_SYMPLECTIC) {
+        row->check[SELFTEST_AREA].applies = true;
+        row->check[SELFTEST_AREA].value = area_factor(method, &system, drag, h, work) - 1;
+        row->check[SELFTEST_AREA].passed = fabs(row->check[SELFTEST_AREA].value) <= AREA_MAX;
+    }
+    if (method->flags & METHOD_SYMMETRIC) {
+        double y[2] = {system.start[0], system.start[1]};
+        const bool there = advance(method, &system, drag, h, RETURN_STEPS, work, y);
+        const bool back = there && advance(method, &system, drag, -h, RETURN_STEPS, work, y);
+        const double away = fmax(fabs(y[0] - system.start[0]) / system.scale[0],
+                                 fabs(y[1] - system.start[1]) / system.scale[1]);
+        row->check[SELFTEST_REVERSAL].applies = true;
+        row->check[SELFTEST_REVERSAL].value = back ? away : NAN;
+        row->check[SELFTEST_REVERSAL].passed = back && away <= RETURN_MAX;
+    }
+    free(work);
+    return true;
+}
+
+/* ---- stability: undamped where there is a limit, else with some damping ---- */
+
+static void check_stability(const struct method *method, struct selftest_row *row)
+{
+    struct method_choice by = {method, DRAG_DEFAULT};
+    struct mode mode = {.omega = 1};
+    struct stability_check below, above;
+    double limit = method->flags & METHOD_A_STABLE ? HUGE_VAL : mode_limit(&by, &mode);
+    if (limit == 0) {
+        mode.zeta = 0.1;
+        limit = mode_limit(&by, &mode);
+    }
+    if (isnan(mode_growth(&by, &mode, 1)) || isnan(limit))
+        return;
+    row->check[SELFTEST_STABILITY].applies = true;
+    if (isinf(limit) || limit == 0) { /* a step of 30 is far beyond any limit, and below none */
+        mode_check(&by, &mode, 30, &above);
+        row->check[SELFTEST_STABILITY].passed =
+            above.agrees && (above.measured > 1 + 1e-4) == (limit == 0);
+    } else {
+        const double aside = mode_aside(&by, &mode, limit);
+        mode_check(&by, &mode, limit * (1 - aside), &below);
+        mode_check(&by, &mode, limit * (1 + aside), &above);
+        row->check[SELFTEST_STABILITY].passed =
+            below.agrees && above.agrees && below.measured < 1 + 1e-5 && above.measured > 1;
+    }
+    row->check[SELFTEST_STABILITY].value = above.measured;
+    row->check[SELFTEST_STABILITY].wanted = above.predicted;
+}
+
+bool selftest_method(const struct method *method, const struct cancel *cancel,
+                     struct selftest_row *row)
+{
+    *row = (struct selftest_row){.method = method, .passed = true};
+    for (int i = 0; i < SELFTEST_CHECKS; i++)
+        row->check[i].value = row->check[i].wanted = NAN;
+    if (!check_order(method, cancel, row) || !check_geometry(method, row) || cancelled(cancel))
+        return false;
+    check_stability(method, row);
+    for (int i = 0; i < SELFTEST_CHECKS; i++)
+        row->passed &= !row->check[i].applies || row->check[i].passed;
+    return !cancelled(cancel);
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A reference that the finest runs of several methods agree not to be right. */
+#include "modules/comparison/compute/suspect.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* times what the runs, and the reference, are known to: then they contradict each other */
+#define APART 100
+
+bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max)
+{
+    *witnesses = (struct witnesses){.size = (size_t)STUDY_TIMES * (size_t)system->n};
+    witnesses->one = calloc((size_t)max + 1, sizeof *witnesses->one);
+    witnesses->grid = calloc(((size_t)max + 1) * witnesses->size, sizeof *witnesses->grid);
+    for (int i = 0; i < max && witnesses->one && witnesses->grid; i++)
+        witnesses->one[i] =
+            (struct witness){.grid = witnesses->grid + (size_t)i * witnesses->size, .moved = NAN};
+    witnesses->count = max;
+    if (witnesses->one && witnesses->grid)
+        return true;
+    witnesses_free(witnesses);
+    return false;
+}
+
+void witnesses_free(struct witnesses *witnesses)
+{
+    free(witnesses->one);
+    free(witnesses->grid);
+    *witnesses = (struct witnesses){0};
+}
+
+/* Largest distance over the grid, where both came by. */
+static double largest(const struct reference *reference, const double *a, const double *b)
+{
+    const int n = reference->n;
+    double max = 0;
+    for (int k = 0; k < STUDY_TIMES; k++)
+        if (!isnan(a[k * n]) && !isnan(b[k * n]))
+            max = fmax(max, grid_distance(reference, a + k * n, b + k * n));
+    return max;
+}
+
+void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
+                     const struct method *by, int64_t steps, const double *grid)
+{
+    struct witness *w = &witnesses->one[i];
+    w->moved = w->by ? largest(reference, w->grid, grid) : NAN;
+    w->by = by;
+    w->step = fabs(reference->span) / (double)steps;
+    memcpy(w->grid, grid, witnesses->size * sizeof *grid);
+}
+
+/* Its steps are not so long that they pass over what the reference has found. */
+static bool can_tell(const struct witness *w, const struct reference *reference)
+{
+    return w->by && !isnan(w->moved) && !(reference->shortest > 0 && w->step > reference->shortest);
+}
+
+bool reference_suspect(struct reference *reference, const struct witnesses *witnesses, double *step)
+{
+    bool found = false;
+    reference->against[0] = reference->against[1] = NULL;
+    for (int i = 0; i < witnesses->count && !reference->exact; i++)
+        for (int j = 0; j < i; j++) {
+            const struct witness *a = &witnesses->one[j], *b = &witnesses->one[i];
+            if (!can_tell(a, reference) || !can_tell(b, reference) || a->by == b->by)
+                continue;
+            const double apart = fmin(largest(reference, a->grid, reference->y),
+                                      largest(reference, b->grid, reference->y));
+            const double known =
+                fmax(fmax(a->moved, b->moved), largest(reference, a->grid, b->grid));
+            if (!(apart > APART * fmax(known, reference->accuracy)) ||
+                (found && apart <= reference->apart))
+                continue;
+            found = true;
+            reference->against[0] = a->by;
+            reference->against[1] = b->by;
+            reference->apart = apart;
+            *step = fmin(a->step, b->step);
+        }
+    return found;
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* order, selftest */
+#ifndef COMMAND_ROWS
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include <hooke/base/unit.h>
+#include <hooke/report.h>
+#include "modules/comparison/comparison.h"
+
+#include <math.h>
+
+/* ---- order ---- */
+
+static void put_order(const struct session *session, const struct order *order, struct arena *arena,
+                      struct buffer *out)
+{
+    const char *drag = contender_drag(&order->by);
+    struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
+    buffer_format(out,
+                  "%s%s%s, %s of the scene in fixed steps with compensated sums; root mean square "
+                  "error of the whole state at four times, good to %s",
+                  order->by.method->row.name, drag ? " drag=" : "", drag ? drag : "",
+                  SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
+                  SHOWN_SHORT(order->floor, 2));
+    buffer_put(out, order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
+    columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
+    text_table_put(&table, out);
+    int64_t turns = 0;
+    for (int i = 0; i < order->points; i++)
+        turns = order->point[i].turns > turns ? order->point[i].turns : turns;
+    if (turns > 0)
+        buffer_format(
+            out, "steps end at %s, in up to %lld extra ones a run; 'set turning off' goes across\n",
+            order->switches ? "switches" : "turning points", (long long)turns);
+    const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
+    if (order->fitted)
+        buffer_format(out, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
+                      order->slope, order->guard, order->fitted, order->r2, order->claimed,
+                      verdict);
+    else if (order->verdict == ORDER_EXACT)
+        buffer_put(out, TEXT("exact: every step size gives the solution to rounding\n"));
+    else
+        buffer_format(out, "no order can be measured here (claimed %d)\n", order->claimed);
+    if (order->words[0])
+        buffer_format(out, "%s\n", order->words);
+}
+
+HANDLER(order)
+{
+    const struct argument_value *dt = argument_value(args, "dt");
+    int count = 1;
+    struct order_request request = {.scene = &session->setup.scene,
+                                    .by = {session->setup.method, session->setup.drag},
+                                    .dt = {NAN, NAN},
+                                    .duration = session->setup.settings.duration,
+                                    .references = session_references(session),
+                                    .cancel = session->front.cancel};
+    if (!has_argument(args, "METHOD"))
+        reply_unchosen(session, reply);
+    if (!choose_methods(args, DRAG_DEFAULT, &request.by, &count, error))
+        return false;
+    for (int i = 0; i < 2 && dt->count; i++) {
+        request.dt[i] = dt->item->range[i];
+        if (!(request.dt[i] > 0))
+            return error_at(error, dt->where, "a sweep needs two ends above 0, as in dt=1ms:100ms");
+    }
+    struct order order;
+    reply_assumed(session, false, true, reply);
+    const bool ok = study_order(&request, &order, error);
+    if (ok || order.points > 0) {
+        struct buffer *text = reply_buffer(reply);
+        put_order(session, &order, args->arena, text);
+        reply_result(session, reply, "order", &order_point_columns, order.point,
+                     (size_t)order.points, order.by.method->row.name, NULL);
+        reply_records(reply, "order", &order_columns, &order, 1);
+    }
+    return ok;
+}
+
+/* ---- selftest ---- */
+
+static void check_cell(struct text_table *table, const struct selftest_row *row,
+                       enum selftest_check index)
+{
+    const struct selftest_result *check = &row->check[index];
+    const char *mark = check->passed ? "" : " !";
+    if (!check->applies)
+        cell_text(table, "-");
+    else if (index == SELFTEST_ORDER)
+        cell_format(table, "%.2f of %g%s", check->value, check->wanted, mark);
+    else if (index == SELFTEST_STABILITY)
+        cell_format(table, "x %.6g of %.6g%s", check->value, check->wanted, mark);
+    else
+        cell_format(table, "%.0e%s", fabs(check->value), mark);
+}
+
+static void selftest_cells(const struct selftest_row *row, struct text_table *table)
+{
+    cell_text(table, row->method->row.name);
+    for (enum selftest_check check = 0; check < SELFTEST_CHECKS; check++)
+        check_cell(table, row, check);
+    cell_text(table, row->passed ? "ok" : "FAILED");
+}
+
+#define CHECK(name, index)                                                                         \
+    {                                                                                              \
+        name, .kind = COLUMN_OBJECT, .part = &check_columns,                                       \
+              .at = offsetof(struct selftest_row, check[index])                                    \
+    }
+#define AT(member) .at = offsetof(struct selftest_result, member)
+
+static const struct result_column of_check[] = {
+    {.name = "asked", .kind = COLUMN_BOOL, AT(applies)},
+    {.name = "passed", .kind = COLUMN_BOOL, AT(passed)},
+    {.name = "value", AT(value)},
+    {.name = "wanted", AT(wanted)},
+};
+static const struct result_columns check_columns = RESULT_COLUMNS(of_check, struct selftest_result);
+
+static const struct result_column of_selftest[] = {
+    {.name = "method", .kind = COLUMN_ROW, .at = offsetof(struct selftest_row, method)},
+    {.name = "passed", .kind = COLUMN_BOOL, .at = offsetof(struct selftest_row, passed)},
+    CHECK("order", SELFTEST_ORDER),
+    CHECK("area", SELFTEST_AREA),
+    CHECK("reversal", SELFTEST_REVERSAL),
+    CHECK("stability", SELFTEST_STABILITY),
+};
+static const struct result_columns selftest_columns =
+    RESULT_COLUMNS(of_selftest, struct selftest_row);
+
+HANDLER(selftest)
+{
+    struct text_table table = {.arena = args->arena, .columns = SELFTEST_CHECKS + 2, .gap = 2};
+    struct buffer text = {0}, failed = {0};
+    const int64_t begin = clock_ns();
+    const bool full = asks_full(args);
+    int finished = 0, failures = 0;
+    cell_text(&table, "method");
+    for (size_t i = 0; i < SELFTEST_CHECKS; i++)
+        cell_text(&table, catalog_row(&selftest_catalog, i)->name);
+    cell_text(&table, "");
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct method *method = method_at(i);
+        struct selftest_row row;
+        if (method->flags & METHOD_EXTERNAL)
+            continue;
+        if (!selftest_method(method, session->front.cancel, &row))
+            break;
+        finished++;
+        failures += !row.passed;
+        if (!row.passed)
+            buffer_format(&failed, "%s%s", failures > 1 ? ", " : "", method->row.name);
+        if (full || !row.passed)
+            selftest_cells(&row, &table);
+        reply_records(reply, "selftest", &selftest_columns, &row, 1);
+    }
+    if (full || failures > 0)
+        text_table_put(&table, &text);
+    buffer_format(&text, "%d methods: %d passed, %d failed", finished, finished - failures,
+                  failures);
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(&text, "; %.1f s", clock_seconds(begin));
+    buffer_put(&text, full ? TEXT("\n") : TEXT("; what was measured: --full\n"));
+    for (size_t i = 0; i < SELFTEST_CHECKS; i++)
+        buffer_format(&text, "%s: %s\n", catalog_row(&selftest_catalog, i)->name,
+                      catalog_row(&selftest_catalog, i)->brief);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    bool ok = failures == 0;
+    if (cancelled(session->front.cancel))
+        ok = error_set(error, ERROR_CANCELLED, "stopped after %d methods", finished);
+    else if (!ok)
+        error_set(error, ERROR_NUMERICAL, "%d of %d methods are not what their rows claim: %.300s",
+                  failures, finished, buffer_view(&failed));
+    buffer_free(&failed);
+    return ok;
+}
+#endif
+
+COMMAND(order, .group = "STUDY", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .choices = &method_catalog),
+                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("full", TYPE_NONE)))
+
+COMMAND(selftest, .group = "SESSION", .flags = COMMAND_TABLES, ARGUMENTS(OPTION("full", TYPE_NONE)))

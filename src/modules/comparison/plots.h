@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The functions of the module's plot. */
+#ifndef HOOKE_MODULES_COMPARISON_PLOTS_H
+#define HOOKE_MODULES_COMPARISON_PLOTS_H
+
+#include <hooke/plot.h>
+
+/* Returns true if a precision study has been made. */
+bool precision_known(const struct session *session);
+bool precision_plot(struct drawing *d, struct figure *figure);
+bool precision_name_curves(const struct session *session, struct arena *arena,
+                           struct figure *figure, struct error *error);
+void precision_plot_legend(const struct session *session, int width, struct buffer *text);
+
+#endif

@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* precision */
+#ifndef COMMAND_ROWS
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include <hooke/report.h>
+#include "modules/comparison/comparison.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Reasons mostly begin with the name. */
+static void note_absent(void *context, const char *method, const char *reason)
+{
+    struct buffer *text = context;
+    buffer_put(text, TEXT("left out: "));
+    if (!text_starts(text_of(reason), text_of(method)))
+        buffer_format(text, "%s: ", method);
+    buffer_format(text, "%s\n", reason);
+}
+
+static void take_range(const struct argument_value *range, double out[2])
+{
+    out[0] = out[1] = NAN;
+    for (int i = 0; i < 2 && range->count; i++)
+        out[i] = range->item->range[i];
+}
+
+static bool check_range(const struct argument_value *range, const char *example,
+                        struct error *error)
+{
+    if (range->count == 0)
+        return true;
+    const double *ends = range->item->range;
+    if (ends[0] > 0 && ends[1] > 0)
+        return true;
+    return error_at(error, range->where, "a sweep needs two ends above 0, as in %s", example);
+}
+
+/* brief: without what is about the whole study. */
+static void put_marks(struct buffer *text, const struct precision *precision, bool brief)
+{
+    const bool resolved = !precision->reference.against[0];
+    double others = 0;
+    struct {
+        bool any;
+        const char *words;
+    } mark[] = {
+        {false, "*  in the fit of the slope\n"},
+        {false, "<  below the accuracy of the reference: no better than the others there\n"},
+        {false, "~  the shortest times differ by more than 10 %: not ranked\n"},
+        {false, "!  fewer samples than of the others, at least 3\n"},
+        {false, resolved ? "lost: the error is as large as the motion\n"
+                         : "apart: as far from the reference as the motion is large; which is "
+                           "right is not resolved\n"},
+        {false, "probe: lost in the 1/256 of the time where most happens; no more was solved\n"},
+        {false, "+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"}};
+    for (int i = 0; i < precision->points; i++) {
+        const struct precision_point *point = &precision->point[i];
+        others = fmax(others, point->time.others);
+        mark[0].any |= point->asymptotic;
+        mark[1].any |= point->below;
+        mark[2].any |= point->time.spread > TIMING_SPREAD;
+        mark[3].any |= point->time.few;
+        mark[4].any |= point->stop == STOP_END && !point->refused && !precision_meaningful(point);
+        mark[5].any |= point->probed;
+        mark[6].any |= point->timed_steps > 0 && !brief;
+    }
+    for (size_t i = 0; i < COUNT_OF(mark); i++)
+        if (mark[i].any)
+            buffer_put(text, text_of(mark[i].words));
+    if (!brief)
+        timing_put_machine(others, text);
+}
+
+/* With its legend. */
+static void put_figure(const struct session *session, const struct precision *precision, int width,
+                       int height, struct arena *arena, struct buffer *text)
+{
+    struct figure figure;
+    struct error ignored;
+    if (precision_figure(precision, arena, &figure, &ignored) &&
+        figure_print(&figure, width, height, session_charset(session), false, text))
+        precision_legend(precision, width, text);
+}
+
+/* The diagram, as high as the rest of the answer leaves room for. */
+static void put_short(const struct session *session, const struct precision *precision, int width,
+                      struct arena *arena, struct buffer *text)
+{
+    enum { FIGURE_ROWS_MIN = 10 };
+    struct buffer rest = {0};
+    precision_legend(precision, width, &rest);
+    const size_t legend = rest.len;
+    precision_winners(precision, 3, false, width, arena, &rest);
+    buffer_put(&rest, TEXT("'precision table [METHOD]': slopes, the values of one; --full: all\n"));
+    const int room = answer_rows(session) - text_rows(buffer_text(&rest), width) -
+                     text_rows(buffer_text(text), width);
+    put_figure(session, precision, width, room > FIGURE_ROWS_MIN ? room : FIGURE_ROWS_MIN, arena,
+               text);
+    buffer_put(text, (struct text){rest.data + legend, rest.len - legend});
+    text->failed |= rest.failed;
+    buffer_free(&rest);
+}
+
+static void reply_study(const struct session *session, const struct arguments *args,
+                        const struct precision *precision, const struct buffer *absent,
+                        double seconds, struct reply *reply)
+{
+    struct buffer *text = reply_buffer(reply);
+    int width, height;
+    session_size(session, &width, &height);
+    buffer_format(text, "%d method%s, %d setting%s, %s of the scene", precision->curves,
+                  precision->curves == 1 ? "" : "s", precision->points,
+                  precision->points == 1 ? "" : "s",
+                  SHOWN_QUANTITY(precision->duration, QUANTITY_TIME, 4));
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(text, ", computed in %.2g s", seconds);
+    buffer_put(text, TEXT("; errors against "));
+    reference_describe(&precision->reference, text);
+    buffer_put(text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
+    if (asks_full(args)) {
+        buffer_put(text, buffer_text(absent));
+        precision_tables(precision, NULL, width, args->arena, text);
+        put_marks(text, precision, false);
+        put_figure(session, precision, width, height, args->arena, text);
+        precision_winners(precision, 1, true, width, args->arena, text);
+    } else {
+        put_short(session, precision, width, args->arena, text);
+    }
+}
+
+/* The session takes it over; without memory the one before stays. */
+static void keep_precision(struct session *session, struct precision *precision)
+{
+    struct comparison_part *part = session_part(session, &comparison_module);
+    struct precision *stored = part ? malloc(sizeof *stored) : NULL;
+    if (!stored)
+        return;
+    *stored = *precision;
+    *precision = (struct precision){0};
+    if (part->precision)
+        precision_free(part->precision);
+    free(part->precision);
+    part->precision = stored;
+}
+
+/* Of the last study: the slope of each method, or all values of those that are named. */
+static bool reply_tables(const struct session *session, const struct arguments *args,
+                         struct reply *reply, struct error *error)
+{
+    const struct argument_value *methods = argument_value(args, "METHOD");
+    const struct precision *precision = session_precision(session);
+    struct buffer text = {0};
+    int width, height;
+    session_size(session, &width, &height);
+    if (!precision) {
+        error_set(error, ERROR_COMMAND, "there is no precision study yet");
+        return error_hint(error, "'precision' makes one");
+    }
+    for (int i = 0; i < methods->count; i++) {
+        const size_t before = text.len;
+        const struct row *row = methods->item[i].row;
+        precision_tables(precision, method_from(row), width, args->arena, &text);
+        if (text.len == before) {
+            buffer_free(&text);
+            return error_at(error, methods->item[i].text, "%s was not part of the last study",
+                            row->name);
+        }
+    }
+    const bool full = asks_full(args);
+    if (methods->count == 0 && full)
+        precision_tables(precision, NULL, width, args->arena, &text);
+    else if (methods->count == 0)
+        precision_overview(precision, &text);
+    if (methods->count > 0 || full)
+        put_marks(&text, precision, !full);
+    if (methods->count == 0 && full)
+        precision_winners(precision, 1, true, width, args->arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
+}
+
+HANDLER(precision)
+{
+    const struct argument_value *dt = argument_value(args, "dt"),
+                                *tol = argument_value(args, "tol");
+    const size_t capacity = (size_t)argument_value(args, "METHOD")->count + PRECISION_DEFAULTS;
+    struct method_choice *choice = arena_array(args->arena, capacity, sizeof *choice);
+    struct buffer absent = {0};
+    struct system system;
+    int count = 0;
+    if (!choice)
+        return error_memory(error);
+    if (has_argument(args, "table"))
+        return reply_tables(session, args, reply, error);
+    struct precision_request request = {.scene = &session->setup.scene,
+                                        .choice = choice,
+                                        .duration = session->setup.settings.duration,
+                                        .timing = (enum timing)session->setup.settings.timing,
+                                        .compensated = session_run_settings(session).compensated,
+                                        .recording = has_argument(args, "recording"),
+                                        .references = session_references(session),
+                                        .cancel = session->front.cancel};
+    take_range(dt, request.dt);
+    take_range(tol, request.tol);
+    bool ok = check_range(dt, "dt=1ms:100ms", error) && check_range(tol, "tol=1e-10:1e-3", error) &&
+              scene_bind(&session->setup.scene, &system, error);
+    if (ok && argument_value(args, "METHOD")->count == 0)
+        count = precision_defaults(&system, request.duration, choice, note_absent, &absent);
+    ok = ok && choose_methods(args, DRAG_DEFAULT, choice, &count, error);
+    if (!ok) {
+        buffer_free(&absent);
+        return false;
+    }
+    request.choices = count;
+    struct precision precision;
+    const int64_t begin = clock_ns();
+    reply_assumed(session, false, true, reply);
+    reply_shorter(session, reply);
+    ok = study_precision(&request, &precision, error);
+    if (precision.curves > 0) {
+        reply_study(session, args, &precision, &absent, clock_seconds(begin), reply);
+        reply_precision(session, &precision, args->arena, reply);
+        keep_precision(session, &precision);
+    }
+    buffer_free(&absent);
+    precision_free(&precision);
+    return ok;
+}
+#endif
+
+COMMAND(precision, .group = "STUDY", .flags = COMMAND_TABLES,
+        ARGUMENTS(WORD("table", TYPE_NONE),
+                  PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
+                  KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog),
+                  OPTION("recording", TYPE_NONE), OPTION("full", TYPE_NONE)))

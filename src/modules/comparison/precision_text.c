@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A precision study for people and programs: tables, and what is fastest. */
+#include <hooke/base/safe_text.h>
+#include "modules/comparison/comparison.h"
+#include <hooke/report.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define WIDE 110 /* [cell] from here on end, phase and amplitude errors are shown, too */
+
+/* ---- a method ---- */
+
+static void put_slope(const struct precision_curve *curve, struct buffer *out)
+{
+    if (curve->fitted == 0) {
+        buffer_format(out, "no slope: %s\n",
+                      isnan(curve->expected) ? "it makes no error of its own"
+                                             : "fewer than 3 errors between 5 % and rounding");
+        return;
+    }
+    if (isnan(curve->slope)) {
+        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n",
+                      curve->fitted);
+        return;
+    }
+    if (curve->adaptive)
+        buffer_format(out, "error ~ tol^%.2f", curve->slope);
+    else
+        buffer_format(out, "order %.2f", curve->slope);
+    buffer_format(out, " (%d points, R^2 %.4f)", curve->fitted, curve->r2);
+    if (curve->differs)
+        buffer_format(out, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed",
+                      curve->expected);
+    buffer_char(out, '\n');
+}
+
+static bool is_timed(const struct precision *precision, int first, int count)
+{
+    bool timed = false;
+    for (int i = first; i < first + count; i++)
+        timed |= isfinite(precision->point[i].time.minimum);
+    return timed;
+}
+
+/* Are some points timed by other code than the rest? */
+static bool is_mixed(const struct precision *precision)
+{
+    bool mixed = false;
+    for (int i = 1; i < precision->points; i++)
+        mixed |= precision->point[i].path != precision->point[0].path;
+    return mixed;
+}
+
+void precision_tables(const struct precision *precision, const struct method *only, int width,
+                      struct arena *arena, struct buffer *out)
+{
+    const struct precision_row *rows = precision_rows(precision, arena);
+    for (int c = 0; rows && c < precision->curves; c++) {
+        const struct precision_curve *curve = &precision->curve[c];
+        if (only && curve->by.method != only)
+            continue;
+        struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .max = width};
+        buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
+        if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
+            buffer_format(out, " drag=%s", contender_drag(&curve->by));
+        if (is_timed(precision, curve->first, curve->count) && is_mixed(precision))
+            buffer_format(out, " (timed by %s code)",
+                          catalog_row(&kernel_catalog, precision->point[curve->first].path)->name);
+        buffer_put(out, TEXT(": "));
+        put_slope(curve, out);
+        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count, width >= WIDE,
+                     &table);
+        text_table_put(&table, out);
+        if (curve->cut)
+            buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
+    }
+}
+
+void precision_overview(const struct precision *precision, struct buffer *out)
+{
+    for (int c = 0; c < precision->curves; c++) {
+        const struct precision_curve *curve = &precision->curve[c];
+        buffer_format(out, "%c  %s, %d settings: ", precision_letter(c), curve->by.method->row.name,
+                      curve->count);
+        put_slope(curve, out);
+    }
+}
+
+void precision_legend(const struct precision *precision, int width, struct buffer *out)
+{
+    int used = 0;
+    for (int c = 0; c < precision->curves; c++) {
+        const char *name = precision->curve[c].by.method->row.name;
+        const int more = text_width(text_of(name)) + 4;
+        if (used > 0 && used + more > width) {
+            buffer_char(out, '\n');
+            used = 0;
+        }
+        buffer_format(out, "%s%c %s", used ? "  " : "", precision_letter(c), name);
+        used += more;
+    }
+    buffer_char(out, '\n');
+}
+
+/* ---- what is fastest ---- */
+
+#define PRECISION_LEVELS 13 /* errors of tables and records: 1e-1 down to 1e-13 */
+
+/* The ranking for one error. */
+struct fastest_row {
+    double error;
+    const struct precision *precision;
+    struct precision_cost *cost; /* [curves] ranked, then others */
+    int ranked, others, tied;    /* tied: of those ranked, the best among them */
+    int width;                   /* [cell] for their names */
+};
+
+static const char *name_of(const struct fastest_row *row, int i)
+{
+    return row->precision->curve[row->cost[i].curve].by.method->row.name;
+}
+
+static const char *best_of(const void *row)
+{
+    return name_of(row, 0);
+}
+
+static double time_of(const void *row)
+{
+    return ((const struct fastest_row *)row)->cost->minimum;
+}
+
+static void put_tied(struct reply *reply, const char *key, const void *of)
+{
+    const struct fastest_row *row = of;
+    reply_array(reply, key);
+    for (int i = 1; i < row->tied; i++)
+        reply_string(reply, NULL, name_of(row, i));
+    reply_close(reply);
+}
+
+static const char *next_of(const void *of)
+{
+    const struct fastest_row *row = of;
+    return row->tied < row->ranked ? name_of(row, row->tied) : NULL;
+}
+
+static double next_times(const void *of)
+{
+    const struct fastest_row *row = of;
+    const struct precision_cost *best = row->cost, *next = row->cost + row->tied;
+    if (row->tied == row->ranked)
+        return NAN;
+    return isnan(best->minimum) ? next->evals / best->evals : next->minimum / best->minimum;
+}
+
+static void error_cell(struct text_table *table, double error)
+{
+    char text[16];
+    snprintf(text, sizeof text, "1e%.0f", log10(error));
+    cell_text(table, text);
+}
+
+static const char *best_head(const void *row)
+{
+    return isnan(time_of(row)) ? "fewest evaluations" : "fastest";
+}
+
+/* Names of those that tie, as many as the width holds; without times the evaluations. */
+static void best_cell(struct text_table *table, const void *of)
+{
+    const struct fastest_row *row = of;
+    struct buffer text = {0};
+    int shown = 0, used = 0;
+    for (; shown < row->tied; shown++) {
+        used += text_width(text_of(name_of(row, shown))) + 3;
+        if (shown > 0 && used > row->width)
+            break;
+        buffer_format(&text, "%s%s", shown ? " = " : "", name_of(row, shown));
+    }
+    if (shown < row->tied)
+        buffer_format(&text, " = %d more", row->tied - shown);
+    if (isnan(row->cost->minimum))
+        buffer_format(&text, " (%.3g)", row->cost->evals);
+    cell_take(table, &text);
+}
+
+static void next_cell(struct text_table *table, const void *row)
+{
+    struct buffer text = {0};
+    if (next_of(row))
+        buffer_format(&text, "%s x %.2g", next_of(row), next_times(row));
+    cell_take(table, &text);
+}
+
+static void fewest_cell(struct text_table *table, const void *of)
+{
+    const struct fastest_row *row = of;
+    struct buffer text = {0};
+    int best = 0;
+    for (int i = 1; i < row->ranked + row->others; i++)
+        best = row->cost[i].evals < row->cost[best].evals ? i : best;
+    buffer_format(&text, "%s (%.3g)", name_of(row, best), row->cost[best].evals);
+    cell_take(table, &text);
+}
+
+static bool is_row_timed(const void *row)
+{
+    return isfinite(time_of(row));
+}
+
+/* clang-format off */
+static const struct result_column of_fastest[] = {
+    {.name = "error", .at = offsetof(struct fastest_row, error),
+     .index = 1, .heading = "error", .look = error_cell},
+    {.name = "method", .kind = COLUMN_NAME, .text = best_of,
+     .index = 2, .head = best_head, .cell = best_cell},
+    {.name = "time_min", .real = time_of,
+     .index = 3, .heading = "in", .look = cell_seconds, .flags = COLUMN_IF_ANY},
+    {.name = "tied_with", .record = put_tied},
+    {.name = "next", .kind = COLUMN_NAME, .text = next_of,
+     .index = 4, .heading = "then", .cell = next_cell},
+    {.name = "next_times", .real = next_times},
+    {.kind = COLUMN_NAME, .text = best_of, .index = 5, .heading = "fewest evaluations",
+     .cell = fewest_cell, .any = is_row_timed,
+     .flags = COLUMN_NO_RECORD | COLUMN_IF_ANY | COLUMN_WIDE},
+};
+/* clang-format on */
+
+static const struct result_columns fastest_columns = RESULT_COLUMNS(of_fastest, struct fastest_row);
+
+/* Rankings for errors that are `step` decades apart, those that a method reaches. NULL without
+ * memory. */
+static struct fastest_row *rank(const struct precision *precision, int step, int width,
+                                struct arena *arena, size_t *count)
+{
+    enum { BESIDE = 50 /* columns of a line beside the names of those that tie */ };
+    struct fastest_row *row = arena_array(arena, PRECISION_LEVELS, sizeof *row);
+    *count = 0;
+    for (int level = step; row && level <= PRECISION_LEVELS; level += step) {
+        struct fastest_row *one = &row[*count];
+        *one = (struct fastest_row){
+            .error = pow(10, -level),
+            .precision = precision,
+            .cost = arena_array(arena, (size_t)precision->curves + 1, sizeof *one->cost),
+            .tied = 1,
+            .width = width - BESIDE};
+        if (!one->cost)
+            return NULL;
+        one->ranked = precision_fastest(precision, one->error, one->cost, &one->others);
+        while (one->tied < one->ranked && one->cost[one->tied].tied && is_row_timed(one))
+            one->tied++;
+        *count += one->ranked > 0;
+    }
+    return row;
+}
+
+/* Which methods were left out of the rankings, and why. */
+static void put_left_out(const struct precision *precision, const struct fastest_row *row,
+                         size_t count, struct buffer *out)
+{
+    struct buffer names = {0};
+    for (int c = 0; c < precision->curves; c++) {
+        bool is_left_out = false;
+        for (size_t i = 0; i < count; i++)
+            for (int k = row[i].ranked; k < row[i].ranked + row[i].others; k++)
+                is_left_out |= row[i].cost[k].curve == c;
+        if (is_left_out)
+            buffer_format(&names, "%s%s", names.len ? ", " : "",
+                          precision->curve[c].by.method->row.name);
+    }
+    if (names.len)
+        buffer_format(out,
+                      "  not ranked after methods that have specialised code: %s, timed by the "
+                      "general code,\n"
+                      "  whose times do not compare; only where the general code is ahead all the "
+                      "same is it named\n",
+                      buffer_view(&names));
+    buffer_free(&names);
+}
+
+void precision_winners(const struct precision *precision, int step, bool all, int width,
+                       struct arena *arena, struct buffer *out)
+{
+    size_t count;
+    struct text_table table = {.arena = arena, .gap = 2, .indent = all ? 2 : 0, .max = width};
+    const struct fastest_row *row = rank(precision, step, width, arena, &count);
+    if (!row || count == 0)
+        return;
+    if (all)
+        buffer_put(out, is_row_timed(row) ? TEXT("fastest method for an error (= : the times "
+                                                 "[minimum, median] overlap)\n")
+                                          : TEXT("cheapest method for an error\n"));
+    columns_text(&fastest_columns, row, count, all, &table);
+    text_table_put(&table, out);
+    if (all)
+        put_left_out(precision, row, count, out);
+}
+
+void reply_precision(const struct session *session, const struct precision *precision,
+                     struct arena *arena, struct reply *reply)
+{
+    const struct precision_row *points = precision_rows(precision, arena);
+    struct buffer reference = {0};
+    size_t count;
+    const struct fastest_row *row = rank(precision, 1, 0, arena, &count);
+    if (!points || !row)
+        return;
+    reference_describe(&precision->reference, &reference);
+    reply_result(session, reply, "precision", &precision_columns, points, (size_t)precision->points,
+                 NULL, buffer_view(&reference));
+    buffer_free(&reference);
+    reply_records(reply, "precision", &precision_columns, points, (size_t)precision->points);
+    if (count > 0 && is_row_timed(row))
+        reply_records(reply, "fastest", &fastest_columns, row, count);
+}

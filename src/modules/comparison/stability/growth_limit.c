@@ -1,0 +1,481 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* stability: growth a step and the largest stable step, from the method's own formulas, then
+ * verified by running. */
+#include "modules/comparison/compute/verify.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/run/step_limit.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ROUNDING 1e-12 /* growth above 1 that is rounding */
+/* the same at a double eigenvalue, whose growth is known to the root of rounding only */
+#define ON_AXIS 1e-7
+#define FOLLOWS 1e-2 /* relative error of the rate of what grows by itself */
+/* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
+#define WEAK 1e-3
+#define STEPS_MOST 16384  /* of a check */
+#define PAST 8            /* steps: more than any method remembers */
+#define EXTREME 1e20      /* [1/s] */
+#define HUGE_STEP 100     /* omega dt */
+#define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
+#define ASIDE 1e-2        /* how far from the limit the checks on both sides stand, relative */
+#define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
+#define ALONG 16          /* states along the run whose eigenvalues are looked at */
+#define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
+
+static const struct row verdicts[] = {
+    [STABILITY_STABLE] = {"stable", "", "no growth that the scene does not have itself", "", NULL},
+    [STABILITY_MARGINAL] = {"marginal", "",
+                            "so slow a growth that it shows only after hundreds of steps", "",
+                            NULL},
+    [STABILITY_UNSTABLE] = {"unstable", "", "every step multiplies the amplitude", "", NULL},
+};
+
+const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
+
+/* ---- growth of one mode ---- */
+
+/* A step so large that it overflows grows beyond all bounds. */
+double mode_growth(const struct method_choice *by, const struct mode *mode, double dt)
+{
+    const double x = mode->omega * dt,
+                 growth = method_growth_signed(by->method, by->drag, x, mode->zeta, mode->sign);
+    return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
+}
+
+double mode_limit(const struct method_choice *by, const struct mode *mode)
+{
+    return method_stable_limit_signed(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
+}
+
+double stability_growth(const struct method_choice *by, double re, double im)
+{
+    const double size = hypot(re, im);
+    return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size))) : 1;
+}
+
+void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
+{
+    const double zeta = mode->zeta, product = stiffness_sign_value(mode->sign),
+                 split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
+    *im = mode->omega * sqrt(fmax(0, -split));
+    re[0] = re[1] = -zeta * mode->omega;
+    if (split <= 0)
+        return;
+    /* The larger one first; their product gives the other without cancellation. */
+    /* no -0 */
+    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta), slow = product / fast + 0.0;
+    re[0] = mode->omega * fmax(fast, slow);
+    re[1] = mode->omega * fmin(fast, slow);
+}
+
+static double growth_rate(const struct mode *mode)
+{
+    double re[2], im;
+    mode_eigenvalues(mode, re, &im);
+    return re[0];
+}
+
+/* A mode of a scene that grows by itself. */
+static bool grows(const struct mode *mode)
+{
+    return growth_rate(mode) > 0;
+}
+
+/* The mode with another unit of frequency, as a scene. */
+static bool mode_system(const struct mode *mode, double omega, struct system *system)
+{
+    const struct {
+        const char *name;
+        double value;
+    } set[] = {{"m", 1},
+               {"k", stiffness_sign_value(mode->sign) * omega * omega},
+               {"gamma", 2 * mode->zeta * omega},
+               {"y0", 1}};
+    struct scene scene;
+    struct error ignored;
+    scene_init(&scene, NULL);
+    for (size_t i = 0; i < COUNT_OF(set); i++)
+        if (!scene_set(&scene, param_index(set[i].name), (struct measured){set[i].value, 0},
+                       &ignored))
+            return false;
+    return scene_bind(&scene, system, &ignored);
+}
+
+/*
+ * Largest amplitude in the last quarter of the steps over that in the second: the turning of the
+ * phase, what a skew pair of eigenvectors does to the norm, and what dies out at the start drop
+ * out. As many steps as numbers have room.
+ */
+void mode_check(const struct method_choice *by, const struct mode *mode, double dt,
+                struct stability_check *check)
+{
+    struct system system;
+    /* Extremes of scale leave no room for growth: then in units of the frequency. */
+    const double unit = mode->omega > EXTREME || mode->omega < 1 / EXTREME ? mode->omega : 1,
+                 omega = mode->omega / unit;
+    const double expected = log(mode_growth(by, mode, dt));
+    const double possible = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
+    const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, possible) / 4);
+    *check = (struct stability_check){
+        .dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
+    if (isnan(expected) || !mode_system(mode, omega, &system))
+        return;
+    double *work = malloc((method_work_size(by->method, system.n) + 1) * sizeof *work);
+    if (!work)
+        return;
+    /* Both eigenvectors take part; what grows starts small, what decays starts large. */
+    const double start = expected > 0 ? exp(-LOG_ROOM / 2) : exp(LOG_ROOM / 2);
+    double y[2] = {start, 0.5 * omega * start}, max[4] = {0};
+    struct step step = {.system = &system, .drag = by->drag, .h = dt * unit, .y = y, .work = work};
+    enum step_status status = STEP_OK;
+    for (int64_t i = 0; i < 4 * quarter && status == STEP_OK; i++) {
+        /* A method that remembers must not only see its own start: a jump that the past knows
+         * nothing of sets off the parasitic solutions too. */
+        if (i == PAST && by->method->flags & METHOD_MULTISTEP)
+            y[0] += 0.5 * start;
+        status = method_step(by->method, &step);
+        if (isnan(y[0]) || isnan(y[1]))
+            status = STEP_NONFINITE;
+        max[i / quarter] = fmax(max[i / quarter], hypot(y[0], y[1] / omega));
+    }
+    free(work);
+    check->measured = status != STEP_OK ? HUGE_VAL
+                      : max[3] > 0      ? exp(log(max[3] / max[1]) / (double)(2 * quarter))
+                                        : 0;
+    if (isinf(check->measured) ||
+        check->measured == 0) { /* so few steps that the numbers do not hold them */
+        check->agrees = fabs(expected) * (double)(4 * quarter) >= LOG_ROOM &&
+                        (expected > 0) == (check->measured > 0);
+        return;
+    }
+    /* Envelopes are sampled to a few per cent; a double root grows like n mu^n, which shows as log
+     * 2 / (2 quarter). */
+    const double root = fabs(fabs(mode->zeta) - 1) < 1e-3 ? 1 : 0.1;
+    check->agrees = fabs(log(check->measured) - expected) <=
+                    0.1 * fabs(expected) + root / (double)(2 * quarter);
+}
+
+double mode_aside(const struct method_choice *by, const struct mode *mode, double limit)
+{
+    return mode_growth(by, mode, limit * (1 + ASIDE)) > 1 + ROUNDING ? ASIDE : ASIDE_NARROW;
+}
+
+/* ---- the scene's modes ---- */
+
+static void add_mode(struct mode *mode, int *count, int max, double omega, double zeta, double t,
+                     enum stiffness_sign sign)
+{
+    if (*count < max && omega > 0 && isfinite(omega) && isfinite(zeta))
+        mode[(*count)++] = (struct mode){omega, zeta, t, sign};
+}
+
+/* Of an eigenvalue: rounding leaves a little of what is none. */
+static double damping_ratio(double zeta)
+{
+    return zeta < 1e-12 ? 0 : fmin(1, zeta);
+}
+
+/* Rounding leaves zeros of the order of eps times the largest; they are no rates of their own. */
+static int modes_of_matrix(const struct system *system, double t, const double *jac,
+                           struct mode *mode, int *count, int max)
+{
+    const int n = system->n;
+    struct eigenvalue value[LIMIT_VARIABLES];
+    double largest = 0;
+    int grows = 0;
+    if (!matrix_eigenvalues(n, jac, value))
+        return 0;
+    for (int i = 0; i < n; i++)
+        largest = fmax(largest, hypot(value[i].re, value[i].im));
+    for (int i = 0; i < n; i++) {
+        const double size = hypot(value[i].re, value[i].im), rounding = 1e-9 * largest;
+        if (value[i].im < 0 || size <= rounding)
+            continue;
+        if (value[i].re > rounding) {
+            grows++;
+            if (system->linear)
+                add_mode(mode, count, max, size, fmax(-1, -value[i].re / size), t,
+                         STIFFNESS_POSITIVE);
+        } else
+            add_mode(mode, count, max, size, damping_ratio(-value[i].re / size), t,
+                     STIFFNESS_POSITIVE);
+    }
+    return grows;
+}
+
+int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
+             int max)
+{
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES];
+    system_jacobian(system, t, y, jac);
+    if (system->order != 2 || system->n != 2)
+        return modes_of_matrix(system, t, jac, mode, count, max);
+    const double stiffness = 0 - jac[2], damping = 0 - jac[3], omega = sqrt(fabs(stiffness));
+    if (stiffness > 0 && (damping >= 0 || system->linear)) {
+        add_mode(mode, count, max, omega, damping / (2 * omega), t, STIFFNESS_POSITIVE);
+        return damping < 0;
+    }
+    if (system->linear) {
+        if (stiffness < 0)
+            add_mode(mode, count, max, omega, damping / (2 * omega), t, STIFFNESS_NEGATIVE);
+        else
+            add_mode(mode, count, max, fabs(damping), copysign(0.5, damping), t, STIFFNESS_ZERO);
+        return stiffness < 0 || damping < 0;
+    }
+    /* y'' = - damping y' + |stiffness| y: a part that grows, and one that decays. */
+    const double s = damping / 2, root = hypot(s, omega), fast = s + root;
+    if (stiffness <= 0 && fast > 0)
+        add_mode(mode, count, max, fast, 1, t, STIFFNESS_POSITIVE);
+    return stiffness < 0 || damping < 0;
+}
+
+/* ---- along the run ---- */
+
+/* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says
+ * nothing of the rest. */
+#define SOUND 10
+
+static bool is_sound(const struct system *system, const double *y)
+{
+    for (int i = 0; i < system->n; i++)
+        if (!(fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]))))
+            return false;
+    return true;
+}
+
+/* A state of every 16th grid time, from whatever method gets there at a moderate tolerance. */
+static void modes_along(const struct system *system, const struct stability_request *request,
+                        struct stability *stability)
+{
+    static const char *const able[] = {"rodas5p", "radau5", "dop853", "dopri5"};
+    const int n = system->n, stride = (STUDY_TIMES - 1) / ALONG;
+    const struct run_settings settings = {.tol = 1e-6}; /* chooses its first step */
+    double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
+    for (size_t i = 0; grid && i < COUNT_OF(able); i++) {
+        const struct method *method = method_find(able[i]);
+        struct solver solver;
+        if (!method || !solver_init(&solver, system, method, &settings, request->duration))
+            continue;
+        solver.max = 300000;
+        const enum stop stop = solver_run(&solver, grid, request->cancel);
+        solver_free(&solver);
+        if (stop == STOP_CANCELLED)
+            break;
+        for (int k = stride; k < STUDY_TIMES && (stop == STOP_END || i + 1 == COUNT_OF(able));
+             k += stride) {
+            struct mode here[LIMIT_VARIABLES];
+            int count = 0;
+            if (isnan(grid[k * n]) || (stop != STOP_END && !is_sound(system, grid + k * n)))
+                break;
+            const double t = system->t0 + request->duration * k / (STUDY_TIMES - 1);
+            stability->grows |=
+                modes_at(system, t, grid + k * n, here, &count, LIMIT_VARIABLES) > 0;
+            for (int m = 0; m < count && stability->modes < STABILITY_MODES; m++)
+                stability->mode[stability->modes++] = here[m];
+        }
+        if (stop == STOP_END)
+            break;
+    }
+    free(grid);
+}
+
+/* ---- the limit ---- */
+
+/* Whether a step up to dt may be unstable for this mode: a look at a few sizes, the exact search is
+ * dear. */
+static bool may_limit(const struct method_choice *by, const struct mode *mode, double dt)
+{
+    static const double part[] = {1. / 64, 0.125, 0.25, 0.5, 0.75, 0.9, 0.99, 0.9999};
+    for (size_t i = 0; i < COUNT_OF(part); i++)
+        if (!(mode_growth(by, mode, part[i] * dt) <= 1 + ON_AXIS))
+            return true;
+    return false;
+}
+
+static void find_limit(struct stability *s)
+{
+    s->dt_max = NAN;
+    for (int i = 0; i < s->modes; i++) {
+        if (grows(&s->mode[i]))
+            continue;
+        if (!isnan(s->dt_max) &&
+            (s->dt_max == 0 ||
+             !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
+            continue;
+        const double limit = mode_limit(&s->by, &s->mode[i]);
+        if (isnan(s->dt_max) || limit < s->dt_max) {
+            s->dt_max = limit;
+            s->tightest = s->mode[i];
+        }
+    }
+}
+
+/* Lowers dt_max to the longest step that the method takes: beyond it a run is refused. */
+static void bound_limit(const struct system *system, struct stability *s)
+{
+    const double longest = plan_step_limit(system, s->by.method, s->by.drag);
+    if (!(longest < s->dt_max))
+        return;
+    s->dt_max = longest;
+    s->refused = true;
+}
+
+static void find_growth(struct stability *s)
+{
+    s->growth_predicted = s->modes ? 0 : NAN;
+    for (int i = 0; i < s->modes; i++) {
+        const double growth = mode_growth(&s->by, &s->mode[i], s->dt);
+        if (growth > s->growth_predicted) {
+            s->growth_predicted = growth;
+            s->worst = s->mode[i];
+        }
+    }
+    s->growth_exact = s->modes ? exp(growth_rate(&s->worst) * s->dt) : NAN;
+    s->energy_factor = s->growth_predicted * s->growth_predicted;
+}
+
+/* growth - 1 = c x^p where it is small; a resonance is stable again a little later. */
+static void name_weakness(struct stability *s)
+{
+    s->weak[0] = s->weak[1] = s->window[0] = s->window[1] = s->window[2] = NAN;
+    if (grows(&s->worst)) {
+        s->doubling = log(2) / log(s->growth_predicted);
+        return;
+    }
+    s->doubling = s->growth_predicted > 1 + ROUNDING ? log(2) / log(s->growth_predicted) : HUGE_VAL;
+    const double x = s->worst.omega * s->dt, g = s->growth_predicted - 1;
+    if (g > ROUNDING && g < WEAK && s->dt_max == 0) {
+        const double less = mode_growth(&s->by, &s->worst, s->dt / 2) - 1;
+        s->weak[1] = less > ROUNDING / 10 ? log2(g / less) : NAN;
+        s->weak[0] = g / pow(x, s->weak[1]);
+    }
+    if (!(s->dt_max > 0) || isinf(s->dt_max) || s->refused)
+        return;
+    double max = 0, part = 0;
+    while (part < WINDOW_MAX) {
+        const double growth = mode_growth(&s->by, &s->tightest, s->dt_max * (1 + part));
+        if (max > 0 && growth <= 1 + ROUNDING) {
+            s->window[0] = s->dt_max;
+            s->window[1] = s->dt_max * (1 + part);
+            s->window[2] = max;
+            return;
+        }
+        max = growth > 1 + ROUNDING ? fmax(max, growth) : max;
+        part += WINDOW_MAX / 2000;
+    }
+}
+
+static void verify(struct stability *s)
+{
+    mode_check(&s->by, &s->worst, s->dt, &s->check[s->checks++]);
+    s->growth_measured = s->check[0].measured;
+    const double aside = mode_aside(&s->by, &s->tightest, s->dt_max);
+    for (int side = -1; side <= (s->refused ? -1 : 1) && s->dt_max > 0 && isfinite(s->dt_max);
+         side += 2)
+        mode_check(&s->by, &s->tightest, s->dt_max * (1 + side * aside), &s->check[s->checks++]);
+    for (int i = 0; i < s->checks; i++)
+        s->agrees &= s->check[i].agrees;
+}
+
+/* The scene itself, where its eigenvalues are only an estimate. */
+static bool run_scene(const struct system *system, const struct stability_request *request,
+                      struct stability *s)
+{
+    const struct run_settings settings = {.dt = request->dt, .drag = s->by.drag};
+    const int n = system->n;
+    struct solver solver;
+    double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
+    if (!grid || !solver_init(&solver, system, s->by.method, &settings, request->duration)) {
+        free(grid);
+        return false;
+    }
+    solver.max = 3000000;
+    s->stop = solver_run(&solver, grid, request->cancel);
+    s->reached = solver.step.t;
+    struct singularity singular = {.t = NAN};
+    if (stop_is_failure(s->stop))
+        singular = system_singularity(system, system->t0, system->start,
+                                      s->reached + 16 * request->dt, request->cancel);
+    if (!isnan(singular.t)) {
+        s->stop = STOP_SINGULAR;
+        s->reached = singular.t;
+    }
+    s->largest = 0;
+    for (int i = 0; i < STUDY_TIMES * n; i++)
+        if (!isnan(grid[i]))
+            s->largest = fmax(s->largest, fabs(grid[i]) / system->scale[i % n]);
+    solver_free(&solver);
+    free(grid);
+    return true;
+}
+
+/* What a scene does by itself is no fault of the method, nor is a rate that is right to FOLLOWS. */
+static enum stability_verdict judge(const struct stability *s, const struct mode *mode)
+{
+    const double growth = mode_growth(&s->by, mode, s->dt), rate = growth_rate(mode) * s->dt,
+                 margin = rate > 0                      ? exp((1 + FOLLOWS) * rate)
+                          : fabs(mode->zeta - 1) < 1e-3 ? 1 + ON_AXIS
+                                                        : 1 + ROUNDING;
+    return growth <= margin                             ? STABILITY_STABLE
+           : growth < (rate > 0 ? exp(rate) : 1) + WEAK ? STABILITY_MARGINAL
+                                                        : STABILITY_UNSTABLE;
+}
+
+static enum stability_verdict judge_all(const struct stability *s)
+{
+    enum stability_verdict worst = STABILITY_STABLE;
+    for (int i = 0; i < s->modes; i++) {
+        const enum stability_verdict verdict = judge(s, &s->mode[i]);
+        worst = verdict > worst ? verdict : worst;
+    }
+    return s->modes || !s->grows ? worst : STABILITY_UNSTABLE;
+}
+
+bool study_stability(const struct stability_request *request, struct stability *s,
+                     struct error *error)
+{
+    struct system system;
+    *s = (struct stability){.by = request->by,
+                            .dt = request->dt,
+                            .dt_max = NAN,
+                            .growth_predicted = NAN,
+                            .growth_measured = NAN,
+                            .growth_exact = NAN,
+                            .energy_factor = NAN,
+                            .doubling = NAN,
+                            .weak = {NAN, NAN},
+                            .window = {NAN, NAN, NAN},
+                            .reached = NAN,
+                            .largest = NAN};
+    if (!(request->dt > 0) || !isfinite(request->dt))
+        return error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", request->dt);
+    if (!scene_bind(request->scene, &system, error) ||
+        !method_applies(request->by.method, &system, &s->by.drag, error) ||
+        !method_fits(request->by.method, &system, s->by.drag, request->dt, error))
+        return false;
+    s->linear = system.linear;
+    s->grows = modes_at(&system, system.t0, system.start, s->mode, &s->modes, STABILITY_MODES) > 0;
+    s->at_start = s->modes;
+    if (!s->linear)
+        modes_along(&system, request, s);
+    find_limit(s);
+    bound_limit(&system, s);
+    find_growth(s);
+    s->verdict = judge_all(s);
+    s->agrees = true;
+    if (s->modes) {
+        name_weakness(s);
+        verify(s);
+    }
+    if (!s->linear && !cancelled(request->cancel)) {
+        if (!run_scene(&system, request, s))
+            return error_memory(error);
+        s->agrees &= s->verdict == STABILITY_UNSTABLE || s->stop == STOP_END ||
+                     s->stop == STOP_FULL || s->stop == STOP_SINGULAR;
+    }
+    return !cancelled(request->cancel) || error_set(error, ERROR_CANCELLED, "stopped");
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The type of arguments of `stress`: methods, and the names of its cases. */
+#include <hooke/language/complete.h>
+#include "modules/comparison/comparison.h"
+#include "modules/comparison/compute/stability.h"
+
+#include <string.h>
+
+/* Reads a row of `choices`, which are methods, or the name of a case: then row is NULL. */
+static bool read_stressed(struct parser *parser, const struct argument *argument, const char *stops,
+                          struct item *item, struct error *error)
+{
+    const struct text begun = parser->rest;
+    struct stress_case one;
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    struct suggestion near = {.wanted = item->text};
+    for (size_t i = 0; stress_case_at(i, &one); i++) {
+        if (text_is(item->text, one.name))
+            return true;
+        suggestion_offer(&near, one.name);
+    }
+    parser->rest = begun;
+    if (argument_type_row(TYPE_CHOICE)->read(parser, argument, stops, item, error))
+        return true;
+    if (!error->hint[0])
+        suggestion_hint(&near, error);
+    return error->hint[0]
+               ? false
+               : error_hint(error, "it takes methods, and the cases that 'stress --full' lists");
+}
+
+static void complete_stressed(struct completion *c, const struct argument *argument,
+                              struct text before)
+{
+    struct stress_case one;
+    UNUSED(before);
+    complete_catalog(c, argument->choices);
+    for (size_t i = 0; stress_case_at(i, &one); i++)
+        if (!strchr(one.name, ' ')) /* it would have to be quoted */
+            complete_offer(c, one.name, one.brief);
+}
+
+const struct argument_type_row stressed_type = {.name = "STRESSED",
+                                                .shown = "METHOD|CASE",
+                                                .read = read_stressed,
+                                                .complete = complete_stressed,
+                                                .flags = TYPE_IS_LIST | TYPE_BEFORE_WORDS};

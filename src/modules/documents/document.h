@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What documents and tables are in HTML and LaTeX. */
+#ifndef HOOKE_MODULES_DOCUMENTS_DOCUMENT_H
+#define HOOKE_MODULES_DOCUMENTS_DOCUMENT_H
+
+#include "modules/documents/documents.h"
+
+/* What stands for a letter that could be markup. */
+struct sign {
+    char c;
+    const char *as;
+};
+void buffer_replaced(struct buffer *out, struct text text, const struct sign *signs, size_t count);
+/* What could be markup as text. */
+void buffer_html(struct buffer *out, struct text text);
+void buffer_markdown(struct buffer *out, struct text text);
+/* The same in LaTeX; letters that pdflatex does not know stay. */
+void buffer_latex(struct buffer *out, struct text text);
+/* From templates.txt: the style of an HTML document, the beginning of an HTML table, and that of a
+ * LaTeX document up to \begin{document}. */
+extern const char document_style[], document_table[], document_preamble[];
+
+/* Nothing in it is a command; letters that pdflatex does not know become a question mark. */
+void buffer_tex(struct buffer *out, struct text text);
+/* Puts the beginning of a table of so many columns before the heading that stands at `from`. False:
+ * no memory. */
+bool begin_longtable(struct buffer *out, size_t from, int columns);
+void put_tex_code(struct buffer *out, struct text code); /* line by line */
+
+#endif

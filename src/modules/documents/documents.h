@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The module documents: what is written as Markdown, HTML and LaTeX. */
+#ifndef HOOKE_MODULES_DOCUMENTS_DOCUMENTS_H
+#define HOOKE_MODULES_DOCUMENTS_DOCUMENTS_H
+
+#include <hooke/result.h>
+
+/* Write a table as a file that ends in .md, .html or .tex. */
+table_format documents_markdown, documents_html, documents_latex;
+
+/* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
+void buffer_siunitx(struct buffer *out, struct text measured);
+
+/* ---- documents ----
+ *
+ * A document written three times at once, as Markdown (CommonMark with tables), as HTML5 that loads
+ * nothing from outside, and as LaTeX (pdflatex with siunitx, version 2 or 3). Own words are
+ * escaped; what came from users or files (names, notes, paths) goes through document_name() and can
+ * become nothing but code.
+ */
+
+enum block {
+    BLOCK_TITLE,
+    BLOCK_PART,
+    BLOCK_SECTION,
+    BLOCK_QUESTION,
+    BLOCK_TOGETHER, /* on one page, where there are pages */
+    BLOCK_PARAGRAPH,
+    BLOCK_LIST, /* of items */
+    BLOCK_ITEM,
+    BLOCK_TABLE, /* of rows: the heading first, closed by document_heading_ends() */
+    BLOCK_ROW,
+    BLOCK_CELL,
+    BLOCK_HEAD, /* a cell of the heading */
+};
+
+struct document {
+    struct buffer md, html, tex;
+    size_t table;  /* where that of the LaTeX began */
+    int heads;     /* cells of the heading under construction */
+    int cells;     /* of the row under construction */
+    bool in_table; /* where a bar ends a cell */
+};
+
+void document_begin(struct document *document, const char *title);
+void document_end(struct document *document);
+void document_free(struct document *document);
+void document_open(struct document *document, enum block block);
+void document_close(struct document *document, enum block block);
+/* Own words; "+-" becomes the sign. */
+void document_say(struct document *document, const char *format, ...) PRINTF_LIKE(2, 3);
+/* A value with its unit, as buffer_measured() writes it; LaTeX sets it by siunitx. */
+void document_measured(struct document *document, struct measured value, enum quantity quantity,
+                       int digits);
+void document_name(struct document *document, struct text name);
+void document_link(struct document *document, const char *file, const char *words);
+/* A block of own words. */
+void document_put(struct document *document, enum block block, const char *words);
+void document_heading_ends(struct document *document);
+struct document_picture {
+    const char *name;        /* of its files, which end in .svg, .txt and .pdf */
+    const char *alternative; /* in words; own ones */
+    struct text svg, text;
+    bool pdf; /* there is such a file; else LaTeX has the text */
+};
+/* Markdown names the files, HTML has them in itself, LaTeX includes the PDF. */
+void document_figure(struct document *document, const struct document_picture *picture);
+void document_code(struct document *document, struct text code);
+void document_answer(struct document *document); /* an empty place */
+
+#endif

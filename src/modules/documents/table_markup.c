@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Tables as Markdown, HTML and LaTeX: the same walk over keys, heading and rows, each with its own
+ * words between. Text is escaped: what stands in a cell is never markup.
+ */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "modules/documents/document.h"
+#include <hooke/result/outlet.h>
+
+#include <math.h>
+#include <string.h>
+
+struct markup {
+    const char *begin;
+    const char *keys, *key, *key_between, *key_end, *keys_end;
+    bool bare_keys;    /* not escaped: a comment */
+    const char *table; /* before what says how columns are aligned, where that comes first */
+    const char *head, *unit, *unit_end, *head_end, *between, *heading_end;
+    const char *aligned[3]; /* of text, of numbers, behind all */
+    const char *row, *text, *number, *cell_end, *row_end;
+    const char *end;
+    void (*escape)(struct buffer *out, struct text text);
+    void (*real)(struct buffer *out, double value);
+};
+
+/* As S columns of siunitx read it. */
+static void latex_real(struct buffer *out, double value)
+{
+    char z[REAL_TEXT_SIZE];
+    real_format(value, z);
+    buffer_format(out, isinf(value) ? "{%s}" : "%s", z);
+}
+
+static const struct markup markdown = {.key = "- ",
+                                       .key_between = ": ",
+                                       .key_end = "\n",
+                                       .keys_end = "\n",
+                                       .head = " ",
+                                       .unit = " (",
+                                       .unit_end = ")",
+                                       .head_end = " |",
+                                       .heading_end = "\n|",
+                                       .aligned = {" --- |", " ---: |", "\n"},
+                                       .row = "|",
+                                       .text = " ",
+                                       .number = " ",
+                                       .cell_end = " |",
+                                       .row_end = "\n",
+                                       .escape = buffer_markdown,
+                                       .real = buffer_real};
+
+static const struct markup html = {.begin = document_table,
+                                   .keys = "<ul>\n",
+                                   .key = "<li>",
+                                   .key_between = ": ",
+                                   .key_end = "</li>\n",
+                                   .keys_end = "</ul>\n",
+                                   .table = "<table>\n<thead>\n",
+                                   .head = "<th>",
+                                   .unit = " (",
+                                   .unit_end = ")",
+                                   .head_end = "</th>",
+                                   .heading_end = "</tr>\n</thead>\n<tbody>\n",
+                                   .row = "<tr>",
+                                   .text = "<td>",
+                                   .number = "<td class=\"number\">",
+                                   .cell_end = "</td>",
+                                   .row_end = "</tr>\n",
+                                   .end = "</tbody>\n</table>\n</body>\n</html>\n",
+                                   .escape = buffer_html,
+                                   .real = buffer_real};
+
+static const struct markup latex = {.begin = "% \\usepackage{siunitx}\n",
+                                    .key = "% ",
+                                    .key_between = " = ",
+                                    .key_end = "\n",
+                                    .bare_keys = true,
+                                    .table = "\\begin{tabular}{",
+                                    .head = "{",
+                                    .unit = " [",
+                                    .unit_end = "]",
+                                    .head_end = "}",
+                                    .between = " & ",
+                                    .heading_end = " \\\\\n\\hline\n",
+                                    .aligned = {"l", "S", "}\n\\hline\n"},
+                                    .row_end = " \\\\\n",
+                                    .end = "\\hline\n\\end{tabular}\n",
+                                    .escape = buffer_latex,
+                                    .real = latex_real};
+
+/* ---- the walk ---- */
+
+static void put(struct buffer *out, const char *words)
+{
+    buffer_put(out, text_of(words));
+}
+
+static void put_escaped(struct buffer *out, const struct markup *as, const char *text)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, text_of(text), false);
+    as->escape(out, buffer_text(&safe));
+    out->failed |= safe.failed;
+    buffer_free(&safe);
+}
+
+static void put_key(struct buffer *out, const struct markup *as, const struct table_key *key)
+{
+    const char *const of[] = {key->key, key->value};
+    put(out, as->key);
+    for (int i = 0; i < 2; i++) {
+        if (as->bare_keys)
+            safe_text(out, text_of(of[i]), false);
+        else
+            put_escaped(out, as, of[i]);
+        put(out, i ? as->key_end : as->key_between);
+    }
+}
+
+static void put_alignment(struct buffer *out, const struct markup *as, const struct table *table)
+{
+    for (int i = 0; i < table->columns; i++)
+        put(out, as->aligned[table->column[i].value != NULL]);
+    put(out, as->aligned[2]);
+}
+
+static void put_heading(struct buffer *out, const struct markup *as, const struct table *table)
+{
+    put(out, as->table);
+    if (as->table)
+        put_alignment(out, as, table);
+    put(out, as->row);
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        put(out, i ? as->between : NULL);
+        put(out, as->head);
+        put_escaped(out, as, column->name);
+        if (column->unit && column->unit[0]) {
+            put(out, as->unit);
+            put_escaped(out, as, column->unit);
+            put(out, as->unit_end);
+        }
+        put(out, as->head_end);
+    }
+    put(out, as->heading_end);
+    if (!as->table)
+        put_alignment(out, as, table);
+}
+
+static void put_row(struct buffer *out, const struct markup *as, const struct table *table,
+                    size_t row)
+{
+    put(out, as->row);
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        put(out, i ? as->between : NULL);
+        put(out, column->value ? as->number : as->text);
+        if (!column->value)
+            put_escaped(out, as, column->text[row]);
+        else if (!isnan(column->value[row]))
+            as->real(out, column->value[row]);
+        put(out, as->cell_end);
+    }
+    put(out, as->row_end);
+}
+
+static void put_table(const struct table *table, const struct markup *as, struct outlet *sink)
+{
+    struct buffer *out = sink->text;
+    put(out, as->begin);
+    put(out, table->keys ? as->keys : NULL);
+    for (int i = 0; i < table->keys; i++)
+        put_key(out, as, &table->key[i]);
+    put(out, table->keys ? as->keys_end : NULL);
+    put_heading(out, as, table);
+    for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
+        put_row(out, as, table, row);
+        outlet_pass(sink, OUTLET_CHUNK);
+    }
+    put(out, as->end);
+}
+
+void documents_markdown(const struct table *table, struct outlet *to)
+{
+    put_table(table, &markdown, to);
+}
+
+void documents_html(const struct table *table, struct outlet *to)
+{
+    put_table(table, &html, to);
+}
+
+void documents_latex(const struct table *table, struct outlet *to)
+{
+    put_table(table, &latex, to);
+}

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The first Lyapunov coefficient from differences of the symbolic Jacobian in the directions that
+ * it needs. */
+#include "modules/dynamics/branches/criticality.h"
+
+#include <math.h>
+#include <string.h>
+
+/* (A - i im) x = b as a real system of twice the size. */
+static bool solve_shifted(int n, const double *a, double im, double *x)
+{
+    double m[4 * FIELD_VARIABLES * FIELD_VARIABLES];
+    const int all = 2 * n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            const double side = i == j ? im : 0;
+            m[i * all + j] = m[(n + i) * all + n + j] = a[i * n + j];
+            m[i * all + n + j] = side;
+            m[(n + i) * all + j] = -side;
+        }
+    return matrix_solve(all, m, x);
+}
+
+/* ---- derivatives of second and third order along directions ---- */
+
+struct taylor {
+    struct vector_field *field;
+    const double *state;
+    double step; /* relative to natural sizes */
+};
+
+/* J at the state moved by `by` along u, times v. */
+static void moved(const struct taylor *t, const double *u, double by, const double *v, double *out)
+{
+    const int n = t->field->n;
+    double y[FIELD_VARIABLES] = {0}, jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int i = 0; i < n; i++)
+        y[i] = t->state[i] + by * u[i];
+    field_jacobian(t->field, y, jacobian);
+    for (int i = 0; i < n; i++) {
+        out[i] = 0;
+        for (int j = 0; j < n; j++)
+            out[i] += jacobian[i * n + j] * v[j];
+    }
+}
+
+static double step_along(const struct taylor *t, const double *u)
+{
+    double most = 0;
+    for (int i = 0; i < t->field->n; i++)
+        most = fmax(most, fabs(u[i]) / t->field->size[i]);
+    return most > 0 ? t->step / most : 1;
+}
+
+/* B(u, v), of fourth order in the step. */
+static void second(const struct taylor *t, const double *u, const double *v, double *out)
+{
+    const double h = step_along(t, u);
+    double at[4][FIELD_VARIABLES];
+    static const double place[] = {-2, -1, 1, 2};
+    for (int k = 0; k < 4; k++)
+        moved(t, u, place[k] * h, v, at[k]);
+    for (int i = 0; i < t->field->n; i++)
+        out[i] = (8 * (at[2][i] - at[1][i]) - (at[3][i] - at[0][i])) / (12 * h);
+}
+
+/* C(u, u, v), likewise. */
+static void third(const struct taylor *t, const double *u, const double *v, double *out)
+{
+    const double h = step_along(t, u);
+    double at[5][FIELD_VARIABLES];
+    for (int k = 0; k < 5; k++)
+        moved(t, u, (k - 2) * h, v, at[k]);
+    for (int i = 0; i < t->field->n; i++)
+        out[i] =
+            (16 * (at[1][i] + at[3][i]) - (at[0][i] + at[4][i]) - 30 * at[2][i]) / (12 * h * h);
+}
+
+static void transpose(int n, const double *a, double *b)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            b[j * n + i] = a[i * n + j];
+}
+
+/* Re <p, x + i y>, p conjugated. */
+static double real_product(int n, const double *p, const double *q, const double *x,
+                           const double *y)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += p[i] * x[i] + q[i] * y[i];
+    return sum;
+}
+
+/* p with A^T p = -i omega p and <p, a + i b> = 1. */
+static bool adjoint(int n, const double *jacobian, double omega, const double *a, const double *b,
+                    double *p, double *q)
+{
+    double turned[FIELD_VARIABLES * FIELD_VARIABLES] = {0};
+    transpose(n, jacobian, turned);
+    if (!matrix_eigenvector(n, turned, (struct eigenvalue){0, -omega}, p, q))
+        return false;
+    const double re = real_product(n, p, q, a, b);
+    double im = 0;
+    for (int i = 0; i < n; i++)
+        im += p[i] * b[i] - q[i] * a[i];
+    const double square = re * re + im * im;
+    /* <p/c, w> = <p, w>/conj(c): c = conj(re + i im) */
+    for (int i = 0; i < n; i++) {
+        const double x = p[i], y = q[i];
+        p[i] = (x * re - y * im) / square;
+        q[i] = (y * re + x * im) / square;
+    }
+    return square > 0;
+}
+
+static double coefficient(const struct taylor *t, double omega)
+{
+    const int n = t->field->n;
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], a[FIELD_VARIABLES], b[FIELD_VARIABLES],
+        p[FIELD_VARIABLES], q[FIELD_VARIABLES];
+    field_jacobian(t->field, t->state, jacobian);
+    if (!matrix_eigenvector(n, jacobian, (struct eigenvalue){0, omega}, a, b) ||
+        !adjoint(n, jacobian, omega, a, b, p, q))
+        return NAN;
+    double aa[FIELD_VARIABLES], ab[FIELD_VARIABLES], bb[FIELD_VARIABLES], aaa[FIELD_VARIABLES],
+        bba[FIELD_VARIABLES], aab[FIELD_VARIABLES], bbb[FIELD_VARIABLES];
+    second(t, a, a, aa);
+    second(t, a, b, ab);
+    second(t, b, b, bb);
+    third(t, a, a, aaa);
+    third(t, b, a, bba);
+    third(t, a, b, aab);
+    third(t, b, b, bbb);
+    /* C(q, q, conj q) = C(aaa) + C(abb) + i (C(aab) + C(bbb)) */
+    double re[FIELD_VARIABLES] = {0}, im[FIELD_VARIABLES] = {0};
+    for (int i = 0; i < n; i++) {
+        re[i] = aaa[i] + bba[i];
+        im[i] = aab[i] + bbb[i];
+    }
+    double sum = real_product(n, p, q, re, im);
+    /* -2 B(q, A^-1 B(q, conj q)) */
+    double still[FIELD_VARIABLES], work[FIELD_VARIABLES * FIELD_VARIABLES], x[FIELD_VARIABLES],
+        y[FIELD_VARIABLES];
+    for (int i = 0; i < n; i++)
+        still[i] = aa[i] + bb[i];
+    memcpy(work, jacobian, sizeof work);
+    if (!matrix_solve(n, work, still))
+        return NAN;
+    second(t, a, still, x);
+    second(t, b, still, y);
+    sum -= 2 * real_product(n, p, q, x, y);
+    /* B(conj q, (2 i omega - A)^-1 B(q, q)): B(q, q) = aa - bb + 2 i ab */
+    double twice[2 * FIELD_VARIABLES];
+    for (int i = 0; i < n; i++) {
+        twice[i] = -(aa[i] - bb[i]);
+        twice[n + i] = -2 * ab[i];
+    }
+    if (!solve_shifted(n, jacobian, 2 * omega, twice))
+        return NAN;
+    double xa[FIELD_VARIABLES], xb[FIELD_VARIABLES], ya[FIELD_VARIABLES], yb[FIELD_VARIABLES];
+    second(t, a, twice, xa);
+    second(t, b, twice, xb);
+    second(t, a, twice + n, ya);
+    second(t, b, twice + n, yb);
+    for (int i = 0; i < n; i++) { /* (a - i b)(x + i y) */
+        re[i] = xa[i] + yb[i];
+        im[i] = ya[i] - xb[i];
+    }
+    return (sum + real_product(n, p, q, re, im)) / (2 * omega);
+}
+
+#define STEP 2e-3   /* of the natural sizes; */
+#define LONGER 100  /* times, where that is lost in rounding: of variables that have not moved, */
+#define LONGEST 0.1 /* of the largest natural size */
+#define KNOWN 1e-3  /* of the value: an error */
+#define NEARLY 0.03 /* of the value: two steps say the same */
+
+/* The largest natural size, as a multiple of those that the motion has to do with. */
+static double room_for_steps(struct vector_field *field, const double *state, double omega)
+{
+    const struct taylor one = {field, state, 1};
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], a[FIELD_VARIABLES], b[FIELD_VARIABLES],
+        largest = 0;
+    field_jacobian(field, state, jacobian);
+    if (!matrix_eigenvector(field->n, jacobian, (struct eigenvalue){0, omega}, a, b))
+        return 1;
+    for (int i = 0; i < field->n; i++)
+        largest = fmax(largest, field->size[i]);
+    return largest / fmin(step_along(&one, a), step_along(&one, b));
+}
+
+double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
+                            double *error)
+{
+    const double longest = LONGEST * room_for_steps(field, state, omega);
+    double first = NAN, first_error = NAN, last = NAN;
+    for (double step = STEP; step == STEP || step < longest; step *= LONGER) {
+        const struct taylor fine = {field, state, step}, coarse = {field, state, 2 * step};
+        const double value = coefficient(&fine, omega);
+        *error = fabs(coefficient(&coarse, omega) - value);
+        const bool known = value != 0 && *error <= KNOWN * fabs(value);
+        if (known && (step == STEP || fabs(value - last) <= NEARLY * fabs(value)))
+            return value;
+        if (step == STEP) {
+            first = value;
+            first_error = *error;
+        }
+        last = known ? value : NAN;
+    }
+    *error = first_error;
+    return first;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where in the space of states one looks, if nobody says where. */
+#include <hooke/run.h>
+#include <hooke/base/numeric.h>
+#include "modules/dynamics/kept.h"
+
+#include <math.h>
+
+#define WIDER 0.5 /* of what was seen, to either side */
+#define TINY 1e-6
+
+static void include(double range[2], double value)
+{
+    range[0] = fmin(range[0], value);
+    range[1] = fmax(range[1], value);
+}
+
+bool dynamics_search_box(const struct session *session, const struct system *system,
+                         struct arena *arena, double box[][2], struct error *error)
+{
+    const struct run *run = session_run(session);
+    const bool same = run && run->scene.model == system->model;
+    const size_t rows = same ? trace_count(run->trace) : 0;
+    double *column = arena_array(arena, rows + 1, sizeof *column);
+    if (!column)
+        return error_memory(error);
+    double most = 0;
+    for (int i = 0; i < system->n; i++)
+        most = fmax(most, system->scale[i]);
+    for (int i = 0; i < system->n; i++) {
+        /* what the scene's start leaves at rest has no size of its own */
+        const double size = system->scale[i] < TINY * most ? most : system->scale[i];
+        double range[] = {-size, size};
+        include(range, system->start[i]);
+        if (rows > 0)
+            run_variable_column(run, i, column);
+        for (size_t k = 0; k < rows; k++)
+            if (isfinite(column[k]))
+                include(range, column[k]);
+        const bool angle = variable_is_angle(system, i);
+        const double by = WIDER * (range[1] - range[0]);
+        box[i][0] = angle ? -PI : range[0] - by;
+        box[i][1] = angle ? PI : range[1] + by;
+    }
+    return true;
+}

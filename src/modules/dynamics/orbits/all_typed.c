@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Built-in scenes as the lines that one would type: of the texts in the rows of their terms. */
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
+#include <ctype.h>
+#include <string.h>
+
+#include "modules/dynamics/orbits/forms.h"
+
+struct writing {
+    const struct scene *scene;
+    struct system system;
+    struct arena arena;
+    struct typed_line *line;
+    int lines;
+    struct error *error;
+};
+
+static int rows_of(const struct system *system)
+{
+    return system->order == 2 ? system->n / 2 : system->n;
+}
+
+/* The text of a buffer that is freed; false: no memory. */
+static bool take(struct writing *w, struct buffer *buffer, struct text *text)
+{
+    text->at = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));
+    text->len = text->at ? strlen(text->at) : 0;
+    buffer_free(buffer);
+    return text->at || error_memory(w->error);
+}
+
+static struct typed_line *next(struct writing *w, enum typed_kind kind, struct text name)
+{
+    struct typed_line *line = &w->line[w->lines++];
+    *line = (struct typed_line){.kind = kind, .name = name, .expr = TEXT("")};
+    return line;
+}
+
+static struct text variable_name(const struct writing *w, int i)
+{
+    return text_of(w->system.model->variable[i].name);
+}
+
+static bool primed(struct writing *w, int i, struct text *name)
+{
+    struct buffer buffer = {0};
+    buffer_format(&buffer, "%s'", w->system.model->variable[i].name);
+    return take(w, &buffer, name);
+}
+
+static size_t letters(struct text text)
+{
+    size_t n = 0;
+    while (n < text.len && (isalnum((unsigned char)text.at[n]) || text.at[n] == '_'))
+        n++;
+    return n;
+}
+
+/* Does the name stand in one of the expressions? */
+static bool used(const struct writing *w, const char *wanted)
+{
+    for (int i = 0; i < w->lines; i++)
+        for (struct text rest = w->line[i].expr; rest.len > 0;) {
+            const struct text name = {rest.at, letters(rest)};
+            if (text_is(name, wanted))
+                return true;
+            const size_t on = name.len > 0 ? name.len : 1;
+            rest = (struct text){rest.at + on, rest.len - on};
+        }
+    return false;
+}
+
+/* ---- the lines, equations first: they say which parameters are there ---- */
+
+static void put_part(struct buffer *out, const char *part)
+{
+    buffer_format(out, "%s%s", out->len > 0 && part[0] != '-' ? "+" : "", part);
+}
+
+/* What built-in terms add to a row, and what was typed as forces on top of them. */
+static bool write_equation(struct writing *w, int row)
+{
+    const struct system *system = &w->system;
+    const struct model *model = w->scene->model;
+    struct buffer text = {0};
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->equation[row])
+            put_part(&text, system->term[i].row->equation[row]);
+    for (int i = 0; i < typed_lines(model); i++) {
+        const struct typed_line *line = typed_line(model, i);
+        if (line->kind == TYPED_FORCE &&
+            text_equal(line->name,
+                       row == 0 && line->name.len == 0 ? line->name : variable_name(w, row))) {
+            buffer_format(&text, "%s(%.*s)/", text.len > 0 ? "+" : "", (int)line->expr.len,
+                          line->expr.at);
+            buffer_real(&text, system->mass);
+        }
+    }
+    struct typed_line *line = next(w, TYPED_EQUATION, variable_name(w, row));
+    if (text.len == 0)
+        buffer_put(&text, TEXT("0"));
+    line->order = system->order;
+    return take(w, &text, &line->expr);
+}
+
+/* Velocities have names of their own in what was typed on top. */
+static bool write_observed(struct writing *w)
+{
+    const struct model *model = w->scene->model;
+    for (int i = 0; i < w->system.n / 2 && w->system.order == 2; i++) {
+        const struct text own = variable_name(w, w->system.n / 2 + i), of = variable_name(w, i);
+        const bool usual = own.len == of.len + 1 && own.at[0] == 'v' &&
+                           text_equal((struct text){own.at + 1, of.len}, of);
+        struct typed_line *line = usual ? NULL : next(w, TYPED_OBSERVE, own);
+        if (line && !primed(w, i, &line->expr))
+            return false;
+    }
+    for (int i = 0; i < typed_lines(model); i++) {
+        const enum typed_kind kind = typed_line(model, i)->kind;
+        if (kind == TYPED_OBSERVE || kind == TYPED_PARAM)
+            w->line[w->lines++] = *typed_line(model, i);
+    }
+    return true;
+}
+
+static bool write_start(struct writing *w)
+{
+    const int rows = rows_of(&w->system);
+    for (int i = 0; i < w->system.n; i++) {
+        struct text name = variable_name(w, i);
+        if (i >= rows && !primed(w, i - rows, &name))
+            return false;
+        struct typed_line *line = next(w, TYPED_VAR, name);
+        line->value = w->system.start[i];
+        line->quantity = w->system.model->variable[i].quantity;
+    }
+    return true;
+}
+
+static void write_params(struct writing *w)
+{
+    const struct model *base = typed_base(w->scene->model);
+    for (size_t i = 0; i < base->params->count; i++) {
+        const struct param_row *row = param_at(w->scene, (int)i);
+        if (strcmp(row->row.name, "t0") == 0 || !used(w, row->row.name))
+            continue;
+        struct typed_line *line = next(w, TYPED_PARAM, text_of(row->row.name));
+        line->value = w->scene->value[i];
+        line->quantity = row->quantity;
+    }
+}
+
+static bool write_lines(struct writing *w)
+{
+    const size_t max = 3 * (size_t)w->system.n + w->scene->model->params->count +
+                       (size_t)typed_lines(w->scene->model);
+    w->line = arena_array(&w->arena, max, sizeof *w->line);
+    if (!w->line)
+        return error_memory(w->error);
+    bool fine = write_observed(w) && write_start(w);
+    for (int row = 0; fine && row < rows_of(&w->system); row++)
+        fine = write_equation(w, row);
+    if (fine)
+        write_params(w);
+    return fine;
+}
+
+bool typed_written(struct typed_models *models, const struct scene *scene, struct scene *written,
+                   struct error *error)
+{
+    struct writing w = {.scene = scene, .error = error};
+    const struct model *model = NULL;
+    if (!scene_bind_motion(scene, &w.system, error))
+        return false;
+    if (write_lines(&w))
+        model = typed_make(models, TEXT("written"), w.line, w.lines, NULL, error);
+    arena_reset(&w.arena);
+    if (!model)
+        return false;
+    *written = *scene;
+    scene_remodel(written, model);
+    return true;
+}

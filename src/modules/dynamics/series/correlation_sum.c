@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The share of pairs of vectors that are nearer than a distance, and as what power of it it goes.
+ */
+#include <hooke/base/cancel.h>
+#include "modules/dynamics/series/space.h"
+
+#include "modules/dynamics/series/series_exponent.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define VECTORS 1000 /* each with */
+#define OTHERS 20000
+#define DEEPER 2     /* delays more than unfold the motion */
+#define CELLS 4      /* of a factor of two */
+#define CELL_BITS 50 /* of a double below them: their edges are 1, 1.25, 1.5, 1.75 times 2^k */
+#define OCTAVES 40
+#define BINS (CELLS * OCTAVES)
+#define FEWEST 300  /* pairs below the smallest distance */
+#define LARGEST 0.1 /* of all pairs below the largest */
+#define SPAN 8      /* bins: a factor of four */
+/* Stretches of known attractors are off by so much beyond that (Lorenz, Roessler, Henon). */
+#define SYSTEMATIC 0.05
+#define EVEN 0.15 /* of the slope: what may be left open of it */
+
+struct pair_counts {
+    double log_count[DEEPER + 1][BINS]; /* ln of pairs below the upper edge */
+    double log_edge[BINS];
+    double pairs;
+};
+
+static uint64_t bits_of(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits >> CELL_BITS;
+}
+
+static double edge_of(uint64_t cell)
+{
+    double x;
+    cell <<= CELL_BITS;
+    memcpy(&x, &cell, sizeof x);
+    return x;
+}
+
+/* Largest differences of values (the norm that needs no roots) of each vector with the others. */
+static void count_pairs(const struct delay_space *s, size_t i, size_t stride, uint64_t first,
+                        int64_t count[DEEPER + 1][BINS])
+{
+    for (size_t j = i % stride; j < s->points; j += stride) {
+        double most = 0;
+        if ((j > i ? j - i : i - j) <= s->apart)
+            continue;
+        for (int d = 0; d < s->dimensions - 1; d++)
+            most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));
+        for (int k = 0; k <= DEEPER; k++) {
+            const int d = s->dimensions - 1 + k;
+            most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));
+            const uint64_t cell = bits_of(most);
+            const uint64_t bin = cell < first ? 0 : cell - first;
+            count[k][bin < BINS ? bin : BINS - 1]++;
+        }
+    }
+}
+
+static bool find_sums(const struct delay_space *s, double size, struct pair_counts *sums)
+{
+    int64_t count[DEEPER + 1][BINS] = {{0}};
+    const uint64_t first = bits_of(ldexp(size, 4 - OCTAVES));
+    const size_t stride = s->points / OTHERS + 1, each = s->points / VECTORS + 1;
+    for (size_t i = 0; i < s->points; i += each) {
+        count_pairs(s, i, stride, first, count);
+        if (cancelled(s->cancel))
+            return false;
+    }
+    for (int k = 0; k <= DEEPER; k++) {
+        int64_t sum = 0;
+        for (int b = 0; b < BINS; b++) {
+            sum += count[k][b];
+            sums->log_count[k][b] = sum > 0 ? log((double)sum) : -1;
+            sums->log_edge[b] = log(edge_of(first + (uint64_t)b + 1));
+        }
+        sums->pairs = (double)sum;
+    }
+    return true;
+}
+
+static double slope_between(const struct pair_counts *sums, int k, int from, int to)
+{
+    double x = 0, y = 0, xy = 0, xx = 0;
+    const double n = to - from + 1;
+    for (int b = from; b <= to; b++) {
+        x += sums->log_edge[b] / n;
+        y += sums->log_count[k][b] / n;
+    }
+    for (int b = from; b <= to; b++) {
+        xy += (sums->log_edge[b] - x) * (sums->log_count[k][b] - y);
+        xx += (sums->log_edge[b] - x) * (sums->log_edge[b] - x);
+    }
+    return xy / xx;
+}
+
+/* What halves of a stretch and more delays change of its slope. */
+static double open_part(const struct pair_counts *sums, int from, double slope)
+{
+    const int to = from + SPAN, middle = from + SPAN / 2;
+    double off =
+        fabs(slope_between(sums, 0, from, middle) - slope_between(sums, 0, middle, to)) / 2;
+    for (int k = 1; k <= DEEPER; k++)
+        off = fmax(off, fabs(slope_between(sums, k, from, to) - slope));
+    return off;
+}
+
+/* The median over all stretches that hold enough pairs, not too many; ends [2]: of these. *error:
+ * what is left open, and half of what the middle 80 % differ. */
+static double median_slope(const struct pair_counts *sums, double *error, int *ends)
+{
+    double slope[BINS], off[BINS];
+    size_t count = 0;
+    for (int b = 0; b + SPAN < BINS; b++) {
+        if (sums->log_count[DEEPER][b] < log(FEWEST) ||
+            sums->log_count[0][b + SPAN] > log(LARGEST * sums->pairs))
+            continue;
+        ends[0] = count == 0 ? b : ends[0];
+        ends[1] = b + SPAN;
+        slope[count] = slope_between(sums, 0, b, b + SPAN);
+        off[count] = open_part(sums, b, slope[count]);
+        count++;
+    }
+    const double middle = values_quantile(slope, count, 0.9) - values_quantile(slope, count, 0.1);
+    *error = hypot(values_quantile(off, count, 0.5), middle / 2);
+    return values_quantile(slope, count, 0.5);
+}
+
+bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
+                           struct series_exponent *found)
+{
+    struct pair_counts *sums = arena_alloc(arena, sizeof *sums);
+    struct delay_space s = *space;
+    const size_t window = (size_t)((s.dimensions + DEEPER - 1) * s.delay);
+    double low = HUGE_VAL, high = -HUGE_VAL, error;
+    int ends[2] = {0, 0};
+    if (!sums || n <= window + 1)
+        return sums;
+    s.points = n - window;
+    for (size_t i = 0; i < n; i++) {
+        low = fmin(low, s.y[i]);
+        high = fmax(high, s.y[i]);
+    }
+    if (!find_sums(&s, high - low, sums))
+        return false;
+    const double slope = median_slope(sums, &error, ends);
+    if (isnan(slope))
+        snprintf(found->dimension_reason, sizeof found->dimension_reason,
+                 "too few pairs of neighbours");
+    else if (!(error < EVEN * slope))
+        snprintf(found->dimension_reason, sizeof found->dimension_reason,
+                 "the correlation sum is no power of the distance over a factor of 4, "
+                 "or no same one with more delays");
+    else {
+        found->dimension = (struct measured){slope, hypot(error, SYSTEMATIC * slope)};
+        found->distance[0] = exp(sums->log_edge[ends[0]]);
+        found->distance[1] = exp(sums->log_edge[ends[1]]);
+    }
+    return true;
+}

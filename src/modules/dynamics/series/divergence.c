@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How distances between neighbours grow, and where they grow evenly. */
+#include <hooke/base/cancel.h>
+#include "modules/dynamics/series/space.h"
+
+#include <math.h>
+
+#define PAIRS 4000
+#define STEPS 600
+#define ROUNDED -40 /* [ln] they have come together to rounding */
+#define BELOW 1.5   /* [ln] the stretch ends so far below the distance between any two */
+
+static double log_apart(const struct delay_space *s, size_t i, size_t j)
+{
+    const double square = space_distance2(s, i, j);
+    return square > 0 ? log(square) / 2 : ROUNDED;
+}
+
+static double between_any(const struct delay_space *s)
+{
+    uint64_t seed = 1;
+    double sum = 0;
+    for (int k = 0; k < PAIRS; k++)
+        sum += log_apart(s, (size_t)(random_fraction(&seed) * (double)s->points),
+                         (size_t)(random_fraction(&seed) * (double)s->points));
+    return sum / PAIRS;
+}
+
+/*
+ * Across the flow through vector i: what lies along it neither grows nor shrinks, and would hide
+ * slow growth. The vector that passes there is followed: *j is moved by single samples, `from` no
+ * farther than a delay, and up to `most`.
+ */
+static double log_across(const struct delay_space *s, size_t i, size_t from, size_t most, size_t *j)
+{
+    for (int pass = 0;; pass++) {
+        double square = 0, along = 0, speed = 0;
+        for (int d = 0; d < s->dimensions; d++) {
+            const double v = (space_value(s, i + 1, d) - space_value(s, i - 1, d)) / 2,
+                         apart = space_value(s, *j, d) - space_value(s, i, d);
+            square += apart * apart;
+            along += apart * v;
+            speed += v * v;
+        }
+        const size_t next = along > speed / 2 ? *j - 1 : along < -speed / 2 ? *j + 1 : *j;
+        if (next != *j && *j > 0 && next <= most && pass < 2 &&
+            (next > from ? next - from : from - next) <= (size_t)s->delay) {
+            *j = next;
+            continue;
+        }
+        square -= speed > 0 ? along * along / speed : 0;
+        return square > 0 ? log(square) / 2 : ROUNDED;
+    }
+}
+
+/* Of one pair, added to the means of its part. */
+static void follow(const struct delay_space *s, size_t i, size_t j, size_t samples,
+                   const struct divergence *d, double *mean)
+{
+    const size_t most = s->points + samples - 1;
+    const bool flows = s->delay > 1 && i > 0;
+    size_t at = j;
+    for (size_t k = 0; k < d->steps; k++) {
+        const size_t by = k * d->stride;
+        mean[k] += flows ? log_across(s, i + by, j + by, most, &at) : log_apart(s, i + by, j + by);
+        at = at + d->stride < most ? at + d->stride : most;
+    }
+}
+
+static void put_means(const struct delay_space *s, const size_t *count, struct divergence *d)
+{
+    for (size_t k = 0; k < d->steps; k++) {
+        d->mean[k] = 0;
+        for (size_t p = 0; p < DIVERGENCE_PARTS; p++) {
+            d->mean[k] += d->part[p * d->steps + k] / (double)d->pairs;
+            d->part[p * d->steps + k] /= (double)count[p];
+        }
+    }
+    d->last = 0;
+    for (size_t k = d->steps - d->steps / 4; k < d->steps; k++)
+        d->last += d->mean[k] / (double)(d->steps / 4);
+    d->apart = fmin(between_any(s), d->last);
+}
+
+bool divergence_find(const struct delay_space *s, size_t samples, struct arena *arena,
+                     struct divergence *d)
+{
+    d->stride = samples / STEPS + 1;
+    d->steps = samples / d->stride;
+    d->mean = arena_array(arena, d->steps, sizeof *d->mean);
+    d->part = arena_array(arena, d->steps * DIVERGENCE_PARTS, sizeof *d->part);
+    d->pairs = 0;
+    if (!d->mean || !d->part)
+        return false;
+    const size_t stride = s->points / PAIRS + 1;
+    size_t count[DIVERGENCE_PARTS] = {0};
+    for (size_t k = 0; k < d->steps * DIVERGENCE_PARTS; k++)
+        d->part[k] = 0;
+    for (size_t i = 0; i < s->points; i += stride) {
+        const size_t part = i * DIVERGENCE_PARTS / s->points;
+        struct neighbours near;
+        space_nearest(s, i, 1, &near);
+        if (near.count == 0)
+            continue;
+        if (i / stride % 64 == 0 && cancelled(s->cancel))
+            return false;
+        follow(s, i, near.at[0], samples, d, d->part + part * d->steps);
+        count[part]++;
+        d->pairs++;
+    }
+    put_means(s, count, d);
+    return true;
+}
+
+static double slope_of(const double *y, size_t from, size_t to)
+{
+    const double middle = (double)(from + to) / 2;
+    double xy = 0, xx = 0;
+    for (size_t k = from; k <= to; k++) {
+        xy += ((double)k - middle) * y[k];
+        xx += ((double)k - middle) * ((double)k - middle);
+    }
+    return xx > 0 ? xy / xx : NAN;
+}
+
+struct even_growth divergence_growth(const struct divergence *d, size_t begin)
+{
+    struct even_growth g = {.from = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
+    g.to = begin;
+    while (g.to < d->steps && d->mean[g.to] < d->apart - BELOW)
+        g.to++;
+    if (g.to > 0)
+        g.to--;
+    if (g.to < begin + 2)
+        return g;
+    const size_t middle = (g.from + g.to) / 2;
+    double sum = 0, square = 0;
+    g.slope = slope_of(d->mean, g.from, g.to);
+    g.halves[0] = slope_of(d->mean, g.from, middle);
+    g.halves[1] = slope_of(d->mean, middle, g.to);
+    for (size_t p = 0; p < DIVERGENCE_PARTS; p++) {
+        const double slope = slope_of(d->part + p * d->steps, g.from, g.to);
+        sum += slope;
+        square += slope * slope;
+    }
+    const double mean = sum / DIVERGENCE_PARTS,
+                 scatter = fmax(square / DIVERGENCE_PARTS - mean * mean, 0);
+    g.error = sqrt(scatter / (DIVERGENCE_PARTS - 1));
+    return g;
+}

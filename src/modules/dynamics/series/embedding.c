@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which delayed values make a vector, and whether vectors say what comes. */
+#include <hooke/base/cancel.h>
+#include "modules/dynamics/series/space.h"
+
+#include <gsl/gsl_sort.h>
+#include <math.h>
+#include <string.h>
+
+#define BINS 16
+#define MOST_DELAY 1000 /* samples */
+#define LOOKED_AT 50000 /* values of which the information is taken */
+#define VECTORS 1000    /* that are asked for false neighbours, and for what comes */
+#define FARTHER 10      /* times as far as before: a false neighbour */
+#define LONELY 2        /* standard deviations: it was none before */
+#define SMALL 1e-6      /* of those: nothing is nearer */
+#define FALSE_SHARE 0.01
+
+/* ---- neighbours ---- */
+
+/* Adds vector j to the nearest ones, unless as many are nearer or it is too near in time. */
+static void look_at(const struct delay_space *s, size_t i, size_t j, int wanted,
+                    struct neighbours *f)
+{
+    const double most = f->count == wanted ? f->square[f->count - 1] : HUGE_VAL;
+    double square = 0;
+    for (int d = 0; d < s->dimensions && square < most; d++) {
+        const double apart = space_value(s, i, d) - space_value(s, j, d);
+        square += apart * apart;
+    }
+    if (!(square > 0 && square < most) || (j > i ? j - i : i - j) <= s->apart)
+        return;
+    int k = f->count < wanted ? f->count++ : f->count - 1;
+    for (; k > 0 && f->square[k - 1] > square; k--) {
+        f->square[k] = f->square[k - 1];
+        f->at[k] = f->at[k - 1];
+    }
+    f->square[k] = square;
+    f->at[k] = (uint32_t)j;
+}
+
+bool space_sort(struct delay_space *s, size_t n, struct arena *arena)
+{
+    s->n = n;
+    s->order = arena_array(arena, n, sizeof *s->order);
+    if (s->order)
+        gsl_sort_index(s->order, s->y, 1, n);
+    return s->order;
+}
+
+/* From values like its first one to either side, until that alone is too far. */
+void space_nearest(const struct delay_space *s, size_t i, int wanted, struct neighbours *found)
+{
+    const double y = s->y[i];
+    size_t low = 0, high = s->n;
+    found->count = 0;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (s->y[s->order[middle]] < y)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    while (low > 0 || high < s->n) {
+        const double below = low > 0 ? y - s->y[s->order[low - 1]] : HUGE_VAL,
+                     above = high < s->n ? s->y[s->order[high]] - y : HUGE_VAL,
+                     by = fmin(below, above);
+        const size_t j = s->order[below < above ? --low : high++];
+        if (found->count == wanted && by * by >= found->square[wanted - 1])
+            return;
+        if (j < s->points)
+            look_at(s, i, j, wanted, found);
+    }
+}
+
+/* ---- the delay ---- */
+
+/* Of equally full bins; *memory becomes false without memory. */
+static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsigned char *bin)
+{
+    double *sorted = arena_array(arena, n, sizeof *sorted), edge[BINS];
+    if (!sorted)
+        return false;
+    for (int b = 1; b < BINS; b++) {
+        memcpy(sorted, y, n * sizeof *y);
+        edge[b] = values_quantile(sorted, n, (double)b / BINS);
+    }
+    for (size_t i = 0; i < n; i++) {
+        bin[i] = 0;
+        for (int b = 1; b < BINS; b++)
+            bin[i] = (unsigned char)(bin[i] + (y[i] >= edge[b]));
+    }
+    return true;
+}
+
+/* [nat] between values so many samples apart */
+static double information(const unsigned char *bin, size_t n, size_t lag)
+{
+    int count[BINS][BINS] = {{0}}, first[BINS] = {0}, second[BINS] = {0};
+    const double pairs = (double)(n - lag);
+    double sum = 0;
+    for (size_t i = 0; i + lag < n; i++) {
+        count[bin[i]][bin[i + lag]]++;
+        first[bin[i]]++;
+        second[bin[i + lag]]++;
+    }
+    for (int a = 0; a < BINS; a++)
+        for (int b = 0; b < BINS; b++)
+            if (count[a][b] > 0)
+                sum += count[a][b] * log(count[a][b] * pairs / first[a] / second[b]);
+    return sum / pairs;
+}
+
+static double correlation(const double *y, size_t n, double mean, size_t lag)
+{
+    double sum = 0;
+    for (size_t i = 0; i + lag < n; i++)
+        sum += (y[i] - mean) * (y[i + lag] - mean);
+    return sum / (double)(n - lag);
+}
+
+int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct arena *arena)
+{
+    const size_t looked = n < LOOKED_AT ? n : LOOKED_AT;
+    const size_t most = looked / 20 < MOST_DELAY ? looked / 20 : MOST_DELAY;
+    unsigned char *bin = arena_alloc(arena, looked);
+    if (!bin || !put_into_bins(y, looked, arena, bin))
+        return 0;
+    double mean = 0, before = HUGE_VAL;
+    for (size_t i = 0; i < looked; i++)
+        mean += y[i] / (double)looked;
+    const double variance = correlation(y, looked, mean, 0);
+    for (size_t lag = 1; lag < most; lag++) {
+        if (lag % 16 == 0 && cancelled(cancel))
+            return 0;
+        const double now = information(bin, looked, lag);
+        if (now > before)
+            return (int)lag - 1;
+        if (correlation(y, looked, mean, lag) < variance / exp(1))
+            return (int)lag;
+        before = now;
+    }
+    return (int)most;
+}
+
+/* ---- how many ---- */
+
+static size_t vectors_of(size_t n, const struct delay_space *s, size_t ahead)
+{
+    const size_t window = (size_t)((s->dimensions - 1) * s->delay) + ahead;
+    return n > window ? n - window : 0;
+}
+
+static double false_neighbours(const struct delay_space *s, double sigma)
+{
+    const size_t stride = s->points / VECTORS + 1;
+    size_t asked = 0, wrong = 0;
+    for (size_t i = 0; i < s->points; i += stride) {
+        struct neighbours near;
+        space_nearest(s, i, 1, &near);
+        if (near.count == 0)
+            continue;
+        const double before = fmax(sqrt(near.square[0]), SMALL * sigma),
+                     by = fabs(space_value(s, i, s->dimensions) -
+                               space_value(s, near.at[0], s->dimensions));
+        asked++;
+        wrong += by > FARTHER * before || hypot(before, by) > LONELY * sigma;
+        if (asked % 64 == 0 && cancelled(s->cancel))
+            return NAN;
+    }
+    return asked > 0 ? (double)wrong / (double)asked : 0;
+}
+
+int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *false_share)
+{
+    for (s->dimensions = 1; s->dimensions < SPACE_DIMENSIONS - 1; s->dimensions++) {
+        s->points = vectors_of(n, s, (size_t)s->delay);
+        if (s->points < VECTORS / 2)
+            break;
+        *false_share = false_neighbours(s, sigma);
+        if (isnan(*false_share))
+            return -1;
+        if (*false_share < FALSE_SHARE)
+            return s->dimensions;
+    }
+    return 0;
+}
+
+/* ---- what comes ---- */
+
+enum { UNKNOWNS = SPACE_DIMENSIONS + 1 };
+
+/* Of the best linear function of the vectors' values and a constant: squared error, mean. */
+static double linear_error(const struct delay_space *s, size_t ahead, size_t vectors)
+{
+    const int n = s->dimensions + 1;
+    const size_t to = (size_t)((s->dimensions - 1) * s->delay) + ahead;
+    const size_t stride = vectors / LOOKED_AT + 1;
+    double a[UNKNOWNS * UNKNOWNS] = {0}, b[UNKNOWNS] = {0}, l[UNKNOWNS * UNKNOWNS], sum = 0;
+    size_t count = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < vectors; i += stride) {
+            double v[UNKNOWNS];
+            for (int d = 0; d < n; d++)
+                v[d] = d == n - 1 ? 1 : space_value(s, i, d);
+            double off = s->y[i + to];
+            for (int d = 0; d < n; d++) {
+                for (int e = 0; e <= d && pass == 0; e++)
+                    a[d * UNKNOWNS + e] += v[d] * v[e];
+                if (pass == 0)
+                    b[d] += v[d] * off;
+            }
+            for (int d = 0; d < n && pass == 1; d++)
+                off -= b[d] * v[d];
+            sum += pass == 1 ? off * off : 0;
+            count += (size_t)pass;
+        }
+        if (pass == 0) {
+            if (!matrix_cholesky(n, UNKNOWNS, a, 1e-14, l))
+                return NAN;
+            cholesky_forward(n, UNKNOWNS, l, b);
+            cholesky_backward(n, UNKNOWNS, l, b);
+        }
+    }
+    return sum / (double)count;
+}
+
+double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
+{
+    const size_t vectors = vectors_of(n, s, ahead), stride = vectors / VECTORS + 1,
+                 to = (size_t)((s->dimensions - 1) * s->delay) + ahead;
+    const double linear = linear_error(s, ahead, vectors);
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < vectors; i += stride) {
+        struct neighbours near;
+        double mean = 0;
+        int used = 0;
+        space_nearest(s, i, SPACE_NEAREST, &near);
+        for (int k = 0; k < near.count; k++)
+            if (near.at[k] < vectors) {
+                mean += s->y[near.at[k] + to];
+                used++;
+            }
+        if (used == 0)
+            continue;
+        const double off = s->y[i + to] - mean / used;
+        sum += off * off;
+        count++;
+    }
+    return count > 0 && linear > 0 ? sqrt(sum / (double)count / linear) : NAN;
+}

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The largest Lyapunov exponent of a series, or why it is not determined. */
+#include <hooke/base/cancel.h>
+#include "modules/dynamics/series/space.h"
+
+#include "modules/dynamics/series/series_exponent.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#define TURNS 20     /* crossings of the mean, upwards */
+#define PARTS 4      /* of the series, whose sizes */
+#define SIZES 2      /* differ by no more than this factor */
+#define DRIFT 2      /* of those sizes: so far apart may their means be */
+#define PREDICTS 0.7 /* of the error of a linear function */
+#define DEEPER 2     /* delays more than unfold the motion: what they change is an error */
+#define HORIZON 40   /* turns at most */
+#define EVEN 0.5     /* of the exponent: halves of the stretch may differ by so much */
+#define STAY 3.0     /* by less than this factor distances do not grow at all */
+
+/* What flows whose exponents are known were off beyond the scatter (Lorenz x and z, Roessler, the
+ * driven pendulum, Duffing; 5000 and 20 000 samples, 16 starts each: -11 to +13 %). */
+#define SYSTEMATIC 0.08
+
+static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
+static bool leave(struct series_exponent *found, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(found->reason, sizeof found->reason, format, args);
+    va_end(args);
+    return true; /* that is known */
+}
+
+/* ---- what has to be so before ---- */
+
+struct part {
+    double mean, sigma;
+};
+
+static struct part part_of(const double *y, size_t from, size_t to)
+{
+    struct part p = {0};
+    const double n = (double)(to - from);
+    for (size_t i = from; i < to; i++)
+        p.mean += y[i] / n;
+    for (size_t i = from; i < to; i++)
+        p.sigma += (y[i] - p.mean) * (y[i] - p.mean) / n;
+    p.sigma = sqrt(p.sigma);
+    return p;
+}
+
+static bool lasts(const struct samples *x, struct series_exponent *found)
+{
+    double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
+    for (size_t k = 0; k < PARTS; k++) {
+        const struct part p = part_of(x->y, k * x->n / PARTS, (k + 1) * x->n / PARTS);
+        low = fmin(low, p.sigma);
+        high = fmax(high, p.sigma);
+        left = fmin(left, p.mean);
+        right = fmax(right, p.mean);
+    }
+    if (high > SIZES * low)
+        return !leave(found,
+                      "the motion does not stay as large as it is: by quarters of the time "
+                      "its size differs by a factor of %.3g",
+                      high / low);
+    if (right - left > DRIFT * high)
+        return !leave(found,
+                      "the motion drifts: by quarters of the time its mean moves by %.3g "
+                      "times its size",
+                      (right - left) / high);
+    return true;
+}
+
+/* Crossings of the mean upwards; *turn [samples] from one to the next. */
+static size_t turns_of(const struct samples *x, double mean, double *turn)
+{
+    size_t count = 0;
+    for (size_t i = 1; i < x->n; i++)
+        count += x->y[i - 1] < mean && x->y[i] >= mean;
+    *turn = count > 0 ? (double)x->n / (double)count : (double)x->n;
+    return count;
+}
+
+static bool is_fit(const struct samples *x, const struct part *whole, double *turn,
+                   struct series_exponent *found)
+{
+    if (x->n < EXPONENT_SAMPLES)
+        return !leave(found, "%zu samples are too few, %d are needed", x->n, EXPONENT_SAMPLES);
+    if (!x->uniform)
+        return !leave(found,
+                      "the samples are not evenly spaced in time (of a run: a method with fixed "
+                      "steps)");
+    if (!(whole->sigma > 1e-12 * fabs(whole->mean)) || !isfinite(whole->sigma))
+        return !leave(found, "nothing moves");
+    if (!lasts(x, found))
+        return false;
+    const size_t turns = turns_of(x, whole->mean, turn);
+    if (turns < TURNS)
+        return !leave(found, "the motion turns only %zu times in it, %d are needed", turns, TURNS);
+    return true;
+}
+
+/* ---- the vectors ---- */
+
+/* Shorter delays where the first unfolds nothing. False: no memory, or cancelled. */
+static bool unfold(struct delay_space *space, const struct samples *x, double sigma,
+                   struct arena *arena, struct series_exponent *found)
+{
+    double share = NAN;
+    int dimensions = 0;
+    space->delay = choose_delay(x->y, x->n, x->cancel, arena);
+    if (space->delay == 0 || !space_sort(space, x->n, arena))
+        return false;
+    for (int half = 0; half < 3 && dimensions == 0; half++) {
+        if (half > 0 && space->delay < 2)
+            break;
+        space->delay /= half > 0 ? 2 : 1;
+        dimensions = choose_dimensions(space, x->n, sigma, &share);
+    }
+    if (dimensions < 0)
+        return false;
+    found->dimensions = dimensions;
+    found->delay = space->delay * x->dt;
+    return dimensions > 0 ||
+           leave(found,
+                 "no number of delays up to %d unfolds it (%.2g %% false neighbours): noise, "
+                 "or more variables than such a record shows",
+                 SPACE_DIMENSIONS - 2, 100 * share);
+}
+
+/* ---- how fast they go apart ---- */
+
+/* [samples] that neighbours are followed for */
+static size_t horizon_of(const struct samples *x, int delays, int delay, double turn)
+{
+    const size_t window = (size_t)(delays * delay);
+    return (size_t)fmin((double)(x->n - window) / 4, HORIZON * turn);
+}
+
+static bool grow_with(const struct delay_space *space, const struct samples *x, int dimensions,
+                      double turn, struct arena *arena, struct divergence *divergence,
+                      struct even_growth *growth)
+{
+    struct delay_space s = *space;
+    s.dimensions = dimensions;
+    const size_t window = (size_t)((dimensions - 1) * s.delay),
+                 horizon = horizon_of(x, dimensions - 1, s.delay, turn);
+    s.points = x->n - window - horizon - 1;
+    if (!divergence_find(&s, horizon, arena, divergence))
+        return false;
+    *growth = divergence_growth(divergence, window / divergence->stride + 1);
+    return true;
+}
+
+static bool judge(const struct divergence *d, const struct even_growth *g, double step,
+                  struct series_exponent *found)
+{
+    const double by = g->slope * (double)(g->to - g->from), rise = d->last - d->mean[g->from];
+    if (rise < log(STAY))
+        return leave(found, "neighbours do not go apart: the motion is periodic or quasi-periodic, "
+                            "or decays");
+    if (!(g->error >= 0) || !(by >= log(EXPONENT_GROWTH)))
+        return leave(found,
+                     "distances grow evenly by less than a factor of %g before they are as "
+                     "large as the motion: too much noise, or too short a record",
+                     EXPONENT_GROWTH);
+    if (fabs(g->halves[0] - g->halves[1]) > EVEN * g->slope)
+        return leave(found, "distances do not grow evenly: by %.3g, then by %.3g 1/s",
+                     g->halves[0] / step, g->halves[1] / step);
+    return false;
+}
+
+static bool find_exponent(const struct delay_space *space, const struct samples *x, double turn,
+                          struct arena *arena, struct series_exponent *found)
+{
+    struct divergence d;
+    struct even_growth g, deeper;
+    double spread = 0;
+    if (!grow_with(space, x, space->dimensions, turn, arena, &d, &g))
+        return false;
+    const double step = x->dt * (double)d.stride;
+    found->pairs = d.pairs;
+    if (judge(&d, &g, step, found))
+        return true;
+    for (int k = 1; k <= DEEPER; k++) {
+        struct divergence other;
+        if (!grow_with(space, x, space->dimensions + k, turn, arena, &other, &deeper))
+            return false;
+        if (isfinite(deeper.slope))
+            spread = fmax(spread, fabs(deeper.slope - g.slope));
+    }
+    const double halves = fabs(g.halves[0] - g.halves[1]) / 2,
+                 method = space->delay > 1 ? SYSTEMATIC * g.slope : 0,
+                 error =
+                     sqrt(g.error * g.error + spread * spread + halves * halves + method * method);
+    if (error > EVEN * g.slope)
+        return leave(found, "%.3g 1/s is no farther from 0 than its error of %.3g can be",
+                     g.slope / step, error / step);
+    found->value = (struct measured){g.slope / step, error / step};
+    found->from = (double)g.from * step;
+    found->to = (double)g.to * step;
+    found->growth = exp(g.slope * (double)(g.to - g.from));
+    found->determined = true;
+    return true;
+}
+
+bool series_exponent(const struct series *series, struct arena *arena,
+                     struct series_exponent *found, struct error *error)
+{
+    struct samples x;
+    double turn = 0;
+    *found = (struct series_exponent){.value = {NAN, NAN}, .dimension = {NAN, NAN}};
+    snprintf(found->dimension_reason, sizeof found->dimension_reason, "nothing unfolds it");
+    if (!samples_init(&x, series, arena))
+        return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
+                                         : error_memory(error);
+    const struct part whole = part_of(x.y, 0, x.n);
+    if (!is_fit(&x, &whole, &turn, found))
+        return true;
+    struct delay_space space = {.y = x.y, .apart = (size_t)turn, .cancel = series->cancel};
+    found->apart = turn * x.dt;
+    bool fine = unfold(&space, &x, whole.sigma, arena, found);
+    if (fine && found->dimensions > 0) {
+        const double ratio = prediction_ratio(&space, x.n, (size_t)space.delay);
+        if (!(ratio < PREDICTS))
+            leave(found, "a linear function of the same values predicts %s: noise, or sines",
+                  ratio < 1 / PREDICTS ? "as well" : "better");
+        else
+            fine = find_exponent(&space, &x, turn, arena, found) &&
+                   correlation_dimension(&space, x.n, arena, found);
+    }
+    if (fine)
+        return true;
+    return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
+                                     : error_memory(error);
+}

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the commands of dynamics share: how arguments are read and results are put. */
+#include <hooke/base/statement.h>
+#include <hooke/base/unit.h>
+#include <hooke/run/timing.h>
+#include "modules/dynamics/handlers.h"
+
+/* ---- arguments ---- */
+
+bool take_equals(struct parser *parser, struct text argument, struct text name)
+{
+    const struct text rest =
+        text_trim((struct text){argument.at + name.len, argument.len - name.len});
+    if (!text_starts(rest, TEXT("=")))
+        return false;
+    parser->rest = text_trim((struct text){rest.at + 1, rest.len - 1});
+    return true;
+}
+
+int read_variable(struct parser *parser, struct text argument, const struct system *system,
+                  const char *command, const char *example, struct error *error)
+{
+    struct text name = peek_name(argument);
+    name.len += name.len > 0 && name.len < argument.len && argument.at[name.len] == '\'';
+    const int i = name.len > 0 ? model_state(system->model, name) : -1,
+              shown = (int)(argument.len < 64 ? argument.len : 64);
+    if (text_starts(argument, TEXT("--"))) {
+        error_at(error, argument, "%s has no option '%.*s'", command, shown - 2, argument.at + 2);
+    } else if (i < 0) {
+        const struct text named = name.len > 0 ? name : (struct text){argument.at, (size_t)shown};
+        error_at(error, named, "'%.*s' is no variable of the scene", (int)named.len, named.at);
+        error_hint(error, "%s takes variables, as in %s=%s", command,
+                   system->model->variable[0].name, example);
+    } else if (!take_equals(parser, argument, name)) {
+        error_at(error, argument, "%.*s needs a value, as in %.*s=%s", (int)name.len, name.at,
+                 (int)name.len, name.at, example);
+    } else {
+        return i;
+    }
+    return -1;
+}
+
+/* ---- results ---- */
+
+void put_seconds(struct buffer *out, const struct session *session, double seconds)
+{
+    if (session->setup.settings.timing == TIMING_OFF)
+        return;
+    buffer_put(out, TEXT(", "));
+    buffer_quantity(out, seconds, QUANTITY_TIME, 3);
+}
+
+void reply_state(struct reply *reply, const struct system *system, const char *key,
+                 const double *state)
+{
+    reply_object(reply, key);
+    for (int i = 0; i < system->n; i++)
+        reply_real(reply, system_variable(system, i).name, state[i]);
+    reply_close(reply);
+}
+
+void reply_values(struct reply *reply, const char *key, const struct solution *s)
+{
+    reply_array(reply, key);
+    for (int i = 0; i < s->values; i++) {
+        reply_array(reply, NULL);
+        reply_real(reply, NULL, s->value[i].re);
+        reply_real(reply, NULL, s->value[i].im);
+        reply_close(reply);
+    }
+    reply_close(reply);
+}
+
+/* Not known, and neutral, are neither. */
+void reply_stable(struct reply *reply, const struct solution *s, bool family)
+{
+    const bool stable = solution_stable(s);
+    if (!solution_is_known(s) || (stable && family))
+        reply_null(reply, "stable");
+    else
+        reply_bool(reply, "stable", stable);
+}
+
+void reply_own_solver(const struct session *session, const char *solver, struct reply *reply)
+{
+    const struct setup *setup = &session->setup;
+    if (setup->method_chosen || setup->settings.tol_chosen || setup->settings.dt_chosen)
+        reply_line(reply, "solved by %s ('method', 'dt' and 'tol' do not matter here)", solver);
+}
+
+/* ---- tables ---- */
+
+static struct table_column *add_column(struct table_builder *b, const char *name,
+                                       const char *suffix)
+{
+    if (!b->column)
+        b->column = arena_array(&b->arena, TABLE_BUILDER_COLUMNS, sizeof *b->column);
+    struct buffer full = {0};
+    buffer_format(&full, "%s%s", name, suffix);
+    const char *copy = full.failed ? NULL : arena_text(&b->arena, buffer_text(&full));
+    buffer_free(&full);
+    b->failed = b->failed || !b->column || !copy;
+    if (b->failed)
+        return NULL;
+    struct table_column *column = &b->column[b->count++];
+    *column = (struct table_column){.name = copy, .unit = ""};
+    return column;
+}
+
+double *table_add_reals(struct table_builder *b, const char *name, const char *suffix,
+                        enum quantity quantity)
+{
+    struct table_column *column = add_column(b, name, suffix);
+    double *value = column ? arena_array(&b->arena, b->rows + 1, sizeof *value) : NULL;
+    b->failed = !value;
+    if (value) {
+        column->value = value;
+        column->unit = quantity_unit(quantity);
+    }
+    return value;
+}
+
+const char **table_add_texts(struct table_builder *b, const char *name)
+{
+    struct table_column *column = add_column(b, name, "");
+    const char **text = column ? arena_array(&b->arena, b->rows + 1, sizeof *text) : NULL;
+    b->failed = !text;
+    if (text)
+        column->text = text;
+    return text;
+}
+
+void table_finish(struct table_builder *b, struct reply *reply, const char *kind)
+{
+    const struct table table = {.column = b->column, .columns = b->count, .rows = b->rows};
+    if (!b->failed && reply->store)
+        table_store_put(reply->store, kind, &b->arena, &table);
+    arena_reset(&b->arena);
+}

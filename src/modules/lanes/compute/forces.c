@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Forces in lanes: programs of what was typed, and of the texts of built-in terms. */
+#include "modules/lanes/compute/state.h"
+
+#include "scene/model/forces.h"
+
+#include <hooke/base/numeric.h>
+#include <hooke/scene/typed.h>
+
+/* ---- which programs ---- */
+
+void lanes_destroy_programs(struct built_in_programs *programs)
+{
+    for (int i = 0; i < LANE_SUMS; i++)
+        program_destroy(programs->sum[i]);
+    program_destroy(programs->slopes);
+    *programs = (struct built_in_programs){.terms = 0};
+}
+
+static bool is_known(const struct built_in_programs *programs, const struct system *system,
+                     int first)
+{
+    bool known = programs->terms == system->terms && programs->first == first;
+    for (int i = 0; known && i < system->terms; i++)
+        known = programs->row[i] == system->term[i].row;
+    return known;
+}
+
+static bool has_built_in(const struct system *system, unsigned mask, unsigned wanted)
+{
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->bind && (system->term[i].row->flags & mask) == wanted)
+            return true;
+    return false;
+}
+
+static const unsigned sum_mask[LANE_SUMS] = {0, TERM_VELOCITY, TERM_VELOCITY},
+                      sum_wanted[LANE_SUMS] = {0, 0, TERM_VELOCITY};
+
+static bool make_programs(struct built_in_programs *programs, const struct system *system,
+                          int first)
+{
+    struct error error;
+    if (is_known(programs, system, first))
+        return true;
+    lanes_destroy_programs(programs);
+    for (int i = 0; i < LANE_SUMS; i++)
+        if (has_built_in(system, sum_mask[i], sum_wanted[i]) &&
+            !(programs->sum[i] =
+                  terms_program(system, sum_mask[i], sum_wanted[i], first, false, &error)))
+            return false;
+    if (programs->sum[SUM_ALL] &&
+        !(programs->slopes = terms_program(system, 0, 0, first, true, &error)))
+        return false;
+    for (int i = 0; i < system->terms; i++)
+        programs->row[i] = system->term[i].row;
+    programs->terms = system->terms;
+    programs->first = first;
+    return true;
+}
+
+static void add_part(struct lanes *lanes, const struct program *program, unsigned sums)
+{
+    if (program)
+        lanes->part[lanes->parts++] = (struct lane_part){.program = program, .sums = sums};
+}
+
+bool lanes_describe_forces(struct lanes *lanes, const struct system *system)
+{
+    const struct bound_term *const whole = lanes->method->splitting ? NULL : system_whole(system);
+    int ignored;
+    lanes->parts = lanes->typed_values = 0;
+    lanes->slopes.program = NULL;
+    if (system->typed.row)
+        term_program(&system->typed, &lanes->typed_values);
+    lanes->values = lanes->typed_values;
+    if (whole) {
+        add_part(lanes, term_program(whole, &ignored), 1 << SUM_ALL);
+        return true;
+    }
+    if (has_built_in(system, 0, 0)) {
+        const int first = 1 + lanes->n + lanes->typed_values;
+        lanes->values += TERM_COEFFICIENTS * system->terms;
+        if (!make_programs(&lanes->built_in, system, first))
+            return false;
+        for (int i = 0; i < LANE_SUMS; i++)
+            add_part(lanes, lanes->built_in.sum[i], 1u << i);
+        lanes->slopes.program = lanes->built_in.slopes;
+    }
+    for (int i = 0; i < system->terms; i++)
+        add_part(lanes, term_program(&system->term[i], &ignored),
+                 1 << SUM_ALL |
+                     1 << (system->term[i].row->flags & TERM_VELOCITY ? SUM_DRAG : SUM_FORCE));
+    return true;
+}
+
+/* ---- values ---- */
+
+void lanes_set_values(struct lanes *lanes, int lane, const struct system *system)
+{
+    double *value = lanes->state + lanes->n * LANE_COUNT;
+    lane_put(lanes->typed_values, system->typed.c + 1, lane, value);
+    value += lanes->typed_values * LANE_COUNT;
+    for (int i = 0; lanes->values > lanes->typed_values && i < system->terms; i++)
+        lane_put(TERM_COEFFICIENTS, system->term[i].c, lane,
+                 value + i * TERM_COEFFICIENTS * LANE_COUNT);
+}
+
+static bool is_alike(const double *value)
+{
+    bool alike = true;
+    for (int lane = 1; lane < LANE_COUNT; lane++)
+        alike &= value[lane] == value[0];
+    return alike;
+}
+
+void lanes_prepare_forces(struct lanes *lanes)
+{
+    /* The time is the same in all lanes unless they have their own. */
+    unsigned char known[1 + LIMIT_VARIABLES + TERM_VALUES + TERM_MAX * TERM_COEFFICIENTS] = {
+        lanes->own ? 0 : LANES_ALIKE};
+    for (int i = 1 + lanes->n; i < 1 + lanes->n + lanes->values; i++)
+        known[i] = LANES_FIXED | (is_alike(lanes->input + i * LANE_COUNT) ? LANES_ALIKE : 0);
+    for (struct lane_part *part = lanes->part; part < lanes->part + lanes->parts; part++)
+        program_prepare_lanes(part->program, lanes->input, known, part->frame);
+    if (lanes->slopes.program)
+        program_prepare_lanes(lanes->slopes.program, lanes->input, known, lanes->slopes.frame);
+}
+
+/* ---- sums ---- */
+
+CLONES void lanes_force(struct lanes *lanes, enum lane_sum sum, struct lane_time at, double *out)
+{
+    const int count = lanes->rows * LANE_COUNT;
+    bool first = true;
+    if (lanes->timed && at.t)
+        memcpy(lanes->input, at.t, LANE_COUNT * sizeof *at.t);
+    for (int lane = 0; lanes->timed && !at.t && lane < LANE_COUNT; lane++)
+        lanes->input[lane] = at.all;
+    for (const struct lane_part *part = lanes->part; part < lanes->part + lanes->parts; part++) {
+        if (!(part->sums >> sum & 1))
+            continue;
+        program_eval_lanes(part->program, first ? out : lanes->spare, part->frame);
+        for (int l = 0; !first && l < count; l++)
+            out[l] += lanes->spare[l];
+        first = false;
+    }
+    for (int l = 0; first && l < count; l++)
+        out[l] = -0.0;
+}
+
+void lanes_slope(struct lanes *lanes, struct lane_time at, double *out)
+{
+    const int positions = lanes->n - lanes->rows;
+    memcpy(out, lanes->state + (lanes->n - positions) * LANE_COUNT,
+           (size_t)positions * LANE_COUNT * sizeof *out);
+    lanes_force(lanes, SUM_ALL, at, out + positions * LANE_COUNT);
+}
+
+CLONES struct lane_time lanes_time(const struct lanes *lanes, double c, double *own)
+{
+    const double step = (double)lanes->step;
+    if (!lanes->own)
+        return (struct lane_time){.all = (lanes->t0 + step * lanes->h) + c * lanes->h};
+    for (int lane = 0; lane < LANE_COUNT; lane++)
+        own[lane] = (lanes->own_t0[lane] + step * lanes->own_h[lane]) + c * lanes->own_h[lane];
+    return (struct lane_time){.t = own};
+}
+
+CLONES void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *at,
+                           double *own)
+{
+    at->all += part * lanes->h;
+    for (int lane = 0; lane < LANE_COUNT && at->t; lane++)
+        own[lane] += part * lanes->own_h[lane];
+}

@@ -1,0 +1,453 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Oscillators of the commonest terms by splittings and by the classical method, in lanes: forces
+ * are the texts of terms.def on vectors, so that stages stay in registers. All else goes by
+ * programs (fixed.c). The operations are those of rk_body.h, split_body.h and turn.c in their
+ * order: the same bits.
+ */
+#define UNROLL _Pragma("GCC unroll 16")
+#include "method/kernel/kernel.h"
+#include "modules/lanes/compute/state.h"
+
+#include <hooke/base/elementary.h>
+#include <hooke/base/numeric.h>
+
+#include <float.h>
+
+INLINE four load(const double *x)
+{
+    return *(const four *)(const void *)x;
+}
+
+/* ---- forces ---- */
+
+UNUSED INLINE four four_sin(four x)
+{
+    for (int lane = 0; lane < WIDE; lane++)
+        x[lane] = fixed_sin(x[lane]);
+    return x;
+}
+
+/* The drive's cosine is given, and its angle wanted. */
+#define abs(x) four_magnitude(x)
+#define sin(x) four_sin(x)
+#define cos(x) (*angle = (x), cosine)
+#define FORCE(name, expression)                                                                    \
+    INLINE four name##_of_four(UNUSED four c0, UNUSED four c1, UNUSED four c2, UNUSED four t,      \
+                               UNUSED four q, UNUSED four v, UNUSED four cosine,                   \
+                               UNUSED four *angle)                                                 \
+    {                                                                                              \
+        return (expression);                                                                       \
+    }
+#define SLOPES(...)
+#define POTENTIAL(...)
+#include FORCE_TERMS
+#undef abs
+#undef sin
+#undef cos
+
+/* The sum of terms whose flags under `mask` are `wanted`; c: coefficients
+ * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on */
+typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q, four v,
+                        four cosine);
+
+#define LANE_COEFFICIENT(i, j) load(c + ((i)*TERM_COEFFICIENTS + (j)) * LANE_COUNT)
+#define LANE_TERM(i, name)                                                                         \
+    if ((name##_flags & mask) == wanted)                                                           \
+        a += name##_of_four(LANE_COEFFICIENT(i, 0), LANE_COEFFICIENT(i, 1), (four){0}, (four){0},  \
+                            q, v, cosine, &ignored);
+#define LANE_FORCE(shape)                                                                          \
+    INLINE four shape##_in_lanes(unsigned mask, unsigned wanted, const double *c, UNUSED four q,   \
+                                 UNUSED four v, UNUSED four cosine)                                \
+    {                                                                                              \
+        four a = -(four){0};                                                                       \
+        UNUSED four ignored;                                                                       \
+        TERMS_OF_##shape(LANE_TERM) return a;                                                      \
+    }
+#define LANE_SHAPES(S) SHAPES(S) LINEAR_SHAPES(S)
+#define LANE_FLAG(i, name) | (name##_flags)
+#define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
+LANE_SHAPES(LANE_FORCE)
+
+/* ---- the drive ---- */
+
+/* Returns the angles of four lanes at time t. */
+INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
+{
+    const four none = {0};
+    four angle;
+    drive_of_four(none, load(drive->c1 + lane), load(drive->c2 + lane), t, none, none, none,
+                  &angle);
+    return angle;
+}
+
+CLONES static void look_at_drive(struct lane_drive *drive, int64_t place, struct lane_time at)
+{
+    const size_t size = (at.t ? LANE_COUNT : 1) * sizeof *at.t;
+    const double *const t = at.t ? at.t : &at.all;
+    double *row = drive->value + drive->rows * LANE_COUNT, angle[LANE_COUNT];
+    four now = at.all - (four){0};
+    if (!drive->own) {
+        drive->value[place] = fixed_cos(drive_angle(drive, 0, now)[0]);
+        return;
+    }
+    const bool again = drive->rows > 0 && memcmp(t, drive->time, size) == 0;
+    drive->at[place] = again ? row - LANE_COUNT : row;
+    if (again)
+        return;
+    memcpy(drive->time, t, size);
+    for (int lane = 0; lane < LANE_COUNT; lane += WIDE) {
+        if (at.t)
+            now = load(t + lane);
+        *fours(angle + lane) = drive_angle(drive, lane, now);
+    }
+    fixed_cosines(LANE_COUNT, angle, row);
+    drive->rows++;
+}
+
+/* The places of the step lanes->step, `place` the first of them. */
+static void look_at_step(struct lanes *lanes, int64_t place)
+{
+    const struct splitting *splitting = lanes->method->splitting;
+    double time[LANE_COUNT];
+    struct lane_time at = lanes_time(lanes, 0, time);
+    for (int i = 0; i < lanes->drive.places; i++, place++)
+        if (!splitting)
+            look_at_drive(&lanes->drive, place,
+                          lanes_time(lanes, lanes->method->tableau->c[i], time));
+        else if ((i % 2 == 0) == splitting->kick_first)
+            look_at_drive(&lanes->drive, place, at);
+        else
+            lanes_time_add(lanes, splitting_weight(splitting, i), &at, time);
+}
+
+/* Returns of how many of the next steps, at most `count`, the drive is known. Where it is the same
+ * in all lanes, it mostly is in the next ones, too, and stays. */
+static int64_t look_ahead(struct lanes *lanes, int64_t count)
+{
+    struct lane_drive *const drive = &lanes->drive;
+    const int64_t first = lanes->step;
+    if (!drive->c1)
+        return count;
+    const int64_t max = (drive->own ? DRIVE_ROWS : DRIVE_VALUES) / drive->places;
+    const struct driven_by by = {drive->own ? NULL : lanes->method,
+                                 {*drive->c1, *drive->c2, lanes->t0, lanes->h}};
+    if (drive->own || memcmp(&by, &drive->by, sizeof by) != 0 || first < drive->from ||
+        first > drive->end || first - drive->from >= max) {
+        drive->by = by;
+        drive->from = drive->end = first;
+        drive->rows = 0;
+    }
+    const int64_t end = first + count < drive->from + max ? first + count : drive->from + max;
+    for (; drive->end < end; drive->end++) {
+        lanes->step = drive->end;
+        look_at_step(lanes, (drive->end - drive->from) * drive->places);
+    }
+    lanes->step = first;
+    drive->next = drive->value + (first - drive->from) * drive->places;
+    return end - first;
+}
+
+/* Kernels know that there is no drive; a cosine for all lanes; one for each. */
+enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
+
+/* At a place of the next steps. */
+INLINE four cosine_at(enum drive_known known, const struct lane_drive *drive, int64_t place,
+                      int lane)
+{
+    if (known == DRIVE_OWN)
+        return load(drive->at[place] + lane);
+    return (known == DRIVE_ALIKE ? drive->next[place] : 0) - (four){0};
+}
+
+/* ---- the classical method ---- */
+
+/* Those of the stages in the sum, then those of each in the next one. */
+enum { RK_WEIGHTS = 7 };
+
+/* Times h. */
+INLINE void classical_weights(const struct tableau *tableau, four h, four w[RK_WEIGHTS])
+{
+    for (int s = 0; s < 4; s++)
+        w[s] = h * tableau->b[s];
+    for (int s = 1; s < 4; s++)
+        w[3 + s] = h * tableau_row(tableau, s)[s - 1];
+}
+
+INLINE void classical_step(lane_force *force, const double *c, const four w[RK_WEIGHTS],
+                           const four cosine[4], const four y[2], four z[2])
+{
+    four sum[2] = {-(four){0}, -(four){0}};
+    z[0] = y[0];
+    z[1] = y[1];
+    UNROLL for (int s = 0; s < 4; s++)
+    {
+        const four slope[2] = {z[1], force(0, 0, c, z[0], z[1], cosine[s])};
+        for (int j = 0; j < 2; j++) {
+            const four next = w[4 + s % 3] * slope[j];
+            sum[j] += w[s] * slope[j];
+            z[j] = y[j] + (s < 3 ? next : sum[j]);
+        }
+    }
+}
+
+/* As turn.c has them. */
+enum { TURN_TIME, TURN_SPEED, TURN_SLOPE, TURN_NUMBERS };
+
+INLINE four turning_time(const four *p, const four *q)
+{
+    const four from = p[TURN_TIME], size = q[TURN_TIME] - from,
+               rise = q[TURN_SPEED] - p[TURN_SPEED], u = -p[TURN_SPEED] / rise, r = 1 - u;
+    const four x = from + size * (u * u * (3 - 2 * u)) +
+                   rise * u * r * (r / p[TURN_SLOPE] - u / q[TURN_SLOPE]);
+    return four_either((x - from) * (q[TURN_TIME] - x) > 0, from + size / 2, x);
+}
+
+INLINE four_masks crosses(four before, four after)
+{
+    return ((before < 0) & (after > 0)) | ((before > 0) & (after < 0));
+}
+
+INLINE four_masks is_infinite(const four z[2])
+{
+    return ~((four_magnitude(z[0]) <= DBL_MAX) & (four_magnitude(z[1]) <= DBL_MAX));
+}
+
+INLINE void take(four_masks which, int count, const four *from, four *to)
+{
+    for (int j = 0; j < count; j++)
+        to[j] = four_either(which, to[j], from[j]);
+}
+
+/* method_turning_step() of those lanes of a vector whose velocity changes its sign in the step from
+ * y to z, which becomes the state after it. Returns the evaluations. */
+INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct tableau *tableau,
+                             four rest, four y[2], four z[2])
+{
+    four t[2] = {z[0], z[1]}, w[RK_WEIGHTS];
+    const four none[4] = {0};
+    four_masks moving = crosses(y[1], z[1]), failed = {0}, evals = {0};
+    for (int piece = 1;; piece++) {
+        if (piece > 1) {
+            classical_weights(tableau, rest, w);
+            classical_step(force, c, w, none, y, t);
+            evals += moving & 4;
+        }
+        failed |= moving & is_infinite(t);
+        take(moving, 2, t, z);
+        moving &= ~failed & crosses(y[1], t[1]);
+        if (piece == TURN_PIECES || four_none(moving))
+            break;
+        evals += moving & 2;
+        four first[TURN_NUMBERS] = {{0}, y[1], force(0, 0, c, y[0], y[1], rest)},
+             last[TURN_NUMBERS] = {rest, t[1], force(0, 0, c, t[0], t[1], rest)};
+        const four near = TURN_NEAR * four_magnitude(rest);
+        four x = turning_time(first, last), used = x;
+        moving &= ~((four_magnitude(x) <= near) | (four_magnitude(rest - x) <= near));
+        four_masks trying = moving;
+        for (int i = 0; i < TURN_TRIES && !four_none(trying); i++) {
+            classical_weights(tableau, x, w);
+            classical_step(force, c, w, none, y, t);
+            const four here[TURN_NUMBERS] = {x, t[1], force(0, 0, c, t[0], t[1], rest)};
+            evals += trying & 4;
+            failed |= trying & is_infinite(t);
+            take(trying, 2, t, z);
+            take(trying, 1, &x, &used);
+            trying &=
+                ~(four_magnitude(here[TURN_SPEED]) <= near * four_magnitude(here[TURN_SLOPE])) &
+                ~failed;
+            const four_masks before = ~((here[TURN_SPEED] < 0) ^ (y[1] < 0));
+            take(trying & before, TURN_NUMBERS, here, first);
+            take(trying & ~before, TURN_NUMBERS, here, last);
+            x = four_either(trying, x, turning_time(first, last));
+        }
+        moving &= ~failed;
+        if (four_none(moving))
+            break;
+        rest -= used;
+        take(moving, 2, z, y);
+    }
+    t[0] = t[1] = NAN - (four){0};
+    take(failed, 2, t, z);
+    return evals;
+}
+
+INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned flags,
+                            struct lanes *lanes, int64_t count, double *row)
+{
+    const struct tableau *tableau = lanes->method->tableau;
+    const double *c = lanes->input + (1 + N) * LANE_COUNT;
+    four w[LANE_COUNT][RK_WEIGHTS]; /* of every fourth */
+    for (int lane = 0; lane < LANE_COUNT; lane += WIDE)
+        classical_weights(tableau, load(lanes->own_h + lane), w[lane]);
+    for (int64_t i = 0; i < count; i++, row += row ? 2 * LANE_COUNT : 0)
+        for (int lane = 0; lane < LANE_COUNT; lane += WIDE) {
+            four y[2] = {load(lanes->y + lane), load(lanes->y + LANE_COUNT + lane)}, z[2],
+                 cosine[4];
+            UNROLL for (int s = 0; s < 4; s++) cosine[s] =
+                cosine_at(drive, &lanes->drive, 4 * i + s, lane);
+            classical_step(force, c + lane, w[lane], cosine, y, z);
+            const four_masks turned = (four_masks)y[1] ^ (four_masks)z[1];
+            if (flags & TERM_KINK && lanes->turns &&
+                (turned[0] | turned[1] | turned[2] | turned[3]) < 0) {
+                const four_masks evals =
+                    turn_lanes(force, c + lane, tableau, load(lanes->own_h + lane), y, z);
+                for (int k = 0; k < WIDE; k++)
+                    lanes->evals[lane + k] += evals[k];
+            }
+            for (int j = 0; j < 2; j++) {
+                *fours(lanes->y + j * LANE_COUNT + lane) = z[j];
+                if (row)
+                    *fours(row + j * LANE_COUNT + lane) = z[j];
+            }
+        }
+    memcpy(lanes->state, lanes->y, 2 * LANE_COUNT * sizeof *lanes->y);
+}
+
+/* ---- splittings ---- */
+
+/* Vectors that are stepped together, so that one is computed while others are waited for. */
+enum { SPLIT_PARTS = 4 };
+
+/* Copy numbers [count][LANE_COUNT] of these vectors from a lane on. */
+INLINE void parts_load(int count, const double *from, four *to)
+{
+    UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) to[j] =
+        load(from + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE);
+}
+
+INLINE void parts_store(int count, const four *from, double *to)
+{
+    UNROLL for (int j = 0; j < count * SPLIT_PARTS; j++) *
+        fours(to + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = from[j];
+}
+
+/* Lets velocities follow the drag's own flow over h/2: drag_flow_apply(), which forward in time has
+ * no pole. half: from the lane on. */
+INLINE void flow(const double *half, four v[SPLIT_PARTS])
+{
+    UNROLL for (int p = 0; p < SPLIT_PARTS; p++, half += WIDE) v[p] =
+        v[p] * load(half) /
+        (load(half + LANE_COUNT) + load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
+}
+
+/* As split_kick(); lost: of this kick, from the lane on. */
+INLINE void kick(enum drag variant, bool around, lane_force *force, const double *c,
+                 const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
+                 four z[2][SPLIT_PARTS])
+{
+    UNROLL for (int p = 0; p < SPLIT_PARTS; p++, c += WIDE, lost += WIDE)
+    {
+        four *const v = &z[1][p];
+        if (variant == DRAG_EXACT && !around)
+            *v += pull[p] * load(lost + LANE_COUNT) - *v * load(lost);
+        else if (variant == DRAG_EXPLICIT)
+            *v += w[p] * (pull[p] + force(TERM_VELOCITY, TERM_VELOCITY, c, z[0][p], *v, w[p]));
+        else
+            *v += w[p] * pull[p];
+    }
+}
+
+INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned flags,
+                            struct lanes *lanes, int64_t count, double *row)
+{
+    const struct split_way *way = &lanes->way;
+    const enum drag variant = flags & TERM_VELOCITY ? way->drag : DRAG_DEFAULT;
+    const bool around = variant == DRAG_EXACT && way->around, continues = way->continues;
+    const int places = way->splitting->count;
+    const double *c = lanes->input + (1 + N) * LANE_COUNT;
+    for (int lane = 0; lane < LANE_COUNT; lane += SPLIT_PARTS * WIDE, c += SPLIT_PARTS * WIDE) {
+        four z[2][SPLIT_PARTS], pull[SPLIT_PARTS], w[WEIGHTS_MAX][SPLIT_PARTS];
+        bool known = continues && lanes->step > 0;
+        for (int i = 0; i < places; i++)
+            for (int p = 0; p < SPLIT_PARTS; p++)
+                w[i][p] =
+                    splitting_weight(way->splitting, i) * load(lanes->own_h + lane + p * WIDE);
+        parts_load(2, lanes->state + lane, z[0]);
+        parts_load(1, lanes->pull + lane, pull);
+        for (int64_t i = 0; i < count; i++) {
+            if (around)
+                flow(lanes->half + lane, z[1]);
+            for (int index = 0; index < places; index++) {
+                if ((index % 2 == 0) != way->splitting->kick_first) {
+                    UNROLL for (int p = 0; p < SPLIT_PARTS; p++) z[0][p] += w[index][p] * z[1][p];
+                    continue;
+                }
+                if (!known)
+                    UNROLL for (int p = 0; p < SPLIT_PARTS; p++) pull[p] =
+                        force(TERM_VELOCITY, 0, c + p * WIDE, z[0][p], z[1][p],
+                              cosine_at(drive, &lanes->drive, places * i + index, lane + p * WIDE));
+                known = continues && index == places - 1;
+                kick(variant, around, force, c, lanes->frozen + 2 * index * LANE_COUNT + lane,
+                     w[index], pull, z);
+            }
+            if (around)
+                flow(lanes->half + lane, z[1]);
+            if (row)
+                parts_store(2, z[0], row + 2 * i * LANE_COUNT + lane);
+        }
+        parts_store(2, z[0], lanes->state + lane);
+        parts_store(1, pull, lanes->pull + lane);
+    }
+}
+
+/* ---- the kernels ---- */
+
+typedef void march_lanes(struct lanes *lanes, int64_t count, double *row);
+
+/* AVX-512 adds nothing to vectors of four. */
+#define LANE_KERNEL(shape, name)                                                                   \
+    CLONES_FOR("avx2") static void shape##name(struct lanes *lanes, int64_t count, double *row)    \
+    {                                                                                              \
+        const unsigned flags = LANE_FLAGS(shape);                                                  \
+        if (!(flags & TERM_TIME))                                                                  \
+            march##name(shape##_in_lanes, DRIVE_NONE, flags, lanes, count, row);                   \
+        else if (lanes->drive.own)                                                                 \
+            march##name(shape##_in_lanes, DRIVE_OWN, flags, lanes, count, row);                    \
+        else                                                                                       \
+            march##name(shape##_in_lanes, DRIVE_ALIKE, flags, lanes, count, row);                  \
+    }
+#define LANE_KERNELS(shape)                                                                        \
+    LANE_KERNEL(shape, _classical)                                                                 \
+    LANE_KERNEL(shape, _splitting)
+LANE_SHAPES(LANE_KERNELS)
+
+#define LANE_ENTRY(shape) [SHAPE_##shape] = {shape##_classical, shape##_splitting},
+static march_lanes *const kernels[SHAPE_COUNT][2] = {LANE_SHAPES(LANE_ENTRY)};
+
+/* Four stages, each from the one before. */
+static bool is_classical(const struct lanes *lanes)
+{
+    const struct weights *w = lanes->weights;
+    return lanes->method->tableau && lanes->method->tableau->stages == 4 && w[0].count == 4 &&
+           w[1].count == 1 && w[2].count == 1 && w[2].stage[0] == 1 && w[3].count == 1 &&
+           w[3].stage[0] == 2;
+}
+
+bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row)
+{
+    const struct system *system = lanes->system[0];
+    const struct splitting *splitting = lanes->method->splitting;
+    const int shape = splitting || is_classical(lanes) ? shape_of(system) : -1;
+    march_lanes *const kernel = shape >= 0 ? kernels[shape][splitting != NULL] : NULL;
+    struct lane_drive *const drive = &lanes->drive;
+    if (!kernel)
+        return false;
+    drive->own = lanes->own;
+    drive->places = splitting ? splitting->count : 4;
+    drive->c1 = NULL;
+    for (int i = 0; i < system->terms; i++)
+        if (system->term[i].row->flags & TERM_TIME) {
+            drive->c1 = lanes->input + (1 + N + i * TERM_COEFFICIENTS + 1) * LANE_COUNT;
+            drive->c2 = drive->c1 + LANE_COUNT;
+        }
+    for (int lane = 1; drive->c1 && lane < LANE_COUNT; lane++)
+        drive->own |= drive->c1[lane] != drive->c1[0] || drive->c2[lane] != drive->c2[0];
+    for (int64_t some; count > 0; count -= some) {
+        some = look_ahead(lanes, count);
+        kernel(lanes, some, row);
+        lanes->step += some;
+        row = row ? row + some * 2 * LANE_COUNT : NULL;
+    }
+    return true;
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Many trajectories at once, in vectors. */
+#ifndef HOOKE_MODULES_LANES_LANES_H
+#define HOOKE_MODULES_LANES_LANES_H
+
+#include <hooke/method.h>
+#include <hooke/scene/formula.h>
+
+/* ---- many trajectories at once ----
+ *
+ * LANE_COUNT systems of one kind, stepped side by side in vectors: each gets the bits that
+ * method_turning_march() would give it alone. Explicit Runge-Kutta methods and splittings, fixed
+ * steps forward in time, oscillators, pendulums, typed scenes.
+ */
+#define LANE_COUNT 64
+
+struct lanes;
+
+/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step?
+ * Two of them together? */
+bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
+bool lanes_alike(const struct system *a, const struct system *b);
+struct lanes *lanes_create(void); /* NULL: no memory */
+void lanes_destroy(struct lanes *lanes);
+/* For systems like this one. False: no memory. */
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
+                 const struct system *like, double h);
+/* Before the first step: this lane starts as the system says, which stays where it is. Every lane
+ * has to be set, by a copy if need be. */
+void lanes_set(struct lanes *lanes, int lane, const struct system *system);
+/* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
+void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
+/* The next steps of all of them, nothing checked. row [count][2][LANE_COUNT]: the first variable
+ * and how fast it changes, after them; NULL: not wanted. */
+void lanes_march(struct lanes *lanes, int64_t count, double *row);
+void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANE_COUNT], now */
+void lanes_state(const struct lanes *lanes, int lane, double *y);
+int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
+/*
+ * The same by steps of method_adapt(), each lane by its own control from a fresh one with the step
+ * of lanes_begin(): can such
+ * systems go in lanes? After lanes_begin() and lanes_set() of all lanes lanes_control() takes the
+ * first step of the first `used` ones, tol [used]. creep: a lane whose next step becomes shorter
+ * than this part of the time since the start goes no further, unless the system is linear. Then
+ * lanes_adapt() attempts so many steps; false: all have ended. row [count][3][LANE_COUNT]: t [s],
+ * the variable and how fast it changes, after each attempt, as before it where that was rejected;
+ * NULL: not wanted.
+ */
+bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
+                     double h);
+void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep);
+bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
+void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANE_COUNT], now */
+/* False: this lane has not come to t_end, and says nothing of what would happen alone. */
+bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals);
+/* Does a step begin with what the one before has left? */
+bool lanes_carry(const struct method *method, enum drag drag);
+
+/* ---- programs of formulas on many lanes ----
+ *
+ * What program_eval() does, with the same bits and PROGRAM_LANES doubles for each name and output.
+ * The frame is prepared for one place of input [names]. lanes [names]: what is known of the
+ * names, or NULL if nothing is; those that are fixed have their values already. All of them are
+ * best aligned to 64 bytes.
+ */
+#define PROGRAM_LANES LANE_COUNT
+
+enum program_lanes {
+    LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
+    LANES_FIXED = 2, /* the same values from here on */
+};
+
+size_t program_frame_lanes(const struct program *program);
+void program_prepare_lanes(const struct program *program, const double *input,
+                           const unsigned char *lanes, double *frame);
+void program_eval_lanes(const struct program *program, double *output, double *frame);
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How strong the noise is: from the damping of the scene and a temperature, or as stated. */
+#include "modules/noise/compute/forcing.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Relative difference of two dampings that are the same but for rounding. */
+static const double damping_tolerance = 1e-9;
+/* States at which damping is looked at, besides the start. */
+enum { DAMPING_PROBES = 4 };
+
+/* Fills y [n] with the start, its position moved by `shift` natural sizes and its velocity set to
+ * `speed` natural sizes. */
+static void probe_state(const struct system *system, double shift, double speed, double *y)
+{
+    const int half = system->n / 2;
+    for (int i = 0; i < half; i++) {
+        y[i] = system->start[i] + shift * (1 + 0.37 * i) * system->scale[i];
+        y[half + i] = speed * (1 - 0.29 * i / half) * system->scale[half + i];
+    }
+}
+
+/*
+ * Finds the linear damping [half] of each coordinate at rest. Returns false if it depends on the
+ * position or the time, or couples coordinates, so that there is no such number.
+ */
+static bool own_damping(const struct system *system, double *gamma)
+{
+    static const double shift[DAMPING_PROBES] = {0, 0.31, -0.47, 0.83};
+    const int n = system->n, half = n / 2;
+    bool linear = true;
+    for (int probe = 0; probe < DAMPING_PROBES && linear; probe++) {
+        double y[LIMIT_VARIABLES];
+        probe_state(system, shift[probe], 0, y);
+        const double t = system->t0 + 0.7 * probe;
+        double *jacobian = system_new_jacobian(system, t, y);
+        if (!jacobian)
+            return false;
+        for (int i = 0; i < half && linear; i++) {
+            const double *row = jacobian + (half + i) * n + half;
+            if (probe == 0)
+                gamma[i] = -row[i] + 0.0;
+            for (int j = 0; j < half; j++)
+                linear = linear && fabs(-row[j] - (i == j ? gamma[i] : 0)) <=
+                                       damping_tolerance * fabs(gamma[i]);
+        }
+        free(jacobian);
+    }
+    return linear;
+}
+
+/* Returns true if the drag of the scene is more than -gamma v. */
+static bool has_other_drag(const struct system *system, const double *gamma)
+{
+    static const double speed[DAMPING_PROBES] = {0.4, -0.9, 1.7, -0.2};
+    const int half = system->n / 2;
+    for (int probe = 0; probe < DAMPING_PROBES && system->velocity; probe++) {
+        double y[LIMIT_VARIABLES], drag[LIMIT_VARIABLES];
+        probe_state(system, 0.3 * probe, speed[probe], y);
+        system_drag(system, system->t0, y, drag);
+        for (int i = 0; i < half; i++) {
+            const double linear = gamma[i] * y[half + i];
+            if (!(fabs(drag[i] + linear) <= damping_tolerance * fabs(linear)))
+                return true;
+        }
+    }
+    return false;
+}
+
+static bool bind_damping(const struct noise_request *request, struct noise_forcing *forcing,
+                         struct error *error)
+{
+    const struct system *system = &forcing->system;
+    double own[LIMIT_VARIABLES] = {0};
+    const bool known = own_damping(system, own);
+    const bool stated = !isnan(request->gamma);
+    if (!known)
+        memset(own, 0, sizeof own);
+    if (!known && !stated && request->strengths == 0) {
+        error_set(error, ERROR_COMMAND,
+                  "the scene's damping depends on more than the velocity, "
+                  "so that no temperature follows from it");
+        return error_hint(error, "gamma=V adds a damping with noise of its own");
+    }
+    for (int i = 0; i < forcing->count; i++) {
+        forcing->gamma[i] = stated ? request->gamma : own[i];
+        forcing->extra[i] = stated ? request->gamma - own[i] : 0;
+        if (request->strengths == 0 && !(forcing->gamma[i] > 0)) {
+            error_set(error, ERROR_COMMAND, "a temperature needs damping: that of %s is %g 1/s",
+                      system_variable(system, i).name, forcing->gamma[i]);
+            return error_hint(error, "gamma=V states one, noise=V another strength of the noise");
+        }
+    }
+    forcing->other_drag = has_other_drag(system, own);
+    return true;
+}
+
+static bool bind_strength(const struct noise_request *request, struct noise_forcing *forcing,
+                          struct error *error)
+{
+    const struct system *system = &forcing->system;
+    if (request->strengths > 1 && request->strengths != forcing->count)
+        return error_set(error, ERROR_COMMAND, "noise= has %d values: one, or %d, one for each %s",
+                         request->strengths, forcing->count,
+                         system->order == 2 ? "velocity" : "variable");
+    for (int i = 0; i < forcing->count; i++) {
+        if (request->strengths > 0) {
+            forcing->strength[i] = request->strength[request->strengths > 1 ? i : 0];
+            continue;
+        }
+        const double mass = system->mass * (system->ratio[i] > 0 ? system->ratio[i] : 1);
+        forcing->strength[i] = sqrt(2 * forcing->gamma[i] * request->energy / mass);
+    }
+    return true;
+}
+
+bool noise_forcing_bind(const struct scene *scene, const struct noise_request *request,
+                        struct noise_forcing *forcing, struct error *error)
+{
+    *forcing = (struct noise_forcing){.energy = request->energy};
+    if (!scene_bind(scene, &forcing->system, error))
+        return false;
+    const struct system *system = &forcing->system;
+    const bool second = system->order == 2;
+    forcing->first = second ? system->n / 2 : 0;
+    forcing->count = system->n - forcing->first;
+    if (system->dry) {
+        error_set(error, ERROR_COMMAND,
+                  "dry friction cannot be stepped with noise: it holds the "
+                  "body at rest, where no noise would");
+        return error_hint(error, "friction = 0");
+    }
+    if (!second && request->strengths == 0) {
+        error_set(error, ERROR_COMMAND,
+                  "a temperature needs velocities, and the scene has none: it is of first order");
+        return error_hint(error, "noise=V is the strength of the noise");
+    }
+    if (!second && !isnan(request->gamma))
+        return error_set(error, ERROR_COMMAND,
+                         "gamma= needs velocities, and the scene has none: it is of first order");
+    return (!second || bind_damping(request, forcing, error)) &&
+           bind_strength(request, forcing, error);
+}

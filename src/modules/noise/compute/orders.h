@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Strong and weak orders of a method for a scene, measured. */
+#ifndef HOOKE_MODULES_NOISE_COMPUTE_ORDERS_H
+#define HOOKE_MODULES_NOISE_COMPUTE_ORDERS_H
+
+#include "modules/noise/compute/paths.h"
+
+enum { ORDER_LEVELS_MAX = 12 };
+
+struct orders_request {
+    const struct noise_forcing *forcing;
+    double span, dt; /* [s] dt: the largest step, which is halved `levels` times */
+    int levels;
+    int64_t paths;
+    uint64_t seed;
+};
+
+/*
+ * A step beside half of it on the same Wiener path, at the end of the span, in natural sizes of the
+ * variables. Strong: root mean square distance of the two. Weak: difference of the mean of
+ * the sum of squares of the variables. Both fall with dt as the errors themselves do.
+ */
+struct order_level {
+    double dt; /* [s] */
+    struct measured strong, weak;
+};
+
+struct method_orders {
+    const struct noise_method *method;
+    struct order_level level[ORDER_LEVELS_MAX];
+    int levels;
+    /* NAN means that an order is not known: fewer than three levels are beyond three standard
+     * errors. */
+    struct measured strong, weak;
+    bool weak_is_exact; /* the scene is linear: weak errors are free of chance */
+};
+
+double noise_orders_bytes(const struct orders_request *request, int threads);
+/* Steps that all paths of a method take together. */
+double noise_orders_steps(const struct orders_request *request);
+/* Returns false with `error` filled if out of memory, cancelled, or a path diverged. The same bytes
+ * for any number of threads. */
+bool noise_orders_measure(const struct orders_request *request, const struct noise_method *method,
+                          struct parallel parallel, struct method_orders *orders,
+                          struct error *error);
+
+#endif

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The command ensemble: many paths of the scene with noise, and their statistics. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include "modules/noise/setup.h" /* for the rows, too */
+
+#ifndef COMMAND_ROWS
+#include <stdlib.h>
+#include <string.h>
+
+enum { ENSEMBLE_INTERVALS = 200, ENSEMBLE_SHOWN = 4 };
+
+/* All about an ensemble that is being answered. */
+struct answer {
+    const struct noise_setup *setup;
+    struct path_request request;
+    struct path_column column;
+    struct variable shown;
+    struct ensemble ensemble;
+    struct ensemble_row *row;        /* [ensemble.rows] */
+    struct measured kinetic, virial; /* [J] m<v^2> and -<(y - <y>) F> at the end; NAN */
+    double half_step;                /* what half the step changes, of the spread at the end; NAN */
+};
+
+/* ---- what a heat bath says of the end ---- */
+
+/* The mean of a variable over the paths at their end. */
+static struct measured mean_at_end(const struct answer *answer, int variable, double *scratch)
+{
+    size_t count = 0;
+    const int n = answer->setup->forcing.system.n;
+    for (int64_t path = 0; path < answer->ensemble.paths; path++)
+        if (!isnan(answer->ensemble.end[path * n]))
+            scratch[count++] = answer->ensemble.end[path * n + variable];
+    return noise_mean_of(scratch, count);
+}
+
+/* The means of m v^2 and, where there may be an equilibrium, of -(y - <y>) F at the end, over
+ * coordinates, too. */
+static void find_temperature(struct answer *answer, double *scratch)
+{
+    const struct noise_forcing *forcing = &answer->setup->forcing;
+    const struct system *system = &forcing->system;
+    const int n = system->n, half = n / 2;
+    const bool rests = system->autonomous && !forcing->other_drag;
+    answer->kinetic = answer->virial = (struct measured){NAN, NAN};
+    if (system->order != 2 || isnan(forcing->energy))
+        return;
+    double middle[LIMIT_VARIABLES];
+    for (int i = 0; i < half; i++)
+        middle[i] = mean_at_end(answer, i, scratch).value;
+    for (int which = 0; which <= rests; which++) {
+        size_t count = 0;
+        for (int64_t path = 0; path < answer->ensemble.paths; path++) {
+            const double *y = answer->ensemble.end + path * n;
+            double force[LIMIT_VARIABLES], sum = 0;
+            if (isnan(y[0]))
+                continue;
+            system_force(system, system->t0 + answer->request.grid.span, y, force);
+            for (int i = 0; i < half; i++) {
+                const double mass = system->mass * (system->ratio[i] > 0 ? system->ratio[i] : 1);
+                const double v = y[half + i];
+                sum += mass * (which ? -(y[i] - middle[i]) * force[i] : v * v);
+            }
+            scratch[count++] = sum / half;
+        }
+        const struct measured mean = noise_mean_of(scratch, count);
+        const double share = (double)count / (double)(count - 1);
+        if (!which)
+            answer->kinetic = mean;
+        else if (count > 1) /* <y> is the mean of the same paths, as in a variance */
+            answer->virial = (struct measured){mean.value * share, mean.uncertainty * share};
+    }
+}
+
+/* What half the step changes of a few paths, of the variable that it changes most. */
+static void find_half_step(struct answer *answer, double *scratch)
+{
+    /* At most a tenth of the work. */
+    enum { SHARE = 20, PATHS_MAX = 20 };
+    const int64_t few = answer->ensemble.paths / SHARE;
+    const int n = answer->setup->forcing.system.n;
+    double distance[LIMIT_VARIABLES];
+    answer->half_step = NAN;
+    if (few == 0 || answer->ensemble.diverged ||
+        !noise_path_half_step(&answer->request, answer->ensemble.end,
+                              few < PATHS_MAX ? few : PATHS_MAX, distance))
+        return;
+    for (int i = 0; i < n; i++) {
+        const double root = sqrt((double)answer->ensemble.paths);
+        const double spread = mean_at_end(answer, i, scratch).uncertainty * root;
+        if (spread > 0)
+            answer->half_step =
+                fmax(isnan(answer->half_step) ? 0 : answer->half_step, distance[i] / spread);
+    }
+}
+
+/* ---- what is kept and said ---- */
+
+/* The values of a row in the order of their columns. */
+enum { VALUES = 7 };
+static const char *const value_name[VALUES] = {
+    "mean", "sd", "low", "lower_quartile", "median", "upper_quartile", "high"};
+static double row_value(const struct ensemble_row *row, int i)
+{
+    const double value[VALUES] = {row->mean,   row->sd,    row->low, row->lower,
+                                  row->median, row->upper, row->high};
+    return value[i];
+}
+
+/* A few rows, for people. */
+static void put_rows(const struct answer *answer, struct arena *arena, struct buffer *text)
+{
+    static const char *const heading[] = {"t", "mean", "sd", "5 %", "median", "95 %"};
+    static const int shown[] = {0, 1, 2, 4, 6};
+    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 3};
+    const size_t last = answer->ensemble.rows - 1;
+    for (size_t i = 0; i < COUNT_OF(heading); i++)
+        cell_text(&table, heading[i]);
+    for (size_t i = 0, before = SIZE_MAX; i <= ENSEMBLE_SHOWN; i++) {
+        const size_t place = i * last / ENSEMBLE_SHOWN;
+        const struct ensemble_row *row = &answer->row[place];
+        if (place == before)
+            continue;
+        before = place;
+        cell_quantity(&table, row->t, QUANTITY_TIME, 4);
+        for (size_t k = 0; k < COUNT_OF(shown); k++)
+            cell_quantity(&table, row_value(row, shown[k]), answer->shown.quantity, 4);
+    }
+    text_table_put(&table, text);
+}
+
+/* What a bath and the step say of the end. */
+static void put_end(const struct answer *answer, struct buffer *text)
+{
+    const enum quantity energy = noise_energy_quantity(answer->setup);
+    if (!isnan(answer->kinetic.value)) {
+        buffer_format(text, "\nm<v^2> at the end: ");
+        buffer_measured(text, answer->kinetic, energy, 4);
+    }
+    if (!isnan(answer->virial.value)) {
+        buffer_format(text, "\n-<(y - <y>) F> at the end: ");
+        buffer_measured(text, answer->virial, energy, 4);
+        buffer_format(text, "; both are kT in equilibrium");
+    }
+    if (!isnan(answer->half_step))
+        buffer_format(text,
+                      "\nhalf the step on the same noise: paths end up to %.2g %% of the "
+                      "spread away",
+                      100 * answer->half_step);
+}
+
+static void say_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
+{
+    const struct path_grid *grid = &answer->request.grid;
+    struct buffer text = {0};
+    buffer_format(&text, "%lld paths of %s over ", (long long)answer->ensemble.paths,
+                  answer->shown.name);
+    buffer_quantity(&text, grid->span, QUANTITY_TIME, 6);
+    buffer_format(&text, ": %s, %lld step%s of ", answer->setup->method->row.name,
+                  (long long)grid->steps, grid->steps == 1 ? "" : "s");
+    buffer_quantity(&text, grid->h, QUANTITY_TIME, 6);
+    buffer_format(&text, "\n");
+    noise_setup_put(answer->setup, &text);
+    buffer_format(&text, "\n");
+    put_rows(answer, arena, &text);
+    while (text.len > 0 && text.data[text.len - 1] == '\n')
+        text.data[--text.len] = 0;
+    put_end(answer, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+}
+
+static void reply_values(const struct answer *answer, const char *key, int value,
+                         struct reply *reply)
+{
+    reply_array(reply, key);
+    for (size_t i = 0; i < answer->ensemble.rows; i++)
+        reply_real(reply, NULL, value < 0 ? answer->row[i].t : row_value(&answer->row[i], value));
+    reply_close(reply);
+}
+
+static void reply_ensemble(const struct answer *answer, struct reply *reply)
+{
+    reply_begin(reply, "ensemble");
+    reply_int(reply, "n", answer->ensemble.paths);
+    reply_string(reply, "of", answer->shown.name);
+    reply_string(reply, "unit", quantity_unit(answer->shown.quantity));
+    noise_setup_reply(answer->setup, &answer->request.grid, reply);
+    reply_int(reply, "diverged", answer->ensemble.diverged);
+    const enum quantity energy = noise_energy_quantity(answer->setup);
+    reply_measured(reply, "kinetic", answer->kinetic, energy);
+    reply_measured(reply, "virial", answer->virial, energy);
+    reply_real(reply, "half_step", answer->half_step);
+    reply_values(answer, "times", -1, reply);
+    for (int i = 0; i < VALUES; i++)
+        reply_values(answer, value_name[i], i, reply);
+    reply_end(reply);
+}
+
+static enum quantity row_quantity(const void *row)
+{
+    return ((const struct ensemble_row *)row)->quantity;
+}
+
+#define STATISTIC(name_, at_)                                                                      \
+    {                                                                                              \
+        .name = name_, .quantity_of = row_quantity, .at = offsetof(struct ensemble_row, at_)       \
+    }
+static const struct result_column of_row[] = {
+    {.name = "t", .quantity = QUANTITY_TIME, .at = offsetof(struct ensemble_row, t)},
+    STATISTIC("mean", mean),
+    STATISTIC("sd", sd),
+    STATISTIC("low", low),
+    STATISTIC("lower_quartile", lower),
+    STATISTIC("median", median),
+    STATISTIC("upper_quartile", upper),
+    STATISTIC("high", high),
+    {.name = "paths", .kind = COLUMN_COUNT, .at = offsetof(struct ensemble_row, paths)},
+};
+static const struct result_columns row_columns = RESULT_COLUMNS(of_row, struct ensemble_row);
+
+/* ---- the command ---- */
+
+/* Follows the paths and finds what is said of them. */
+static bool make_answer(struct session *session, const struct arguments *args,
+                        struct answer *answer, struct error *error)
+{
+    struct ensemble *ensemble = &answer->ensemble;
+    const int64_t paths = noise_integer(args, "N", 0);
+    if (!noise_ensemble_follow(&answer->request, &answer->column, paths,
+                               noise_parallel(session, args), ensemble, error))
+        return false;
+    if (ensemble->diverged == paths)
+        return error_set(error, ERROR_NUMERICAL, "all paths diverged: try a smaller dt");
+    double *scratch = arena_array(args->arena, 2 * (size_t)paths, sizeof *scratch);
+    answer->row = arena_array(args->arena, ensemble->rows, sizeof *answer->row);
+    if (!scratch || !answer->row)
+        return error_memory(error);
+    for (size_t i = 0; i < ensemble->rows; i++) {
+        if (cancelled(session->front.cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped: the ensemble is dropped");
+        answer->row[i] = noise_ensemble_statistics(ensemble, &answer->request.grid, i, scratch);
+        answer->row[i].quantity = answer->shown.quantity;
+    }
+    find_temperature(answer, scratch);
+    find_half_step(answer, scratch);
+    return true;
+}
+
+static bool answer_ensemble(struct session *session, const struct arguments *args,
+                            struct answer *answer, struct reply *reply, struct error *error)
+{
+    const struct noise_setup *setup = answer->setup;
+    const int64_t paths = noise_integer(args, "N", 0);
+    const int64_t intervals = noise_integer(args, "rows", ENSEMBLE_INTERVALS + 1) - 1;
+    if (paths < 2 || paths >= UINT32_MAX)
+        return error_at(error, argument_value(args, "N")->where,
+                        "N is the number of paths, from 2");
+    if (intervals < 1 || intervals >= PATH_ROWS_MAX)
+        return error_at(error, argument_value(args, "rows")->where, "rows=N is 2 to %d",
+                        PATH_ROWS_MAX);
+    answer->request = (struct path_request){.forcing = &setup->forcing,
+                                            .method = setup->method,
+                                            .seed = setup->seed,
+                                            .cancel = session->front.cancel};
+    struct path_grid *grid = &answer->request.grid;
+    const struct parallel parallel = noise_parallel(session, args);
+    if (!noise_path_grid_make(&setup->forcing, setup->method, setup->span, setup->dt,
+                              (size_t)intervals, grid, error) ||
+        !noise_check_cost(session, args, setup, noise_ensemble_bytes(&answer->request, paths),
+                          (double)grid->steps * (double)paths / parallel_threads(&parallel, paths),
+                          error) ||
+        !make_answer(session, args, answer, error))
+        return false;
+    session_changed(session);
+    if (answer->ensemble.diverged)
+        reply_warning(reply,
+                      "%lld of %lld paths diverged and are left out from there on: dt is "
+                      "too large",
+                      (long long)answer->ensemble.diverged, (long long)paths);
+    noise_setup_warn(setup, reply);
+    say_ensemble(answer, args->arena, reply);
+    reply_ensemble(answer, reply);
+    struct arena arena = {0};
+    struct table table;
+    if (columns_table(&row_columns, answer->row, answer->ensemble.rows, &arena, &table))
+        noise_keep_table(setup, grid->h, "ensemble", answer->shown.name, &arena, &table, reply);
+    return true;
+}
+
+HANDLER(ensemble)
+{
+    struct answer answer = {.setup = noise_setup_read(session, args, error)};
+    const bool ok =
+        answer.setup &&
+        noise_column(session, args, answer.setup, &answer.column, &answer.shown, error) &&
+        answer_ensemble(session, args, &answer, reply, error);
+    noise_ensemble_free(&answer.ensemble);
+    if (answer.column.run)
+        run_destroy(answer.column.run);
+    return ok;
+}
+#endif
+
+COMMAND(ensemble, .group = "NOISE", .flags = COMMAND_TABLES,
+        ARGUMENTS(PLACE("N", TYPE_INTEGER, .flags = ARG_REQUIRED),
+                  PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME), WORD("of", TYPE_COLUMN),
+                  NOISE_ARGUMENTS, NOISE_METHOD, KEY("rows", TYPE_INTEGER),
+                  OPTION("threads", TYPE_INTEGER)))

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The figures of the module, of the tables that are kept: a path, and the band of an ensemble. */
+#include "modules/noise/plots.h"
+
+#include <hooke/plot/drawing.h>
+
+#include <string.h>
+
+static const struct table *known_table(const struct session *session, const char *kind)
+{
+    const struct stored_table *stored = table_store_find(&session->studies.found, text_of(kind));
+    return stored ? &stored->table : NULL;
+}
+
+bool noise_langevin_known(const struct session *session)
+{
+    return known_table(session, "langevin") != NULL;
+}
+
+bool noise_ensemble_known(const struct session *session)
+{
+    return known_table(session, "ensemble") != NULL;
+}
+
+/* Returns what the means of an ensemble are of. */
+static const char *observed_name(const struct table *table)
+{
+    for (int i = 0; i < table->keys; i++)
+        if (strcmp(table->key[i].key, "of") == 0)
+            return table->key[i].value;
+    return table->column[1].name;
+}
+
+/* Draws the first column over its whole time; of an ensemble that is the mean, with a band. */
+static bool draw_table(struct drawing *d, bool ensemble, struct figure *figure)
+{
+    const char *command = ensemble ? "ensemble" : "langevin";
+    const struct table *table = known_table(d->session, command);
+    if (!table) {
+        error_set(d->error, ERROR_COMMAND, "there is no %s to plot", command);
+        return error_hint(d->error, "type: %s%s 10 s kT=1mJ", command, ensemble ? " 500" : "");
+    }
+    const struct table_column *t = &table->column[0], *value = &table->column[1];
+    const double *spread = ensemble ? table->column[2].value : NULL;
+    const char *label = ensemble ? observed_name(table) : value->name;
+    const enum quantity quantity[2] = {QUANTITY_TIME, column_quantity(value)};
+    struct curve *curve = arena_alloc(d->arena, sizeof *curve);
+    double size = 0;
+    if (!curve)
+        return error_memory(d->error);
+    for (size_t i = 0; i < table->rows; i++)
+        size = fmax(size, fabs(value->value[i]) + (spread ? spread[i] : 0));
+    *curve = (struct curve){.label = ensemble ? "mean" : label,
+                            .x = t->value,
+                            .y = value->value,
+                            .n = table->rows,
+                            .spread = spread,
+                            .spread_label = ensemble ? "+- standard deviation" : NULL,
+                            .cancel = d->session->front.cancel};
+    const double window[2] = {t->value[0], t->value[table->rows - 1]};
+    *figure = (struct figure){.title = command,
+                              .x = time_axis(window),
+                              .y = quantity_axis(label, quantity[1], size),
+                              .curve = curve,
+                              .curves = 1};
+    return drawing_ranges(d, figure, quantity);
+}
+
+bool noise_langevin_figure(struct drawing *d, struct figure *figure)
+{
+    return draw_table(d, false, figure);
+}
+
+bool noise_ensemble_figure(struct drawing *d, struct figure *figure)
+{
+    return draw_table(d, true, figure);
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From the arguments of a command to a scene with noise. */
+#include "modules/noise/setup.h"
+
+#include "modules/noise/compute/random.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include <hooke/report.h>
+
+/* [byte] An ensemble, or the Wiener path of an order, may take no more. */
+static const double bytes_max = 512.0 * 1024 * 1024;
+/* [J/K] Exact by the definition of the kelvin. */
+static const double boltzmann_constant = 1.380649e-23;
+
+/* Returns the value of a key, NAN where it was not given. */
+static double value_of(const struct arguments *args, const char *name)
+{
+    const struct argument_value *given = argument_value(args, name);
+    return given->count ? given->item[0].value.value : NAN;
+}
+
+int64_t noise_integer(const struct arguments *args, const char *name, int64_t natural)
+{
+    const double value = value_of(args, name);
+    return isnan(value) ? natural : (int64_t)value;
+}
+
+static bool read_request(const struct arguments *args, struct noise_request *request,
+                         struct error *error)
+{
+    const struct argument_value *noise = argument_value(args, "noise");
+    *request = (struct noise_request){.energy = value_of(args, "kT"),
+                                      .gamma = value_of(args, "gamma"),
+                                      .strengths = noise->count};
+    if (has_argument(args, "temperature"))
+        request->energy = boltzmann_constant * value_of(args, "temperature");
+    if (isnan(request->energy) && noise->count == 0) {
+        error_set(error, ERROR_COMMAND, "how strong is the noise?");
+        return error_hint(error, "kT=2mJ, temperature=300 (in kelvin) or noise=0.1");
+    }
+    if (noise->count > LIMIT_VARIABLES)
+        return error_at(error, noise->where, "noise= has too many values");
+    for (int i = 0; i < noise->count; i++) {
+        request->strength[i] = noise->item[i].value.value;
+        if (!(request->strength[i] >= 0))
+            return error_at(error, noise->where, "noise is at least 0");
+    }
+    return true;
+}
+
+const struct noise_setup *noise_setup_read(struct session *session, const struct arguments *args,
+                                           struct error *error)
+{
+    const struct settings *settings = &session->setup.settings;
+    struct noise_setup *setup = arena_alloc(args->arena, sizeof *setup);
+    struct noise_request request;
+    if (!setup)
+        return error_memory(error), NULL;
+    if (!read_request(args, &request, error) ||
+        !noise_forcing_bind(&session->setup.scene, &request, &setup->forcing, error))
+        return NULL;
+    setup->scene = &session->setup.scene;
+    setup->method = noise_method_natural(&setup->forcing);
+    for (int i = 0; i < args->command->arguments; i++)
+        if (text_is(text_of(args->command->argument[i].name), "method") && has(args, i))
+            setup->method = noise_method_at((size_t)args->value[i].item[0].index);
+    setup->span = has_argument(args, "DURATION") ? value_of(args, "DURATION") : settings->duration;
+    setup->dt = has_argument(args, "dt") ? value_of(args, "dt") : settings->dt;
+    setup->seed = (uint64_t)noise_integer(args, "seed", 1);
+    return setup;
+}
+
+enum quantity noise_energy_quantity(const struct noise_setup *setup)
+{
+    const struct system *system = &setup->forcing.system;
+    return observable_quantity(observable_energy(system), system);
+}
+
+/* Returns how many of the values [count] have to be shown: one if all are equal. */
+static int shown_count(const double *value, int count)
+{
+    for (int i = 1; i < count; i++)
+        if (value[i] != value[0])
+            return count;
+    return 1;
+}
+
+/* Appends one value, or all of them where they differ. */
+static void put_values(struct buffer *text, const char *name, const double *value, int count,
+                       enum quantity quantity)
+{
+    for (int i = 0; i < shown_count(value, count); i++) {
+        buffer_format(text, "%s%s", i ? ", " : name, i ? "" : " = ");
+        buffer_quantity(text, value[i], quantity, 6);
+    }
+}
+
+void noise_setup_put(const struct noise_setup *setup, struct buffer *text)
+{
+    const struct noise_forcing *forcing = &setup->forcing;
+    if (forcing->system.order == 2) {
+        put_values(text, "gamma", forcing->gamma, forcing->count, QUANTITY_RATE);
+        buffer_format(text, ", ");
+    }
+    if (isnan(forcing->energy)) {
+        put_values(text, "noise", forcing->strength, forcing->count, QUANTITY_NUMBER);
+    } else {
+        buffer_format(text, "kT = ");
+        buffer_quantity(text, forcing->energy, noise_energy_quantity(setup), 6);
+    }
+    buffer_format(text, ", seed %lld", (long long)(int64_t)setup->seed);
+}
+
+/* Replies a number, or an array where the values [count] differ. */
+static void reply_values(struct reply *reply, const char *key, const double *value, int count)
+{
+    if (shown_count(value, count) == 1) {
+        reply_real(reply, key, value[0]);
+        return;
+    }
+    reply_array(reply, key);
+    for (int i = 0; i < count; i++)
+        reply_real(reply, NULL, value[i]);
+    reply_close(reply);
+}
+
+void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *grid,
+                       struct reply *reply)
+{
+    const struct noise_forcing *forcing = &setup->forcing;
+    reply_string(reply, "method", setup->method->row.name);
+    reply_quantity(reply, "dt", grid->h, "s");
+    reply_int(reply, "steps", grid->steps);
+    reply_quantity(reply, "kT", forcing->energy, quantity_unit(noise_energy_quantity(setup)));
+    if (forcing->system.order == 2)
+        reply_values(reply, "gamma", forcing->gamma, forcing->count);
+    else
+        reply_null(reply, "gamma");
+    reply_values(reply, "noise", forcing->strength, forcing->count);
+    reply_int(reply, "seed", (int64_t)setup->seed);
+}
+
+static void add_quantity(struct keys *keys, const char *name, double value, enum quantity quantity)
+{
+    struct buffer text = {0};
+    buffer_exact(&text, (struct measured){value, 0}, quantity);
+    keys_add(keys, name, &text);
+}
+
+/* Adds the key NAME_VARIABLE of the variable that noise number i acts on. */
+static void add_of_variable(struct keys *keys, const char *name,
+                            const struct noise_forcing *forcing, int i, struct arena *arena,
+                            double value, enum quantity quantity)
+{
+    struct buffer key = {0};
+    buffer_format(&key, "%s_%s", name, system_variable(&forcing->system, forcing->first + i).name);
+    const char *kept = arena_text(arena, buffer_text(&key));
+    buffer_free(&key);
+    if (kept)
+        add_quantity(keys, kept, value, quantity);
+}
+
+void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind, const char *of,
+                      struct arena *arena, const struct table *table, struct reply *reply)
+{
+    const struct noise_forcing *forcing = &setup->forcing;
+    struct export export = {.arena = arena, .table = *table};
+    struct keys keys;
+    struct error ignored;
+    if (reply->store && keys_begin(&keys, &export, &ignored)) {
+        if (of)
+            keys_add_text(&keys, "of", of);
+        add_quantity(&keys, "duration", setup->span, QUANTITY_TIME);
+        if (dt > 0) {
+            keys_add_text(&keys, "method", setup->method->row.name);
+            add_quantity(&keys, "dt", dt, QUANTITY_TIME);
+        }
+        if (!isnan(forcing->energy))
+            add_quantity(&keys, "kT", forcing->energy, noise_energy_quantity(setup));
+        for (int i = 0; i < forcing->count; i++)
+            add_of_variable(&keys, "noise", forcing, i, arena, forcing->strength[i],
+                            QUANTITY_NUMBER);
+        const bool second = forcing->system.order == 2;
+        const int gammas = second ? shown_count(forcing->gamma, forcing->count) : 0;
+        if (gammas == 1)
+            add_quantity(&keys, "noise_gamma", forcing->gamma[0], QUANTITY_RATE);
+        for (int i = 0; i < gammas && gammas > 1; i++)
+            add_of_variable(&keys, "noise_gamma", forcing, i, arena, forcing->gamma[i],
+                            QUANTITY_RATE);
+        add_quantity(&keys, "seed", (double)(int64_t)setup->seed, QUANTITY_NUMBER);
+        keys_add_scene(&keys, setup->scene);
+        if (keys_finish(&keys, &export, &ignored))
+            table_store_put(reply->store, kind, arena, &export.table);
+    }
+    arena_reset(arena);
+}
+
+void noise_setup_warn(const struct noise_setup *setup, struct reply *reply)
+{
+    if (setup->forcing.other_drag && !isnan(setup->forcing.energy))
+        reply_warning(reply, "only the linear damping has noise: the other drag of the scene keeps "
+                             "it from the temperature");
+}
+
+/* Returns the time of a step [s], as a few of them take. */
+static double step_seconds(const struct noise_setup *setup)
+{
+    enum { STEPS_TIMED = 200 };
+    struct noise_stepper stepper;
+    double y[LIMIT_VARIABLES], noise[LIMIT_VARIABLES];
+    const struct system *system = &setup->forcing.system;
+    for (int i = 0; i < system->n; i++)
+        y[i] = system->start[i];
+    noise_stepper_begin(&stepper, &setup->forcing, setup->method, setup->dt);
+    const int64_t begun = clock_ns();
+    for (int i = 0; i < STEPS_TIMED; i++) {
+        noise_normal_numbers(setup->seed, 0, (uint64_t)i, setup->forcing.count, noise);
+        noise_stepper_step(&stepper, system->t0, y, noise);
+    }
+    return clock_seconds(begun) / STEPS_TIMED;
+}
+
+bool noise_check_cost(struct session *session, const struct arguments *args,
+                      const struct noise_setup *setup, double bytes, double steps,
+                      struct error *error)
+{
+    if (bytes > bytes_max) {
+        error_set(error, ERROR_COMMAND, "that would take %.3g MB of memory: at most %.0f MB",
+                  bytes / 1e6, bytes_max / 1e6);
+        return error_hint(error, "fewer paths, fewer rows, or a larger dt");
+    }
+    return allow_long(session, steps * step_seconds(setup), steps, has_argument(args, "force"),
+                      error);
+}
+
+bool noise_column(struct session *session, const struct arguments *args,
+                  const struct noise_setup *setup, struct path_column *column,
+                  struct variable *shown, struct error *error)
+{
+    const struct system *system = &setup->forcing.system;
+    const struct argument_value *of = argument_value(args, "of");
+    struct chosen_column chosen = {0};
+    if (of->count && !chosen_find(system->model, of->item[0].text, &chosen, error))
+        return false;
+    *shown = chosen_variable(system, &chosen);
+    *column = (struct path_column){.observable = chosen.observable, .variable = chosen.variable};
+    if (!chosen.observable)
+        return true;
+    static const unsigned of_the_way = NEED_EXACT | NEED_WORK | NEED_RATIO;
+    if ((chosen.observable->needs & of_the_way) ||
+        !observable_defined(chosen.observable, system, false))
+        return error_at(error, of->where, "%s cannot be read off a state with noise",
+                        chosen.observable->row.name);
+    const struct run_settings run_settings = session_run_settings(session);
+    /* A run at its start, for what observables ask of one. */
+    column->run =
+        run_create(&session->setup.scene, session->setup.method, &run_settings, setup->span, error);
+    return column->run != NULL;
+}
+
+struct parallel noise_parallel(struct session *session, const struct arguments *args)
+{
+    return (struct parallel){.threads = (int)noise_integer(args, "threads", 0),
+                             .cancel = session->front.cancel,
+                             .progress = report_fraction,
+                             .progress_context = &session->front};
+}

@@ -1,0 +1,433 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * From samples to the path of a curve.
+ *
+ * Of samples that follow each other in a column the first, the last and the extremes are kept (M4:
+ * Jugel, Jerzak, Hackenbroich, Markl 2014, as in raster.c); what a straight line shows as well is
+ * left out, and so is a part that passes only where the curve has been already. What has too many
+ * corners then is followed again on a coarser grid.
+ */
+#include "modules/pictures/path.h"
+
+#include <string.h>
+
+#define PATH_COLUMNS 8.0   /* of a point at most, in each of which samples are summed up */
+#define PATH_STRAIGHT 0.05 /* [pt] */
+
+static void path_put(struct path *path, double x, double y, bool begins)
+{
+    const struct corner corner = {x, y, begins};
+    buffer_put(&path->corners, (struct text){(const char *)&corner, sizeof corner});
+}
+
+void path_free(struct path *path)
+{
+    buffer_free(&path->corners);
+}
+
+/* ---- straight parts ---- */
+
+/*
+ * Leaves out the corners that lie within `tolerance` of the line without them: the directions from
+ * the last corner kept that pass all points since then so closely are a cone; a point outside of it
+ * makes the one before it a corner (Williams 1978, Sklansky and Gonzalez 1980). So does a turn
+ * back.
+ */
+struct path_thinning {
+    double tolerance;
+    void (*put)(void *out, double x, double y, bool begins);
+    void *out;
+    double x, y;            /* the last corner kept */
+    double at[2];           /* the last point */
+    double low[2], high[2]; /* the cone's sides, if there is one */
+    double farthest;        /* from the corner */
+    bool down, moved, cone;
+};
+
+static void thin_end(struct path_thinning *thinning)
+{
+    if (thinning->down && thinning->moved)
+        thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
+    thinning->down = thinning->moved = false;
+}
+
+static double cross(const double a[2], const double b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+static void thin_begin(struct path_thinning *thinning, double x, double y)
+{
+    thin_end(thinning);
+    thinning->put(thinning->out, x, y, true);
+    thinning->x = thinning->at[0] = x;
+    thinning->y = thinning->at[1] = y;
+    thinning->down = true;
+    thinning->moved = thinning->cone = false;
+    thinning->farthest = 0;
+}
+
+/* Returns true if the point lies in the cone, which is narrowed to the directions that pass it. */
+static bool narrow(struct path_thinning *thinning, double x, double y)
+{
+    const double dx = x - thinning->x, dy = y - thinning->y, distance = sqrt(dx * dx + dy * dy);
+    if (distance < thinning->farthest - thinning->tolerance)
+        return false;
+    thinning->farthest = fmax(thinning->farthest, distance);
+    if (distance <= thinning->tolerance)
+        return true;
+    const double way[2] = {dx / distance, dy / distance}, sine = thinning->tolerance / distance,
+                 cosine = sqrt(1 - sine * sine);
+    const double low[2] = {way[0] * cosine + way[1] * sine, way[1] * cosine - way[0] * sine},
+                 high[2] = {way[0] * cosine - way[1] * sine, way[1] * cosine + way[0] * sine};
+    if (thinning->cone && (cross(thinning->low, way) < 0 || cross(way, thinning->high) < 0 ||
+                           thinning->low[0] * way[0] + thinning->low[1] * way[1] < 0))
+        return false;
+    if (!thinning->cone || cross(thinning->low, low) > 0)
+        memcpy(thinning->low, low, sizeof low);
+    if (!thinning->cone || cross(thinning->high, high) < 0)
+        memcpy(thinning->high, high, sizeof high);
+    thinning->cone = true;
+    return true;
+}
+
+static void thin_to(struct path_thinning *thinning, double x, double y)
+{
+    if (!narrow(thinning, x, y)) {
+        thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
+        thinning->x = thinning->at[0];
+        thinning->y = thinning->at[1];
+        thinning->cone = false;
+        thinning->farthest = 0;
+        narrow(thinning, x, y);
+    }
+    thinning->at[0] = x;
+    thinning->at[1] = y;
+    thinning->moved = true;
+}
+
+/* ---- samples to lines ---- */
+
+/* Narrows the part [from, to] of a line to where low <= at + part * way <= high. */
+static void cut(double at, double way, double low, double high, double *from, double *to)
+{
+    double a = (low - at) / way, b = (high - at) / way;
+    if (way == 0) {
+        if (at < low || at > high)
+            *to = -1;
+        return;
+    }
+    *from = fmax(*from, fmin(a, b));
+    *to = fmin(*to, fmax(a, b));
+}
+
+struct spot {
+    double x, y;
+    size_t i; /* of the sample */
+};
+
+struct tracer {
+    const struct plot_area *area;
+    struct path_thinning thinning;
+    double columns;              /* of a point */
+    size_t samples;              /* since the last gap */
+    double column;               /* that the last samples are in */
+    struct spot low, high, last; /* of them */
+    double x, y;                 /* followed up to here */
+    bool whole;                  /* which is where the pen is */
+};
+
+static void trace_line(struct tracer *tracer, double x, double y)
+{
+    const struct plot_area *area = tracer->area;
+    const double left = area->left - PLOT_MARGIN, right = area->right + PLOT_MARGIN,
+                 top = area->top - PLOT_MARGIN, bottom = area->bottom + PLOT_MARGIN;
+    double x0 = tracer->x, y0 = tracer->y, from = 0, to = 1;
+
+    cut(x0, x - x0, left, right, &from, &to);
+    cut(y0, y - y0, top, bottom, &from, &to);
+    tracer->x = x;
+    tracer->y = y;
+    if (from > to) {
+        tracer->whole = false;
+        return;
+    }
+    double x1 = to < 1 ? x0 + to * (x - x0) : x, y1 = to < 1 ? y0 + to * (y - y0) : y;
+    x0 += from * (x - x0);
+    y0 += from * (y - y0);
+    /* Of a line that is cut off far away rounding leaves more than the margin has. */
+    if (!tracer->whole || from > 0)
+        thin_begin(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
+    thin_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
+    tracer->whole = !(to < 1);
+}
+
+static void trace_to(struct tracer *tracer, const struct spot *spot)
+{
+    if (spot->x != tracer->x || spot->y != tracer->y)
+        trace_line(tracer, spot->x, spot->y);
+}
+
+static void leave_column(struct tracer *tracer)
+{
+    bool fell = tracer->high.i < tracer->low.i;
+    if (!tracer->samples)
+        return;
+    trace_to(tracer, fell ? &tracer->high : &tracer->low);
+    trace_to(tracer, fell ? &tracer->low : &tracer->high);
+    trace_to(tracer, &tracer->last);
+}
+
+/* The pen leaves the paper. A sample between two gaps is a dot. */
+static void lift(struct tracer *tracer)
+{
+    leave_column(tracer);
+    if (tracer->samples == 1)
+        trace_line(tracer, tracer->x, tracer->y);
+    thin_end(&tracer->thinning);
+    tracer->samples = 0;
+    tracer->whole = false;
+}
+
+static void trace_curve(const struct curve *curve, const struct plot_area *area, double tolerance,
+                        double columns, void (*put)(void *, double, double, bool), void *out)
+{
+    struct tracer tracer = {.area = area,
+                            .columns = columns,
+                            .thinning = {.tolerance = tolerance, .put = put, .out = out}};
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
+        const struct spot spot = {plot_x(area, curve->x[i]), plot_y(area, curve->y[i]), i};
+        const double column = floor(spot.x * tracer.columns);
+        if (isnan(spot.x) || isnan(spot.y)) {
+            lift(&tracer);
+            continue;
+        }
+        if (tracer.samples && column == tracer.column) {
+            tracer.low = spot.y > tracer.low.y ? spot : tracer.low;
+            tracer.high = spot.y < tracer.high.y ? spot : tracer.high;
+        } else {
+            leave_column(&tracer);
+            if (tracer.samples)
+                trace_line(&tracer, spot.x, spot.y);
+            tracer.x = spot.x;
+            tracer.y = spot.y;
+            tracer.column = column;
+            tracer.low = tracer.high = spot;
+        }
+        tracer.last = spot;
+        tracer.samples++;
+    }
+    lift(&tracer);
+}
+
+/* ---- where the curve has been: grains of a grid on the page ---- */
+
+struct grains {
+    uint8_t *bit;     /* with a blank border of one grain */
+    int across, down; /* with it */
+    int bytes;        /* of a row */
+    double density;   /* along a point */
+    int run;          /* so many fresh grains in a row are worth a line */
+    bool wide;        /* what passes marks the grains beside, too */
+    double left, top; /* [pt] of the area, with its margin */
+};
+
+static bool grains_init(struct grains *grains, const struct plot_area *area, double density,
+                        struct arena *arena)
+{
+    grains->density = density;
+    grains->left = area->left - PLOT_MARGIN;
+    grains->top = area->top - PLOT_MARGIN;
+    grains->across = (int)((area->right - area->left + 2 * PLOT_MARGIN) * density) + 3;
+    grains->down = (int)((area->bottom - area->top + 2 * PLOT_MARGIN) * density) + 3;
+    grains->bytes = grains->across / 8 + 1;
+    const size_t size = (size_t)grains->bytes * (size_t)grains->down;
+    grains->bit = arena_alloc(arena, size);
+    if (grains->bit)
+        memset(grains->bit, 0, size);
+    return grains->bit;
+}
+
+/* Returns the byte of a grain, or NULL: a line may pass beside the area by a part of a grain. */
+static uint8_t *byte_of(const struct grains *grains, int x, int y)
+{
+    return x >= 0 && x < grains->across && y >= 0 && y < grains->down
+               ? &grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8]
+               : NULL;
+}
+
+static bool is_marked(const struct grains *grains, int x, int y)
+{
+    const uint8_t *byte = byte_of(grains, x, y);
+    return byte && *byte >> x % 8 & 1;
+}
+
+static void mark(struct grains *grains, int x, int y)
+{
+    uint8_t *byte = byte_of(grains, x, y);
+    if (byte)
+        *byte |= (uint8_t)(1U << x % 8);
+}
+
+/* Returns true if a line passes a run of grains where no other has passed, and marks its grains
+ * then. */
+static bool grains_pass(struct grains *grains, double x0, double y0, double x1, double y1)
+{
+    const double x = (x0 - grains->left) * grains->density + 1,
+                 y = (y0 - grains->top) * grains->density + 1;
+    double dx = (x1 - x0) * grains->density, dy = (y1 - y0) * grains->density;
+    const int steps = (int)ceil(fmax(fabs(dx), fabs(dy)));
+    const bool steep = fabs(dy) > fabs(dx);
+    int run = 0;
+
+    dx /= steps ? steps : 1;
+    dy /= steps ? steps : 1;
+    for (int i = 0; i <= steps && run < grains->run; i++)
+        run = is_marked(grains, (int)(x + i * dx), (int)(y + i * dy)) ? 0 : run + 1;
+    const bool fresh = run >= grains->run || run == steps + 1;
+    for (int i = 0; i <= steps && fresh; i++) {
+        const int column = (int)(x + i * dx), row = (int)(y + i * dy);
+        mark(grains, column, row);
+        if (grains->wide) {
+            mark(grains, column - steep, row - !steep);
+            mark(grains, column + steep, row + !steep);
+        }
+    }
+    return fresh;
+}
+
+/* ---- lines ---- */
+
+/* Follows a line; draws what is new of it, until there are too many corners. */
+struct follower {
+    struct path *path;
+    struct grains *grains;
+    size_t most;
+    double at[2];     /* the pen */
+    double end[2];    /* of what was drawn */
+    bool begun, full; /* something was drawn since the pen was put down; too much */
+};
+
+static void follow(void *out, double x, double y, bool begins)
+{
+    struct follower *f = out;
+    const double x0 = f->at[0], y0 = f->at[1];
+    f->at[0] = x;
+    f->at[1] = y;
+    if (begins) {
+        f->begun = false;
+        return;
+    }
+    f->path->length += hypot(x - x0, y - y0);
+    if (f->full || !grains_pass(f->grains, x0, y0, x, y))
+        return;
+    /* The part that was left out since then cannot be seen, or is short and the line continues, or
+     * it was drawn as part of another turn. */
+    const double skipped =
+        f->begun ? (fabs(x0 - f->end[0]) + fabs(y0 - f->end[1])) * f->grains->density : INFINITY;
+    if (skipped > 0)
+        path_put(f->path, x0, y0, skipped > 5);
+    path_put(f->path, x, y, false);
+    f->begun = true;
+    f->end[0] = x;
+    f->end[1] = y;
+    f->full = path_count(f->path) > f->most;
+}
+
+/* The grids, in grains along a point. The first is so fine that a pen covers what it leaves out. */
+static const struct {
+    double density;
+    double tolerance; /* [pt] */
+    double width;     /* [pt] */
+} grids[] = {{12, PATH_STRAIGHT, 0}, {4, 0.06, 0.75}, {2, 0.1, 1.5},
+             {1.5, 0.1, 2},          {1, 0.15, 3},    {0.3, 0.3, 9}};
+#define GRID_ROUGH 4 /* a grain a point */
+
+bool path_of_line(const struct curve *curve, const struct plot_area *area,
+                  const struct path_limit *limit, struct path *path)
+{
+    bool full = true;
+    for (size_t i = limit->rough ? GRID_ROUGH : 0; i < COUNT_OF(grids) && full; i++) {
+        const bool last = limit->rough || i + 1 == COUNT_OF(grids);
+        struct arena arena = {0};
+        struct grains grains = {.run = 1 + (i > 0), .wide = !limit->rough};
+        struct follower f = {
+            .path = path, .grains = &grains, .most = last ? SIZE_MAX : limit->corners};
+        buffer_clear(&path->corners);
+        path->length = 0;
+        path->width = grids[i].width;
+        const bool ok = grains_init(&grains, area, grids[i].density, &arena);
+        if (ok)
+            trace_curve(curve, area, grids[i].tolerance, fmin(grids[i].density, PATH_COLUMNS),
+                        follow, &f);
+        arena_reset(&arena);
+        if (!ok || cancelled(curve->cancel))
+            return false;
+        full = f.full;
+    }
+    return !path->corners.failed;
+}
+
+/* ---- dots ---- */
+
+static bool dot_at(const struct curve *curve, const struct plot_area *area, size_t i,
+                   double place[2])
+{
+    const double edge = 1e-6; /* of rounding */
+    place[0] = plot_x(area, curve->x[i]);
+    place[1] = plot_y(area, curve->y[i]);
+    return place[0] >= area->left - edge && place[0] <= area->right + edge &&
+           place[1] >= area->top - edge && place[1] <= area->bottom + edge;
+}
+
+/* One dot in each square of this size that has any, up to `most`. */
+static bool single_dots(const struct curve *curve, const struct plot_area *area, double square,
+                        size_t most, struct arena *arena, struct path *path)
+{
+    struct grains grains = {.run = 1};
+    double at[2];
+    if (!grains_init(&grains, area, square > 1 ? 1 : 1 / square, arena))
+        return false;
+    buffer_clear(&path->corners);
+    for (size_t i = 0; curve_goes_on(curve, i) && path_count(path) <= most; i++) {
+        if (!dot_at(curve, area, i, at))
+            continue;
+        const double x = area->left + floor((at[0] - area->left) / square) * square,
+                     y = area->top + floor((at[1] - area->top) / square) * square;
+        if (grains_pass(&grains, x, y, x, y))
+            path_put(path, at[0], at[1], true);
+    }
+    path->width = 0;
+    return !cancelled(curve->cancel);
+}
+
+bool path_of_dots(const struct curve *curve, const struct plot_area *area,
+                  const struct path_limit *limit, struct path *path)
+{
+    static const double squares[] = {0.125, 1, 2, 3, 4};
+    struct arena arena = {0};
+    bool ok = true;
+    for (size_t i = limit->rough; i < COUNT_OF(squares) && ok; i++) {
+        const bool last = limit->rough || i + 1 == COUNT_OF(squares);
+        const size_t most = last ? SIZE_MAX : limit->corners;
+        ok = single_dots(curve, area, squares[i], most, &arena, path);
+        if (path_count(path) <= most)
+            break;
+    }
+    arena_reset(&arena);
+    return ok && !path->corners.failed;
+}
+
+bool path_meets(const struct path *path, double left, double top, double right, double bottom)
+{
+    const struct corner *corner = path_corners(path);
+    for (size_t i = 0; i < path_count(path); i++) {
+        const struct corner *to = &corner[i], *at = to->begins ? to : to - 1;
+        double from = 0, end = 1;
+        cut(at->x, to->x - at->x, left, right, &from, &end);
+        cut(at->y, to->y - at->y, top, bottom, &from, &end);
+        if (from <= end)
+            return true;
+    }
+    return false;
+}

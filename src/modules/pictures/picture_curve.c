@@ -1,0 +1,402 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Curves of a picture: lines of their own dashes and marks, data as points, arrows where a run
+ * leaves. */
+#include "modules/pictures/picture.h"
+
+#define SPARSE 150 /* points that still get a shape */
+#define MARKS 9    /* along a line */
+
+/* Corners on the unit circle; the circle itself has none. */
+static const struct {
+    int corners;
+    double corner[4][2];
+} shapes[] = {{0, {{0}}},
+              {4, {{-0.85, -0.85}, {0.85, -0.85}, {0.85, 0.85}, {-0.85, 0.85}}},
+              {3, {{0, -1.15}, {1.1, 0.8}, {-1.1, 0.8}}},
+              {4, {{0, -1.25}, {1.25, 0}, {0, 1.25}, {-1.25, 0}}},
+              {3, {{0, 1.15}, {1.1, -0.8}, {-1.1, -0.8}}}};
+
+/* Place of a curve among those of its kind. */
+static size_t kind_of(const struct figure *figure, int curve)
+{
+    size_t before = 0;
+    for (int i = 0; i < curve; i++)
+        before += figure->curve[i].points == figure->curve[curve].points;
+    return before;
+}
+
+static int line_count(const struct figure *figure)
+{
+    int lines = 0;
+    for (int i = 0; i < figure->curves; i++)
+        lines += !figure->curve[i].points;
+    return lines;
+}
+
+static const double *color_of(int curve)
+{
+    return style_palette[(size_t)curve % style_palette_count];
+}
+
+static struct brush line_ink(const struct page *page, int curve, double width)
+{
+    const size_t dashes = kind_of(page->figure, curve) % style_dashes_count;
+    return (struct brush){.color = color_of(curve),
+                          .width = width,
+                          .dashes = &style_dashes[dashes],
+                          .dash = page->style.dash};
+}
+
+/* A letter is the curve's name on the sheet; every other mark is a shape, which can be told apart
+ * when it is small. */
+static bool has_letter(const struct curve *curve)
+{
+    char c = curve->mark;
+    return curve->points &&
+           ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '?');
+}
+
+static void add_shape(const struct page *page, size_t shape, double x, double y)
+{
+    const double radius = page->style.mark;
+    int corners = shapes[shape % COUNT_OF(shapes)].corners;
+    const double(*corner)[2] = shapes[shape % COUNT_OF(shapes)].corner;
+
+    if (!corners)
+        surface_circle(page->surface, x, y, radius);
+    for (int i = 0; i < corners; i++)
+        (i ? surface_line : surface_move)(page->surface, x + radius * corner[i][0],
+                                          y + radius * corner[i][1]);
+    if (corners)
+        surface_close(page->surface);
+}
+
+/* Paints the marks that were added: those of a line are full. */
+static void paint_points(const struct page *page, int index, bool dense)
+{
+    const double width = dense ? page_dot(page) : page->style.mark_line;
+    surface_paint(page->surface, &(struct brush){.color = color_of(index),
+                                                 .width = width,
+                                                 .fill = !page->figure->curve[index].points});
+}
+
+/* ---- paths ---- */
+
+static void add_path(const struct page *page, const struct path *path)
+{
+    const struct corner *corner = path_corners(path);
+    for (size_t i = 0; i < path_count(path); i++)
+        (corner[i].begins ? surface_move : surface_line)(page->surface, corner[i].x, corner[i].y);
+}
+
+/* ---- lines ---- */
+
+struct mark_place {
+    double x, y;
+};
+
+static bool put_spot(const struct page *page, double x, double y, struct mark_place *spot)
+{
+    *spot = (struct mark_place){x, y};
+    return x >= page->left && x <= page->right && y >= page->top && y <= page->bottom;
+}
+
+/* The first of such steps: each curve's lie between those of the others. */
+static double first_step(const struct page *page, int curve)
+{
+    return 0.5 + (double)kind_of(page->figure, curve) / page->figure->curves;
+}
+
+/* Places in the plot at equal distances along a line. Returns how many. */
+static int places_along(const struct page *page, int curve, struct mark_place *place, int max)
+{
+    const struct path *path = &page->path[curve];
+    const struct corner *corner = path_corners(path);
+    const double every = fmax(path->length / MARKS, page->style.mark_apart);
+    double length = 0, next = every * first_step(page, curve);
+    int n = 0;
+    for (size_t i = 1; i < path_count(path); i++) {
+        const struct corner *from = &corner[i - 1];
+        const double dx = corner[i].x - from->x, dy = corner[i].y - from->y,
+                     distance = hypot(dx, dy);
+        if (corner[i].begins)
+            continue;
+        for (; n < max && next <= length + distance; next += every) {
+            const double part = (next - length) / distance;
+            n += put_spot(page, from->x + part * dx, from->y + part * dy, &place[n]);
+        }
+        length += distance;
+    }
+    return n;
+}
+
+/* Places at samples, for a path of which most is left out. */
+static int places_inside(const struct page *page, int index, struct mark_place *place, int max)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    const double every = (double)curve->n / MARKS;
+    int n = 0;
+    for (double next = every * first_step(page, index); n < max && next < (double)curve->n;
+         next += every)
+        n += put_spot(page, page_x(page, curve->x[(size_t)next]),
+                      page_y(page, curve->y[(size_t)next]), &place[n]);
+    return n;
+}
+
+static void draw_line(struct page *page, int curve, bool marked)
+{
+    const struct path *path = &page->path[curve];
+    const struct picture_style *style = &page->style;
+    struct mark_place place[MARKS + 1];
+    /* Many turns need thin lines. */
+    const bool many = path->length > 40 * (page->right - page->left);
+    const double width = fmax(many ? style->thin_line : style->curve_line, path->width);
+    const struct brush line = path->width > 0
+                                  ? (struct brush){.color = color_of(curve), .width = width}
+                                  : line_ink(page, curve, width),
+                       halo = {.color = style_white, .width = 3 * style->mark_line, .fill = true};
+    const bool arrows = page->figure->curve[curve].arrows;
+    const struct brush thin = {.color = style_gray, .width = style->thin_line};
+    const int marks =
+        marked && !arrows
+            ? (path->width > 0 ? places_inside : places_along)(page, curve, place, MARKS + 1)
+            : 0;
+
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    add_path(page, path);
+    surface_paint(page->surface, arrows ? &thin : &line);
+    surface_unclip(page->surface);
+    for (int around = path->width > 0; around >= 0; around--) {
+        for (int i = 0; i < marks; i++)
+            add_shape(page, kind_of(page->figure, curve), place[i].x, place[i].y);
+        if (around)
+            surface_paint(page->surface, &halo);
+        else
+            paint_points(page, curve, false);
+    }
+}
+
+/* ---- bands ---- */
+
+#define BIN 0.5 /* [pt] points that lie in one such width are one corner of the band's edge */
+
+static void paint_band(const struct page *page, int curve)
+{
+    surface_paint(page->surface,
+                  &(struct brush){.color = color_of(curve), .opacity = STYLE_BAND, .fill = true});
+}
+
+/* One edge of the band, forwards (side 1, the upper one) or backwards. */
+static void add_edge(const struct page *page, const struct curve *curve, int side)
+{
+    double bin = NAN, at = 0, edge = NAN;
+    for (size_t k = 0; curve_goes_on(curve, k); k++) {
+        const size_t i = side > 0 ? k : curve->n - 1 - k;
+        const double x = page_x(page, curve->x[i]),
+                     y = page_y(page, curve->y[i] + side * curve->spread[i]);
+        if (!isfinite(x + y))
+            continue;
+        if (floor(x / BIN) != bin && isfinite(edge))
+            surface_line(page->surface, at, edge);
+        edge = floor(x / BIN) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
+        bin = floor(x / BIN);
+        at = x;
+    }
+    if (isfinite(edge))
+        surface_line(page->surface, at, edge);
+}
+
+static void draw_band(struct page *page, int index)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    surface_new_path(page->surface);
+    add_edge(page, curve, 1);
+    add_edge(page, curve, -1);
+    surface_close(page->surface);
+    paint_band(page, index);
+    surface_unclip(page->surface);
+}
+
+double page_band_sample(struct page *page, int index, double x, double y, bool draw)
+{
+    const double width = page->style.sample, half = page->style.band_sample / 2;
+    if (draw) {
+        surface_box(page->surface, x, y - half, x + width, y + half);
+        paint_band(page, index);
+    }
+    return width;
+}
+
+/* ---- points ---- */
+
+static bool point_position(const struct page *page, const struct curve *curve, size_t i, double *x,
+                           double *y)
+{
+    *x = page_x(page, curve->x[i]);
+    *y = page_y(page, curve->y[i]);
+    double edge = 1e-6; /* of rounding */
+    return *x >= page->left - edge && *x <= page->right + edge && *y >= page->top - edge &&
+           *y <= page->bottom + edge;
+}
+
+/* More than can be told apart as shapes: dots below the lines, which would be hidden otherwise. */
+static bool is_dense(const struct page *page, const struct curve *curve)
+{
+    size_t inside = 0;
+    double x, y;
+    for (size_t i = 0; curve_goes_on(curve, i) && inside <= SPARSE && !has_letter(curve); i++)
+        inside += point_position(page, curve, i, &x, &y);
+    return inside > SPARSE;
+}
+
+static void put_letter(const struct page *page, int curve, double x, double y)
+{
+    page_text(page, x, y, 0.5, color_of(curve), (char[]){page->figure->curve[curve].mark, '\0'});
+}
+
+/* Bars, with caps where there are few, and paper in the marks that will stand on them. */
+static void draw_bars(struct page *page, int index, bool dense)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    const struct picture_style *style = &page->style;
+    const struct path *path = &page->path[page->figure->curves + index];
+    const struct brush line = {.color = color_of(index),
+                               .width =
+                                   fmax(dense ? style->thin_line : style->mark_line, path->width)},
+                       paper = {.color = style_white, .fill = true};
+    double x, y;
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    add_path(page, path);
+    for (size_t i = 0; !dense && curve_goes_on(curve, i); i++) {
+        for (int side = -1; side <= 1 && curve->bar[i] > 0; side += 2) {
+            x = page_x(page, curve->x[i]);
+            y = page_y(page, curve->y[i] + side * curve->bar[i]);
+            if (!isfinite(x + y))
+                continue;
+            surface_move(page->surface, x - style->cap, y);
+            surface_line(page->surface, x + style->cap, y);
+        }
+    }
+    surface_paint(page->surface, &line);
+    surface_unclip(page->surface);
+    for (size_t i = 0; !dense && !has_letter(curve) && curve_goes_on(curve, i); i++)
+        if (point_position(page, curve, i, &x, &y))
+            add_shape(page, kind_of(page->figure, index), x, y);
+    surface_paint(page->surface, &paper);
+}
+
+/* Points as shapes or letters; dense ones as dots, that round ends turn lines without length into.
+ */
+static void draw_points(struct page *page, int index, bool dense)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    const struct path *path = &page->path[index];
+    const struct corner *corner = path_corners(path);
+    double x, y;
+
+    if (curve->bar)
+        draw_bars(page, index, dense);
+    for (size_t i = 0; dense && i < path_count(path); i++) {
+        surface_move(page->surface, corner[i].x, corner[i].y);
+        surface_line(page->surface, corner[i].x, corner[i].y);
+    }
+    for (size_t i = 0; !dense && curve_goes_on(curve, i); i++) {
+        if (!point_position(page, curve, i, &x, &y))
+            continue;
+        if (has_letter(curve))
+            put_letter(page, index, x, y);
+        else
+            add_shape(page, kind_of(page->figure, index), x, y);
+    }
+    paint_points(page, index, dense);
+}
+
+double page_sample(struct page *page, int index, double x, double y, bool draw)
+{
+    const struct picture_style *style = &page->style;
+    const struct curve *curve = &page->figure->curve[index];
+    const double width = !curve->points      ? style->sample
+                         : has_letter(curve) ? 0.7 * style->font
+                                             : style->mark_sample,
+                 middle = x + width / 2;
+    const bool dense = curve->points && is_dense(page, curve);
+
+    if (!draw)
+        return width;
+    if (has_letter(curve)) {
+        put_letter(page, index, middle, y);
+        return width;
+    }
+    if (!curve->points) {
+        const struct brush brush = line_ink(page, index, style->curve_line);
+        surface_move(page->surface, x, y);
+        surface_line(page->surface, x + width, y);
+        surface_paint(page->surface, &brush);
+    }
+    for (int i = -1; i <= 1 && dense; i++) {
+        const double at = middle + 2.5 * style->dot * i, height = y + style->dot * (i ? 0.5 : -0.5);
+        surface_move(page->surface, at, height);
+        surface_line(page->surface, at, height);
+    }
+    if (!dense && (curve->points || line_count(page->figure) > 1))
+        add_shape(page, kind_of(page->figure, index), middle, y);
+    paint_points(page, index, dense);
+    return width;
+}
+
+/* ---- all ---- */
+
+static void draw_exits(struct page *page, int index)
+{
+    static const double ahead[4][2] = {{-1, 0}, {1, 0}, {0, 1}, {0, -1}};
+    const double length = page->style.arrow, half = page->style.arrow_half;
+    struct curve_exit exits[4];
+
+    if (!curve_exits(page->figure, &page->layout, index, exits))
+        return;
+    for (int side = 0; side < 4; side++) {
+        double x = page->left + exits[side].x * (page->right - page->left), dx = ahead[side][0];
+        double y = page->bottom - exits[side].y * (page->bottom - page->top), dy = ahead[side][1];
+        if (!exits[side].left)
+            continue;
+        surface_move(page->surface, x, y);
+        surface_line(page->surface, x - length * dx + half * dy, y - length * dy + half * dx);
+        surface_line(page->surface, x - length * dx - half * dy, y - length * dy - half * dx);
+        surface_close(page->surface);
+        surface_paint(page->surface, &(struct brush){.color = color_of(index), .fill = true});
+    }
+}
+
+/* Draws the lines that fill the plot below the others, from the last to the first. */
+static void draw_lines(struct page *page)
+{
+    const struct figure *figure = page->figure;
+    const bool marked = line_count(figure) > 1;
+    for (int fills = 1; fills >= 0; fills--)
+        for (int i = figure->curves - 1; i >= 0; i--)
+            if (!figure->curve[i].points && curve_drawn(figure, i) &&
+                (page->path[i].width > 0) == fills)
+                draw_line(page, i, marked);
+}
+
+void page_curves(struct page *page)
+{
+    const struct figure *figure = page->figure;
+
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].spread)
+            draw_band(page, i);
+    /* Dense data, lines with the first above, data that lines can be seen through. */
+    for (int dense = 1; dense >= 0; dense--) {
+        for (int i = figure->curves - 1; i >= 0; i--)
+            if (curve_drawn(figure, i) && figure->curve[i].points &&
+                is_dense(page, &figure->curve[i]) == dense)
+                draw_points(page, i, dense);
+        if (dense)
+            draw_lines(page);
+    }
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && !figure->curve[i].arrows)
+            draw_exits(page, i);
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Pictures as files, and the way to cairo. */
+#include "modules/pictures/surface/cairo_api.h"
+#include "modules/pictures/surface/surface.h"
+
+#include <hooke/base/child.h>
+
+#include <math.h>
+
+#ifdef HAVE_CAIRO
+
+#define LIBRARY "libcairo.so.2"
+#define PATIENCE 60 /* [s] that a picture may take: 1000 times what the largest took */
+
+bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
+{
+    static const struct library_symbol functions[] = {
+#define SYMBOL(name) {"cairo_" #name, offsetof(struct cairo_api, name)},
+        CAIRO_FUNCTIONS(SYMBOL)
+#undef SYMBOL
+    };
+    const char *missing;
+    *api = (struct cairo_api){0};
+    if (library_load(&api->library, library, functions, COUNT_OF(functions), api, &missing))
+        return true;
+    if (missing)
+        return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures",
+                         library, missing);
+    error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded",
+              library);
+    return error_hint(error, "install libcairo2, or write a picture into a file that ends in .svg");
+}
+
+void cairo_unload(struct cairo_api *api)
+{
+    library_unload(&api->library);
+}
+
+struct cairo_work {
+    const struct figure *figure; /* NULL: only whether the library is there */
+    enum picture kind;
+    double width, height; /* [pt] */
+};
+
+static bool work(const void *context, struct buffer *out, struct error *error)
+{
+    const struct cairo_work *work = context;
+    struct cairo_api api;
+    return cairo_load(&api, LIBRARY, error) &&
+           (!work->figure ||
+            cairo_picture(&api, work->figure, work->kind, work->width, work->height, out, error));
+}
+
+static bool work_stopped(const void *context)
+{
+    const struct cairo_work *work = context;
+    return work->figure && figure_stopped(work->figure);
+}
+
+/* fontconfig and pixman crash on every fourth allocation that fails, or never end: that happens in
+ * a process of their own. */
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
+{
+    const struct cairo_work of = {figure, kind, width, height};
+    const struct child child = {work, work_stopped, &of, "the picture could not be drawn",
+                                PATIENCE};
+    const bool done = child_run(&child, out, error);
+    if (!done && error->code == ERROR_IO)
+        error_hint(error, "a file that ends in .svg needs no library of the system's");
+    return done;
+}
+
+static bool has_cairo(enum picture kind, struct error *error)
+{
+    struct buffer nothing = {0};
+    const bool done = through_cairo(NULL, kind, 0, 0, &nothing, error);
+    buffer_free(&nothing);
+    return done;
+}
+#else
+static bool has_cairo(enum picture kind, struct error *error)
+{
+    error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s",
+              kind == PICTURE_PDF ? "pdf files" : "pixels");
+    return error_hint(
+        error, "install libcairo2-dev and build it again, or write a picture into a file that ends "
+               "in .svg");
+}
+
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
+{
+    (void)figure, (void)width, (void)height, (void)out;
+    return has_cairo(kind, error);
+}
+#endif
+
+static bool as_svg(const struct figure *figure, double width, double height, struct buffer *out,
+                   struct error *error)
+{
+    struct svg_surface svg;
+    svg_begin(&svg, width, height, picture_style(width, height).font, figure->title, out);
+    const bool drawn = picture_draw(&svg.surface, figure, width, height);
+    svg_end(&svg);
+    const bool failed = !drawn || svg.surface.failed;
+    surface_free(&svg.surface);
+    return !failed || error_memory(error);
+}
+
+#define LENGTH_MIN 60 /* [pt] of a page */
+#define LENGTH_MAX 5000
+
+static double page_length(double wanted, double usual)
+{
+    return !(wanted > 0) ? usual : fmin(fmax(wanted, LENGTH_MIN), LENGTH_MAX);
+}
+
+bool picture_offered(enum picture kind, struct error *error)
+{
+    return kind == PICTURE_SVG || has_cairo(kind, error);
+}
+
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
+                    struct buffer *out, struct error *error)
+{
+    width = page_length(width, PICTURE_WIDTH);
+    height = page_length(height, PICTURE_HEIGHT);
+    return kind == PICTURE_SVG ? as_svg(figure, width, height, out, error)
+                               : through_cairo(figure, kind, width, height, out, error);
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Paths and texts of a picture, whatever it is drawn on. */
+#include "modules/pictures/surface/surface.h"
+
+#include <stdlib.h>
+
+static void add_point(struct surface *surface, enum path_kind kind, double x, double y,
+                      double radius)
+{
+    if (surface->points == surface->capacity && !surface->failed) {
+        const size_t capacity = surface->capacity ? 2 * surface->capacity : 256;
+        struct path_point *path = realloc(surface->path, capacity * sizeof *path);
+        surface->failed = !path;
+        surface->path = path ? path : surface->path;
+        surface->capacity = path ? capacity : surface->capacity;
+    }
+    if (!surface->failed)
+        surface->path[surface->points++] = (struct path_point){kind, x, y, radius};
+}
+
+void surface_move(struct surface *surface, double x, double y)
+{
+    add_point(surface, PATH_MOVE, x, y, 0);
+}
+
+void surface_line(struct surface *surface, double x, double y)
+{
+    add_point(surface, surface->points ? PATH_LINE : PATH_MOVE, x, y, 0);
+}
+
+void surface_circle(struct surface *surface, double x, double y, double radius)
+{
+    add_point(surface, PATH_CIRCLE, x, y, radius);
+}
+
+void surface_close(struct surface *surface)
+{
+    if (surface->points)
+        add_point(surface, PATH_CLOSE, 0, 0, 0);
+}
+
+void surface_box(struct surface *surface, double left, double top, double right, double bottom)
+{
+    surface_move(surface, left, top);
+    surface_line(surface, right, top);
+    surface_line(surface, right, bottom);
+    surface_line(surface, left, bottom);
+    surface_close(surface);
+}
+
+void surface_new_path(struct surface *surface)
+{
+    surface->points = 0;
+}
+
+void surface_paint(struct surface *surface, const struct brush *brush)
+{
+    if (surface->points && !surface->failed)
+        surface->kind->paint(surface, brush);
+    surface->points = 0;
+}
+
+void surface_clip(struct surface *surface, double left, double top, double right, double bottom)
+{
+    surface->kind->clip(surface, (const double[]){left, top, right, bottom});
+}
+
+void surface_unclip(struct surface *surface)
+{
+    surface->kind->clip(surface, NULL);
+}
+
+/* ---- text ---- */
+
+/* Labels come from files and names: what is not plain would make a picture unreadable. */
+static const char *plain(struct surface *surface, const char *text)
+{
+    buffer_clear(&surface->plain);
+    safe_text(&surface->plain, text_of(text), false);
+    surface->failed |= surface->plain.failed;
+    return surface->plain.len && !surface->plain.failed ? surface->plain.data : "";
+}
+
+double surface_text_width(struct surface *surface, double size, const char *text)
+{
+    return surface->kind->text_width(surface, size, plain(surface, text));
+}
+
+double surface_put_text(struct surface *surface, const struct surface_text *text)
+{
+    struct surface_text shown = *text;
+    shown.text = plain(surface, text->text);
+    if (*shown.text)
+        surface->kind->text(surface, &shown);
+    return surface->kind->text_width(surface, text->size, shown.text);
+}
+
+double text_advance(struct text text)
+{
+    /* [size / 1000] from the blank on */
+    static const short widths[] = {
+        318,  401, 460, 838, 636, 950, 780, 275, 390, 390, 500, 838, 318, 361, 318, 337,
+        636,  636, 636, 636, 636, 636, 636, 636, 636, 636, 337, 337, 838, 838, 838, 531,
+        1000, 684, 686, 698, 770, 632, 575, 775, 752, 295, 295, 656, 557, 863, 748, 787,
+        603,  787, 695, 635, 611, 732, 684, 989, 685, 611, 685, 390, 337, 390, 838, 500,
+        500,  613, 635, 550, 635, 615, 352, 635, 634, 278, 278, 579, 278, 974, 634, 612,
+        635,  635, 411, 521, 392, 634, 592, 818, 592, 592, 525, 636, 337, 636, 838};
+    const uint32_t superscript = 0x2070, subscript_end = 0x209C;
+    double width = 0;
+    for (size_t used; text.len; text.at += used, text.len -= used) {
+        const uint32_t c = text_codepoint(text, &used);
+        if (c >= ' ' && c - ' ' < COUNT_OF(widths))
+            width += widths[c - ' '];
+        else if (c == 0xB2 || c == 0xB3 || c == 0xB9 || (c >= superscript && c <= subscript_end))
+            width += c == 0x207B ? 528 : 401;
+        else
+            width += c == 0xB7 ? 318 : codepoint_width(c) > 1 ? 1000 : 838;
+    }
+    return width / 1000;
+}
+
+void surface_free(struct surface *surface)
+{
+    free(surface->path);
+    buffer_free(&surface->plain);
+    *surface = (struct surface){0};
+}

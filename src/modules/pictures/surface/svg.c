@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Pictures as SVG 1.1: text stays text, places are hundredths of a point, relative to the place
+ * before (rounded before the difference is taken, so that nothing adds up).
+ */
+#include "modules/pictures/surface/surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Each has the characters of units and powers: superscripts, Greek, minus. */
+#define FONTS "DejaVu Sans,Segoe UI,Lucida Grande,Noto Sans,Helvetica,Arial,sans-serif"
+
+/* ".25", "-3", "17.5" */
+static void put_hundredths(struct buffer *out, long value)
+{
+    char digits[24];
+    const unsigned long size = (unsigned long)labs(value), rest = size % 100;
+    size_t at = sizeof digits;
+    if (rest) {
+        if (rest % 10)
+            digits[--at] = (char)('0' + rest % 10);
+        digits[--at] = (char)('0' + rest / 10);
+        digits[--at] = '.';
+    }
+    for (unsigned long whole = size / 100; whole > 0; whole /= 10)
+        digits[--at] = (char)('0' + whole % 10);
+    if (size == 0)
+        digits[--at] = '0';
+    if (value < 0)
+        digits[--at] = '-';
+    buffer_put(out, (struct text){digits + at, sizeof digits - at});
+}
+
+static long hundredths(double value)
+{
+    return lround(100 * fmax(fmin(value, 1e6), -1e6));
+}
+
+static void put_length(struct buffer *out, const char *name, double value)
+{
+    buffer_format(out, " %s=\"", name);
+    put_hundredths(out, hundredths(value));
+    buffer_char(out, '"');
+}
+
+static void put_color(struct buffer *out, const char *name, const double *color)
+{
+    buffer_format(out, " %s=\"#", name);
+    for (int i = 0; i < 3; i++)
+        buffer_format(out, "%02x", (unsigned)lround(255 * color[i]));
+    buffer_char(out, '"');
+}
+
+static void put_escaped(struct buffer *out, const char *text)
+{
+    for (; *text; text++) {
+        const char *name = *text == '<'   ? "&lt;"
+                           : *text == '>' ? "&gt;"
+                           : *text == '&' ? "&amp;"
+                           : *text == '"' ? "&quot;"
+                                          : NULL;
+        if (name)
+            buffer_put(out, text_of(name));
+        else
+            buffer_char(out, *text);
+    }
+}
+
+/* ---- paths ---- */
+
+struct path_writer {
+    struct buffer *out;
+    char command; /* the last one: it need not be repeated */
+    long x, y;    /* [pt/100] */
+    long start[2];
+};
+
+/* Numbers of a command; a sign divides them, too. */
+static void put_pair(struct path_writer *state, char command, long x, long y)
+{
+    if (command != state->command)
+        buffer_char(state->out, command);
+    else if (x >= 0)
+        buffer_char(state->out, ' ');
+    put_hundredths(state->out, x);
+    if (y >= 0)
+        buffer_char(state->out, ' ');
+    put_hundredths(state->out, y);
+    state->command = command;
+}
+
+static void put_point(struct path_writer *state, const struct path_point *point)
+{
+    const long x = hundredths(point->x), y = hundredths(point->y), r = hundredths(point->radius);
+    if (point->kind == PATH_MOVE) {
+        put_pair(state, 'M', x, y);
+        state->start[0] = x;
+        state->start[1] = y;
+        state->command = '\0'; /* what follows without a letter would be a line */
+    } else if (point->kind == PATH_LINE && x == state->x && y == state->y) { /* a dot */
+        buffer_put(state->out, TEXT("h0"));
+        state->command = 'h';
+    } else if (point->kind == PATH_LINE) {
+        put_pair(state, 'l', x - state->x, y - state->y);
+    } else if (point->kind == PATH_CIRCLE) {
+        put_pair(state, 'M', x - r, y);
+        for (int half = 1; half >= -1; half -= 2) {
+            buffer_char(state->out, 'a');
+            put_hundredths(state->out, r);
+            buffer_char(state->out, ' ');
+            put_hundredths(state->out, r);
+            buffer_put(state->out, TEXT(" 0 1 0 "));
+            put_hundredths(state->out, half * 2 * r);
+            buffer_put(state->out, TEXT(" 0"));
+        }
+        state->command = 'a';
+    } else {
+        buffer_char(state->out, 'z');
+        state->command = 'z';
+    }
+    state->x = point->kind == PATH_CLOSE ? state->start[0] : point->kind == PATH_CIRCLE ? x - r : x;
+    state->y = point->kind == PATH_CLOSE ? state->start[1] : y;
+}
+
+static struct buffer *out_of(struct surface *surface)
+{
+    return ((struct svg_surface *)(void *)surface)->out;
+}
+
+static void paint(struct surface *surface, const struct brush *brush)
+{
+    struct buffer *out = out_of(surface);
+    struct path_writer state = {.out = out};
+    buffer_put(out, TEXT("<path"));
+    if (brush->fill)
+        put_color(out, "fill", brush->color);
+    if (brush->width > 0) {
+        put_color(out, "stroke", brush->color);
+        put_length(out, "stroke-width", brush->width);
+    }
+    if (brush->opacity > 0 && brush->opacity < 1)
+        put_length(out, "opacity", brush->opacity);
+    for (int i = 0; brush->dashes && i < brush->dashes->n; i++) {
+        buffer_put(out, i ? TEXT(" ") : TEXT(" stroke-dasharray=\""));
+        put_hundredths(out, hundredths(brush->dashes->length[i] * brush->dash));
+        if (i == brush->dashes->n - 1)
+            buffer_char(out, '"');
+    }
+    buffer_put(out, TEXT(" d=\""));
+    for (size_t i = 0; i < surface->points; i++)
+        put_point(&state, &surface->path[i]);
+    buffer_put(out, TEXT("\"/>\n"));
+}
+
+static void clip(struct surface *surface, const double box[4])
+{
+    struct svg_surface *svg = (struct svg_surface *)(void *)surface;
+    if (!box) {
+        buffer_put(svg->out, TEXT("</g>\n"));
+        return;
+    }
+    buffer_format(svg->out, "<clipPath id=\"c%d\"><rect", ++svg->clips);
+    put_length(svg->out, "x", box[0]);
+    put_length(svg->out, "y", box[1]);
+    put_length(svg->out, "width", box[2] - box[0]);
+    put_length(svg->out, "height", box[3] - box[1]);
+    buffer_format(svg->out, "/></clipPath>\n<g clip-path=\"url(#c%d)\">\n", svg->clips);
+}
+
+/* ---- text ---- */
+
+static double advance(struct surface *surface, double size, const char *text)
+{
+    (void)surface;
+    return size * text_advance(text_of(text));
+}
+
+static void put_text(struct surface *surface, const struct surface_text *text)
+{
+    const struct svg_surface *svg = (struct svg_surface *)(void *)surface;
+    struct buffer *out = svg->out;
+    buffer_put(out, TEXT("<text"));
+    put_length(out, "x", text->x);
+    put_length(out, "y", text->y);
+    if (text->turned) {
+        buffer_put(out, TEXT(" transform=\"rotate(-90 "));
+        put_hundredths(out, hundredths(text->x));
+        buffer_char(out, ' ');
+        put_hundredths(out, hundredths(text->y));
+        buffer_put(out, TEXT(")\""));
+    }
+    if (text->align > 0)
+        buffer_put(out, text->align < 1 ? TEXT(" text-anchor=\"middle\"")
+                                        : TEXT(" text-anchor=\"end\""));
+    if (text->size != svg->font)
+        put_length(out, "font-size", text->size);
+    put_color(out, "fill", text->color);
+    buffer_char(out, '>');
+    put_escaped(out, text->text);
+    buffer_put(out, TEXT("</text>\n"));
+}
+
+/* ---- the document ---- */
+
+void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
+               struct buffer *out)
+{
+    static const struct surface_kind kind = {paint, clip, put_text, advance};
+    *svg = (struct svg_surface){.surface.kind = &kind, .out = out, .font = font};
+    buffer_put(out, TEXT("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""));
+    put_hundredths(out, hundredths(width));
+    buffer_put(out, TEXT("pt\" height=\""));
+    put_hundredths(out, hundredths(height));
+    buffer_put(out, TEXT("pt\" viewBox=\"0 0 "));
+    put_hundredths(out, hundredths(width));
+    buffer_char(out, ' ');
+    put_hundredths(out, hundredths(height));
+    buffer_put(out, TEXT("\" font-family=\"" FONTS "\""));
+    put_length(out, "font-size", font);
+    buffer_put(out, TEXT(" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"));
+    if (title && *title) {
+        buffer_put(out, TEXT("<title>"));
+        put_escaped(out, title);
+        buffer_put(out, TEXT("</title>\n"));
+    }
+    buffer_put(out, TEXT("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"));
+}
+
+void svg_end(struct svg_surface *svg)
+{
+    buffer_put(svg->out, TEXT("</svg>\n"));
+    svg->surface.failed |= svg->out->failed;
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Symbols: from ASCII names, units and numbers to UTF-8. */
+#include "modules/pictures/symbols.h"
+
+#include <string.h>
+
+#define MINUS 0x2212
+#define TIMES 0xD7
+#define DOT 0xB7
+#define MICRO 0xB5
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+static void put_superscript(struct buffer *out, struct text digits)
+{
+    static const uint32_t superscript[] = {0x2070, 0xB9,   0xB2,   0xB3,   0x2074,
+                                           0x2075, 0x2076, 0x2077, 0x2078, 0x2079};
+    for (size_t i = 0; i < digits.len; i++)
+        if (is_digit(digits.at[i]))
+            buffer_codepoint(out, superscript[digits.at[i] - '0']);
+        else if (digits.at[i] == '-')
+            buffer_codepoint(out, 0x207B);
+}
+
+/* How many digits lead the text, after a sign if there may be one; 0: none. */
+static size_t digits_of(struct text text, bool sign)
+{
+    const size_t start = sign && text.len && (text.at[0] == '-' || text.at[0] == '+');
+    size_t len = start;
+    while (len < text.len && is_digit(text.at[len]))
+        len++;
+    return len > start ? len : 0;
+}
+
+static struct text rest_of(struct text text, size_t i)
+{
+    return (struct text){text.at + i, text.len - i};
+}
+
+/* ---- numbers ---- */
+
+/* Of an exponent "e-06": its length, or 0; the power without leading zeros. */
+static size_t exponent_of(struct text text, struct text *power, bool *negative)
+{
+    const size_t len = text.len > 1 && text.at[0] == 'e' ? digits_of(rest_of(text, 1), true) : 0;
+    if (!len || (1 + len < text.len && is_letter(text.at[1 + len])))
+        return 0;
+    *negative = text.at[1] == '-';
+    *power = (struct text){text.at + 1, len};
+    while (power->len > 1 && (!is_digit(power->at[0]) || power->at[0] == '0'))
+        *power = rest_of(*power, 1);
+    return 1 + len;
+}
+
+static size_t put_number(struct buffer *out, struct text text)
+{
+    size_t len = digits_of(text, false);
+    struct text power;
+    bool negative = false;
+    if (len < text.len && text.at[len] == '.')
+        len += 1 + digits_of(rest_of(text, len + 1), false);
+    const size_t exponent = exponent_of(rest_of(text, len), &power, &negative);
+    const bool unit = len == 1 && text.at[0] == '1';
+    if (!exponent || !unit)
+        buffer_put(out, (struct text){text.at, len});
+    if (exponent && !unit)
+        buffer_codepoint(out, TIMES);
+    if (exponent)
+        buffer_put(out, TEXT("10"));
+    if (exponent && negative)
+        put_superscript(out, TEXT("-"));
+    if (exponent)
+        put_superscript(out, power);
+    return len + exponent;
+}
+
+/* A number or a sign of arithmetic at `i`; 0: there is none. */
+static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
+{
+    const struct text rest = rest_of(text, i);
+    const char before = i ? text.at[i - 1] : ' ';
+    const bool apart = strchr(" ([,;:/=", before) != NULL;
+    if (is_digit(rest.at[0]) && !is_letter(before))
+        return put_number(out, rest);
+    if (rest.at[0] == '-' && apart &&
+        (rest.len > 1 && (is_digit(rest.at[1]) || rest.at[1] == ' '))) {
+        buffer_codepoint(out, MINUS);
+        return 1;
+    }
+    if (rest.len > 1 && (rest.at[0] == '<' || rest.at[0] == '>') && rest.at[1] == '=') {
+        buffer_codepoint(out, rest.at[0] == '<' ? 0x2264 : 0x2265);
+        return 2;
+    }
+    if (rest.len > 1 && rest.at[0] == '+' && rest.at[1] == '-') {
+        buffer_codepoint(out, 0xB1);
+        return 2;
+    }
+    return 0;
+}
+
+void put_number_symbols(struct buffer *out, struct text text)
+{
+    for (size_t i = 0; i < text.len;) {
+        const size_t used = put_arithmetic(out, text, i);
+        if (!used)
+            buffer_char(out, text.at[i]);
+        i += used ? used : 1;
+    }
+}
+
+/* ---- names ---- */
+
+/* The letter of this name; 0: it is none. */
+static uint32_t greek(struct text name)
+{
+    static const struct {
+        const char *name;
+        uint32_t letter;
+    } letters[] = {{"alpha", 0x3B1},   {"beta", 0x3B2},   {"gamma", 0x3B3}, {"delta", 0x3B4},
+                   {"epsilon", 0x3B5}, {"zeta", 0x3B6},   {"eta", 0x3B7},   {"theta", 0x3B8},
+                   {"kappa", 0x3BA},   {"lambda", 0x3BB}, {"mu", 0x3BC},    {"nu", 0x3BD},
+                   {"xi", 0x3BE},      {"pi", 0x3C0},     {"rho", 0x3C1},   {"sigma", 0x3C3},
+                   {"tau", 0x3C4},     {"phi", 0x3C6},    {"chi", 0x3C7},   {"psi", 0x3C8},
+                   {"omega", 0x3C9},   {"Gamma", 0x393},  {"Delta", 0x394}, {"Omega", 0x3A9}};
+    for (size_t i = 0; i < COUNT_OF(letters); i++)
+        if (text_is(name, letters[i].name))
+            return letters[i].letter;
+    return 0;
+}
+
+/* A word of letters and the digits after it. Returns its length. */
+static size_t put_name(struct buffer *out, struct text rest)
+{
+    size_t letters = 0;
+    while (letters < rest.len && is_letter(rest.at[letters]))
+        letters++;
+    const size_t digits = digits_of(rest_of(rest, letters), false), len = letters + digits;
+    const bool ends = len == rest.len || (!is_letter(rest.at[len]) && rest.at[len] != '_');
+    const uint32_t letter = greek((struct text){rest.at, letters});
+    if (!ends || (!letter && letters > 1)) {
+        buffer_put(out, (struct text){rest.at, len});
+        return len;
+    }
+    if (letter)
+        buffer_codepoint(out, letter);
+    else
+        buffer_char(out, rest.at[0]);
+    for (size_t i = letters; i < len; i++)
+        buffer_codepoint(out, 0x2080 + (uint32_t)(rest.at[i] - '0'));
+    return len;
+}
+
+void put_name_symbols(struct buffer *out, struct text name)
+{
+    for (size_t i = 0; i < name.len;) {
+        const struct text rest = rest_of(name, i);
+        const bool word =
+            is_letter(rest.at[0]) &&
+            (i == 0 || (name.at[i - 1] != '_' && (unsigned char)name.at[i - 1] < 128));
+        const size_t power = rest.at[0] == '^' ? digits_of(rest_of(rest, 1), true) : 0;
+        size_t used = word ? put_name(out, rest) : put_arithmetic(out, name, i);
+        if (!used && power) {
+            put_superscript(out, (struct text){rest.at + 1, power});
+            used = 1 + power;
+        }
+        if (!used && rest.at[0] == '*') {
+            buffer_codepoint(out, DOT);
+            used = 1;
+        }
+        if (!used)
+            buffer_char(out, rest.at[0]);
+        i += used ? used : 1;
+    }
+}
+
+/* ---- units ---- */
+
+static void put_unit_name(struct buffer *out, struct text name)
+{
+    if (text_is(name, "deg"))
+        buffer_codepoint(out, 0xB0);
+    else if (text_is(name, "ohm"))
+        buffer_codepoint(out, 0x3A9);
+    else if (name.len > 1 && name.at[0] == 'u' && strchr("msgJVANW", name.at[1])) {
+        buffer_codepoint(out, MICRO);
+        buffer_put(out, rest_of(name, 1));
+    } else {
+        buffer_put(out, name);
+    }
+}
+
+void put_unit_symbols(struct buffer *out, struct text unit)
+{
+    const size_t before = out->len;
+    bool below = false; /* the line of a fraction */
+    for (size_t i = 0; i < unit.len;) {
+        size_t len = 0;
+        while (i + len < unit.len && !strchr("*/ ^()", unit.at[i + len]))
+            len++;
+        const struct text name = {unit.at + i, len};
+        const struct text after = rest_of(unit, i + len);
+        const size_t power =
+            after.len && after.at[0] == '^' ? digits_of(rest_of(after, 1), true) : 0;
+        if (len && !text_is(name, "1")) {
+            if (out->len > before)
+                buffer_codepoint(out, DOT);
+            put_unit_name(out, name);
+            const struct text digits = {after.at + 1, power};
+            const bool negative = power && digits.at[0] == '-';
+            if (below && !negative)
+                put_superscript(out, TEXT("-"));
+            if (power)
+                put_superscript(out, below && negative ? rest_of(digits, 1) : digits);
+            else if (below)
+                put_superscript(out, TEXT("1"));
+        }
+        i += len + (power ? 1 + power : 0);
+        if (i < unit.len) {
+            below |= unit.at[i] == '/';
+            i += power == 0 || strchr("*/ ()^", unit.at[i]) ? 1 : 0;
+        }
+    }
+}

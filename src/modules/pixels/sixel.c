@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "modules/pixels/sixel.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BITS 4 /* of each of red, green and blue, by which colours are counted */
+#define BINS (1 << 3 * BITS)
+
+struct bin {
+    uint64_t count, sum[3];
+    int color; /* in the palette */
+};
+
+struct palette {
+    struct bin bin[BINS];
+    unsigned char color[SIXEL_COLORS][3]; /* [percent] */
+    int count;
+};
+
+static uint32_t pixel_at(const unsigned char *row, int x)
+{
+    uint32_t word;
+    memcpy(&word, row + 4 * (size_t)x, sizeof word);
+    return word;
+}
+
+static int channel(uint32_t word, int i)
+{
+    return (int)(word >> (16 - 8 * i) & 0xff);
+}
+
+static size_t bin_of(uint32_t word)
+{
+    size_t bin = 0;
+    for (int i = 0; i < 3; i++)
+        bin = bin << BITS | (size_t)channel(word, i) >> (8 - BITS);
+    return bin;
+}
+
+static int by_count(const void *a, const void *b)
+{
+    const struct bin *x = *(struct bin *const *)a, *y = *(struct bin *const *)b;
+    return x->count != y->count ? (x->count < y->count ? 1 : -1) : (x > y) - (x < y);
+}
+
+static unsigned char percent(const struct bin *bin, int i)
+{
+    const double mean = (double)bin->sum[i] / (double)bin->count;
+    return (unsigned char)(mean * 100 / 255 + 0.5);
+}
+
+/* The colour of the palette that is nearest to what the bin holds. */
+static int nearest(const struct palette *palette, const struct bin *bin)
+{
+    int best = 0, least = 1 << 30;
+    for (int c = 0; c < palette->count; c++) {
+        int distance = 0;
+        for (int i = 0; i < 3; i++) {
+            const int off = percent(bin, i) - palette->color[c][i];
+            distance += off * off;
+        }
+        if (distance < least) {
+            least = distance;
+            best = c;
+        }
+    }
+    return best;
+}
+
+static bool choose_palette(struct palette *palette)
+{
+    struct bin **order = malloc(BINS * sizeof *order);
+    int n = 0;
+    if (!order)
+        return false;
+    for (size_t i = 0; i < BINS; i++)
+        if (palette->bin[i].count)
+            order[n++] = &palette->bin[i];
+    qsort(order, (size_t)n, sizeof *order, by_count);
+    palette->count = n < SIXEL_COLORS ? n : SIXEL_COLORS;
+    for (int c = 0; c < palette->count; c++)
+        for (int i = 0; i < 3; i++)
+            palette->color[c][i] = percent(order[c], i);
+    for (int k = 0; k < n; k++)
+        order[k]->color = k < palette->count ? k : nearest(palette, order[k]);
+    free(order);
+    return true;
+}
+
+/* `count` times the same six pixels. */
+static void put_sixels(struct buffer *out, int count, int bits)
+{
+    if (count > 3)
+        buffer_format(out, "!%d%c", count, 63 + bits);
+    else
+        for (int i = 0; i < count; i++)
+            buffer_char(out, (char)(63 + bits));
+}
+
+/* Six rows: for each colour in them a line of characters; what is empty at its end is left out. */
+static void put_band(const struct palette *palette, const unsigned char *pixel, size_t stride,
+                     int width, int rows, struct buffer *out)
+{
+    uint64_t present = 0;
+    for (int y = 0; y < rows; y++)
+        for (int x = 0; x < width; x++)
+            present |= UINT64_C(1)
+                       << palette->bin[bin_of(pixel_at(pixel + stride * (size_t)y, x))].color;
+    for (int c = 0; c < palette->count; c++) {
+        if (!(present >> c & 1))
+            continue;
+        int run = 0, last = 0;
+        buffer_format(out, "#%d", c);
+        for (int x = 0; x < width; x++) {
+            int bits = 0;
+            for (int y = 0; y < rows; y++)
+                if (palette->bin[bin_of(pixel_at(pixel + stride * (size_t)y, x))].color == c)
+                    bits |= 1 << y;
+            if (run > 0 && bits != last) {
+                put_sixels(out, run, last);
+                run = 0;
+            }
+            last = bits;
+            run++;
+        }
+        if (last)
+            put_sixels(out, run, last);
+        buffer_char(out, '$');
+    }
+    buffer_char(out, '-');
+}
+
+_Static_assert(SIXEL_COLORS <= 64, "a band's colours are the bits of a word");
+
+bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
+                 struct buffer *out)
+{
+    struct palette *palette = calloc(1, sizeof *palette);
+    for (int y = 0; palette && y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const uint32_t word = pixel_at(pixel + stride * (size_t)y, x);
+            struct bin *bin = &palette->bin[bin_of(word)];
+            bin->count++;
+            for (int i = 0; i < 3; i++)
+                bin->sum[i] += (uint64_t)channel(word, i);
+        }
+    const bool ok = palette && choose_palette(palette);
+    if (ok) {
+        buffer_format(out, "\033P0;1q\"1;1;%d;%d", width, height);
+        for (int c = 0; c < palette->count; c++)
+            buffer_format(out, "#%d;2;%d;%d;%d", c, palette->color[c][0], palette->color[c][1],
+                          palette->color[c][2]);
+        for (int y = 0; y < height; y += 6)
+            put_band(palette, pixel + stride * (size_t)y, stride, width,
+                     height - y < 6 ? height - y : 6, out);
+        buffer_put(out, TEXT("\033\\"));
+    }
+    free(palette);
+    return ok && !out->failed;
+}

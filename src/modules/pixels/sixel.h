@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Pixels as DEC terminals take them (VT330/VT340 Programmer Reference, volume 2, 1987,
+ * chapter 14): bands of six rows, a character for each column and colour. */
+#ifndef HOOKE_MODULES_PIXELS_SIXEL_H
+#define HOOKE_MODULES_PIXELS_SIXEL_H
+
+#include <hooke/base/text.h>
+
+#define SIXEL_COLORS 64
+
+/*
+ * pixel: rows of `stride` bytes, four a pixel, in the machine's words 0x00RRGGBB. Appends the whole
+ * sequence, from ESC P to ESC \; at most SIXEL_COLORS colours, those that are there most often.
+ * False: no memory.
+ */
+bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
+                 struct buffer *out);
+
+#endif

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Figures as pixels. The terminal is asked, once, in three ways: whether it takes kitty's graphics
+ * (a query with a picture of one pixel), what it is called (XTVERSION: iTerm2 says so), and for its
+ * attributes (DA1: 4 is sixel), which every terminal answers, and after the others.
+ */
+#define _GNU_SOURCE /* memmem */
+#include "modules/pictures/pictures.h"
+#include <hooke/base/cancel.h>
+#include "modules/pixels/sixel.h"
+#include "terminal/parts.h"
+
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <readline/readline.h>
+
+#define QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
+#define PATIENCE_NS 1000000000 /* a slow link; who answers does so long before */
+#define LATE_MS 100            /* between two bytes of an answer */
+#define CELL_WIDTH 10          /* [pixel] of terminals that do not say: those of a VT340 */
+#define CELL_HEIGHT 20
+#define CHUNK 4096 /* [byte] of a picture in one sequence */
+
+enum protocol { PROTOCOL_UNKNOWN, PROTOCOL_NONE, PROTOCOL_KITTY, PROTOCOL_ITERM, PROTOCOL_SIXEL };
+
+/* One terminal for the whole program. */
+static struct {
+    enum protocol protocol;
+    bool owed; /* an answer, when patience was over */
+    struct streams *streams;
+} pixels;
+
+/* ---- answers ---- */
+
+/*
+ * The length of the answer that the text begins with; 0: it begins with none; SIZE_MAX: it could
+ * become one. Answers are ESC _ G ... ESC \, ESC P > | ... ESC \ and ESC [ ? ... c.
+ */
+static size_t answer_length(struct text text)
+{
+    static const char *const begins[] = {"\033_G", "\033P>|", "\033[?"};
+    for (size_t i = 0; i < COUNT_OF(begins); i++) {
+        const size_t whole = strlen(begins[i]), len = text.len < whole ? text.len : whole;
+        if (len == 0 || memcmp(text.at, begins[i], len) != 0)
+            continue;
+        for (size_t k = whole; k < text.len; k++) {
+            const char c = text.at[k];
+            if (i < 2 ? c == '\\' && text.at[k - 1] == '\033' : c == 'c')
+                return k + 1;
+            if (i == 2 && !strchr("0123456789;", c))
+                return 0;
+        }
+        return SIZE_MAX;
+    }
+    return 0;
+}
+
+static bool has_sixels(struct text attributes)
+{
+    const struct text inside = {attributes.at + 3, attributes.len - 4};
+    struct text rest = inside, part;
+    for (bool first = true; text_split(&rest, ';', &part); first = false)
+        if (!first && text_is(part, "4"))
+            return true;
+    return false;
+}
+
+/* What an answer says; true: it is the last. */
+static bool take_answer(struct text answer, enum protocol *best)
+{
+    enum protocol says = PROTOCOL_NONE;
+    if (answer.at[1] == '_' && answer.len > 5 && memmem(answer.at, answer.len, ";OK", 3))
+        says = PROTOCOL_KITTY;
+    else if (answer.at[1] == 'P' && memmem(answer.at, answer.len, "iTerm2", 6))
+        says = PROTOCOL_ITERM;
+    else if (answer.at[1] == '[' && has_sixels(answer))
+        says = PROTOCOL_SIXEL;
+    if (says != PROTOCOL_NONE && (*best == PROTOCOL_NONE || says < *best))
+        *best = says;
+    return answer.at[1] == '[';
+}
+
+/* Reads until the last answer; what a person typed meanwhile stays in `bytes`. */
+static bool await_answers(struct buffer *bytes, enum protocol *best)
+{
+    const int64_t until = clock_ns() + PATIENCE_NS;
+    size_t from = 0;
+    for (;;) {
+        const int64_t left = until - clock_ns();
+        struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
+        char chunk[256];
+        if (left <= 0 || cancelled(&interrupt) || poll(&ready, 1, (int)(left / 1000000) + 1) <= 0)
+            return false;
+        const ssize_t got = read(STDIN_FILENO, chunk, sizeof chunk);
+        if (got <= 0)
+            return false;
+        buffer_put(bytes, (struct text){chunk, (size_t)got});
+        while (!bytes->failed && from < bytes->len) {
+            const size_t len = answer_length((struct text){bytes->data + from, bytes->len - from});
+            if (len == SIZE_MAX)
+                break;
+            if (len == 0) {
+                from++;
+                continue;
+            }
+            const bool last = take_answer((struct text){bytes->data + from, len}, best);
+            memmove(bytes->data + from, bytes->data + from + len, bytes->len - from - len);
+            bytes->len -= len;
+            if (last)
+                return true;
+        }
+    }
+}
+
+static enum protocol ask(bool at_prompt)
+{
+    struct termios before, raw;
+    struct buffer bytes = {0};
+    enum protocol best = PROTOCOL_NONE;
+    int failure;
+    if (!isatty(STDIN_FILENO) || !isatty(STDOUT_FILENO) || tcgetattr(STDIN_FILENO, &before) != 0)
+        return PROTOCOL_NONE;
+    raw = before;
+    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
+    raw.c_cc[VMIN] = 1;
+    raw.c_cc[VTIME] = 0;
+    if (!at_prompt) { /* which has seen to that */
+        crash_modes();
+        crash_arm(TEXT(""));
+    }
+    if (tcsetattr(STDIN_FILENO, TCSANOW, &raw) != 0)
+        return PROTOCOL_NONE;
+    pixels.owed =
+        write_all(STDOUT_FILENO, TEXT(QUESTION), &failure) && !await_answers(&bytes, &best);
+    tcsetattr(STDIN_FILENO, TCSANOW, &before);
+    if (!at_prompt)
+        crash_disarm();
+    for (size_t i = 0; at_prompt && i < bytes.len; i++)
+        rl_stuff_char((unsigned char)bytes.data[i]); /* keys of the next line */
+    buffer_free(&bytes);
+    return best;
+}
+
+static int skip_answer(int key)
+{
+    if (!pixels.owed || key != '\033')
+        return key;
+    char text[256] = {(char)key};
+    size_t len = 1, answer;
+    while ((answer = answer_length((struct text){text, len})) == SIZE_MAX && len < sizeof text) {
+        struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
+        if (poll(&ready, 1, LATE_MS) <= 0 || read(STDIN_FILENO, text + len, 1) != 1)
+            break;
+        len++;
+    }
+    if (answer > 0 && answer != SIZE_MAX) {
+        pixels.owed = text[1] != '[';
+        return NO_KEY;
+    }
+    for (size_t i = 1; i < len; i++)
+        rl_stuff_char((unsigned char)text[i]);
+    return key;
+}
+
+/* ---- pictures ---- */
+
+/* https://sw.kovidgoyal.net/kitty/graphics-protocol: transmit and display, without an answer. */
+static void put_kitty(struct text code, int columns, struct buffer *out)
+{
+    for (size_t i = 0; i < code.len; i += CHUNK) {
+        const size_t n = code.len - i < CHUNK ? code.len - i : CHUNK;
+        buffer_put(out, TEXT("\033_G"));
+        if (i == 0)
+            buffer_format(out, "a=T,f=100,q=2,c=%d,", columns);
+        buffer_format(out, "m=%d;", i + n < code.len);
+        buffer_put(out, (struct text){code.at + i, n});
+        buffer_put(out, TEXT("\033\\"));
+    }
+}
+
+/* https://iterm2.com/documentation-images.html */
+static void put_iterm(struct text code, size_t size, int columns, struct buffer *out)
+{
+    buffer_format(out, "\033]1337;File=inline=1;preserveAspectRatio=1;size=%zu;width=%d:", size,
+                  columns);
+    buffer_put(out, code);
+    buffer_char(out, '\a');
+}
+
+/* [pt] of a picture that is as wide as the cells, and not higher: 2 pixels are a point. */
+static void choose_page(int columns, int rows, double page[2])
+{
+    struct winsize size = {0};
+    double cell[2] = {CELL_WIDTH, CELL_HEIGHT};
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_xpixel >= size.ws_col &&
+        size.ws_ypixel >= size.ws_row && size.ws_col > 0 && size.ws_row > 0) {
+        cell[0] = (double)size.ws_xpixel / size.ws_col;
+        cell[1] = (double)size.ws_ypixel / size.ws_row;
+    }
+    page[0] = cell[0] * columns / 2;
+    page[1] = fmin(cell[1] * rows / 2, page[0] * PICTURE_HEIGHT / PICTURE_WIDTH);
+}
+
+/* picture: PICTURE_PIXELS of that page. */
+static bool put_sixel(const struct buffer *picture, const double page[2], struct buffer *out)
+{
+    const int width = (int)(PICTURE_PIXELS_EACH * page[0]);
+    const size_t stride = 4 * (size_t)width;
+    return sixel_write((const unsigned char *)picture->data, stride, width,
+                       (int)(picture->len / stride), out);
+}
+
+static bool show(const struct figure *figure, int width, int height, struct error *error)
+{
+    struct buffer picture = {0}, code = {0}, out = {0};
+    double page[2];
+    const enum protocol protocol = pixels.protocol;
+    const enum picture kind = protocol == PROTOCOL_SIXEL ? PICTURE_PIXELS : PICTURE_PNG;
+    choose_page(width, height, page);
+    bool ok = figure_picture(figure, kind, page[0], page[1], &picture, error);
+    if (ok && kind == PICTURE_PNG)
+        buffer_base64(&code, buffer_text(&picture));
+    if (ok && protocol == PROTOCOL_KITTY)
+        put_kitty(buffer_text(&code), width, &out);
+    else if (ok && protocol == PROTOCOL_ITERM)
+        put_iterm(buffer_text(&code), picture.len, width, &out);
+    else if (ok)
+        ok = put_sixel(&picture, page, &out) || error_memory(error);
+    buffer_char(&out, '\n');
+    if (ok && (code.failed || out.failed))
+        ok = error_memory(error);
+    if (ok && streams_flush(pixels.streams)) {
+        int *failure = &pixels.streams->failure;
+        pixels.streams->broken = !write_all(STDOUT_FILENO, buffer_text(&out), failure);
+    }
+    buffer_free(&picture);
+    buffer_free(&code);
+    buffer_free(&out);
+    return ok;
+}
+
+static bool pixels_show(const struct front *front, const struct figure *figure, int width,
+                        int height, struct error *error)
+{
+    if (pixels.protocol == PROTOCOL_UNKNOWN && streams_flush(pixels.streams))
+        pixels.protocol = ask(front->interactive);
+    if (pixels.protocol == PROTOCOL_NONE || pixels.protocol == PROTOCOL_UNKNOWN) {
+        error_set(error, ERROR_COMMAND, "%s",
+                  isatty(STDIN_FILENO) && isatty(STDOUT_FILENO)
+                      ? "this terminal was asked, and does not say that it shows pictures"
+                      : "there is no terminal that could show pixels");
+        return error_hint(error, "'> FILE.png' writes a picture");
+    }
+    return !figure || show(figure, width, height, error);
+}
+
+static void offer(struct front *front, struct streams *streams)
+{
+    pixels.streams = streams;
+    front->pixels = pixels_show;
+}
+
+const struct terminal_part pixels_terminal = {.offer = offer, .key = skip_answer};

@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Expressions as text of other languages. Signs are pulled out of products, which changes no bit:
+ * -k/m*y is -(k/m*y), and what follows a sum is a - b.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/catalog.h>
+#include <hooke/base/number.h>
+#include <hooke/base/statement.h>
+#include "modules/programs/compute/written.h"
+#include "scene/formula/program/program.h"
+
+static const struct row dialects[] = {
+    [DIALECT_C] = {"c", "", "a program in C", "ISO/IEC 9899:2011", NULL},
+    [DIALECT_PYTHON] = {"py", "", "a program in Python", "", NULL},
+    [DIALECT_OCTAVE] = {"m", "", "a program for Octave and MATLAB", "", NULL},
+    [DIALECT_XPP] = {"ode", "", "a scene for XPPAUT", "Ermentrout 2002", NULL},
+    [DIALECT_TEX] = {"tex", "", "the equations as LaTeX", "", NULL},
+};
+
+const struct catalog dialect_catalog = CATALOG("kind of program", dialects);
+
+/* ---- words ---- */
+
+/* How a function is written in the order of `dialects`, with ~ between: $1, $2, $3 are arguments.
+ * An empty form is a call by the function's own name; so are functions without a row. */
+static const struct {
+    const char *name, *forms;
+} calls[] = {
+    {"sin", "~~~~\\sin\\left($1\\right)"},
+    {"cos", "~~~~\\cos\\left($1\\right)"},
+    {"tan", "~~~~\\tan\\left($1\\right)"},
+    {"asin", "~~~~\\arcsin\\left($1\\right)"},
+    {"acos", "~~~~\\arccos\\left($1\\right)"},
+    {"atan", "~~~~\\arctan\\left($1\\right)"},
+    {"sinh", "~~~~\\sinh\\left($1\\right)"},
+    {"cosh", "~~~~\\cosh\\left($1\\right)"},
+    {"tanh", "~~~~\\tanh\\left($1\\right)"},
+    {"exp", "~~~~\\exp\\left($1\\right)"},
+    {"log10", "~~~~\\log_{10}\\left($1\\right)"},
+    {"log", "~~~ln($1)~\\ln\\left($1\\right)"},
+    {"sqrt", "~~~~\\sqrt{$1}"},
+    {"abs", "fabs($1)~~~~\\left|$1\\right|"},
+    {"sign", "~~~~\\operatorname{sgn}\\left($1\\right)"},
+    {"step", "heaviside($1)~heaviside($1)~double(($1) >= 0)~heav($1)~\\theta\\left($1\\right)"},
+    {"floor", "~~~flr($1)~\\left\\lfloor $1\\right\\rfloor"},
+    {"ceil", "~~~(-flr(-($1)))~\\left\\lceil $1\\right\\rceil"},
+    {"round",
+     "~round_half($1)~~(sign($1)*flr(abs($1)+0.5))~\\operatorname{round}\\left($1\\right)"},
+    {"cbrt", "~~nthroot($1, 3)~(sign($1)*abs($1)^(1/3))~\\sqrt[3]{$1}"},
+    {"atan2", "~~~atan2($1,$2)~\\operatorname{atan2}\\left($1, $2\\right)"},
+    {"hypot", "~~~sqrt(($1)^2+($2)^2)~\\sqrt{\\left($1\\right)^2 + \\left($2\\right)^2}"},
+    {"min", "fmin($1, $2)~~~min($1,$2)~\\min\\left($1, $2\\right)"},
+    {"max", "fmax($1, $2)~~~max($1,$2)~\\max\\left($1, $2\\right)"},
+    {"mod", "~($1 % ($2))~~mod($1,$2)~\\left($1\\bmod $2\\right)"},
+    {"if", "(($1) > 0 ? $2 : $3)~($2 if $1 > 0 else $3)~choose($1, $2, $3)~"
+           "(if(($1)>0)then($2)else($3))~"
+           "\\begin{cases} $2 & \\text{if } $1 \\\\ $3 & \\text{else} \\end{cases}"},
+};
+
+static const char *const pi_word[DIALECTS] = {"3.141592653589793", "pi", "pi", "pi", "\\pi"};
+
+void dialect_number(struct buffer *out, enum dialect dialect, double number)
+{
+    char z[REAL_TEXT_SIZE];
+    const size_t len = real_format(number, z), digits = strcspn(z, "e");
+    const bool whole = !memchr(z, '.', digits);
+    if (number == 3.14159265358979323846) {
+        buffer_put(out, text_of(pi_word[dialect]));
+    } else if (dialect == DIALECT_TEX && digits < len) {
+        const char *power = z + digits + 1 + (z[digits + 1] == '+');
+        if (digits > 1 || z[0] != '1')
+            buffer_format(out, "%.*s \\cdot ", (int)digits, z);
+        buffer_format(out, "10^{%s}", power);
+    } else {
+        buffer_put(out, text_of(z));
+        /* whole numbers of Python and C know other divisions */
+        if (whole && digits == len && fabs(number) >= 1e9 && isfinite(number) &&
+            (dialect == DIALECT_C || dialect == DIALECT_PYTHON))
+            buffer_put(out, TEXT(".0"));
+    }
+}
+
+/* ---- pieces ---- */
+
+enum { COMPARISON, SUM, PRODUCT, FACTOR, ATOM };
+
+/* As the graph of a program marks numbers that are 0. */
+enum zero_kind { NOT_ZERO, NUMBER_ZERO, NAME_ZERO, TERM_ZERO };
+
+/* Of an operand: its text without the sign that was pulled out. */
+struct piece {
+    struct text text;
+    int binds; /* as the operation that is done last */
+    bool negative;
+    enum zero_kind zero;
+    bool number;
+    double value;
+};
+
+struct printer {
+    struct arena arena;
+    enum dialect dialect;
+    const char *const *name;
+    const bool *zero;
+    bool failed; /* out of memory */
+    struct piece stack[LIMIT_EXPR_DEPTH + 1];
+};
+
+static struct text keep(struct printer *p, struct buffer *buffer)
+{
+    const char *text = buffer->failed ? NULL : arena_text(&p->arena, buffer_text(buffer));
+    buffer_free(buffer);
+    p->failed |= !text;
+    return text_of(text ? text : "");
+}
+
+/* In parentheses where it binds less than that; with its sign. */
+static void put_piece(struct printer *p, struct buffer *out, const struct piece *piece, int binds)
+{
+    const bool enclosed = piece->binds < binds || (piece->negative && binds > SUM);
+    const bool tex = p->dialect == DIALECT_TEX;
+    buffer_put(out, !enclosed ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
+    const bool signs = piece->negative && piece->binds == SUM;
+    buffer_put(out, piece->negative ? TEXT("-") : TEXT(""));
+    buffer_put(out, !signs ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
+    buffer_put(out, piece->text);
+    buffer_put(out, !signs ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
+    buffer_put(out, !enclosed ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
+}
+
+static struct piece nothing(void)
+{
+    return (struct piece){
+        .text = TEXT("0"), .binds = ATOM, .zero = TERM_ZERO, .number = true, .value = 0};
+}
+
+static struct piece number_piece(struct printer *p, double value)
+{
+    struct buffer text = {0};
+    dialect_number(&text, p->dialect, fabs(value));
+    const bool scaled =
+        p->dialect == DIALECT_TEX && memchr(text.data ? text.data : "", '\\', text.len);
+    const bool pi = value == 3.14159265358979323846;
+    return (struct piece){.text = keep(p, &text),
+                          .binds = scaled && !pi ? PRODUCT : ATOM,
+                          .negative = signbit(value) != 0,
+                          .zero = value == 0 ? NUMBER_ZERO : NOT_ZERO,
+                          .number = true,
+                          .value = value};
+}
+
+/* ---- operations ---- */
+
+static struct piece sum_of(struct printer *p, const struct piece *a, struct piece b, bool minus)
+{
+    if (b.zero)
+        return *a;
+    b.negative ^= minus;
+    if (a->zero)
+        return b;
+    struct buffer text = {0};
+    put_piece(p, &text, a, SUM);
+    buffer_put(&text, b.negative ? TEXT(" - ") : TEXT(" + "));
+    b.negative = false;
+    put_piece(p, &text, &b, PRODUCT);
+    return (struct piece){
+        .text = keep(p, &text), .binds = SUM, .zero = a->zero < b.zero ? a->zero : b.zero};
+}
+
+static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool over)
+{
+    if (over ? a.zero >= NAME_ZERO : a.zero || b.zero)
+        return nothing();
+    const bool negative = a.negative != b.negative, tex = p->dialect == DIALECT_TEX;
+    a.negative = b.negative = false;
+    struct buffer text = {0};
+    if (tex && over) {
+        buffer_format(&text, "\\frac{%.*s}{%.*s}", (int)a.text.len, a.text.at, (int)b.text.len,
+                      b.text.at);
+    } else {
+        put_piece(p, &text, &a, PRODUCT);
+        buffer_put(&text, over       ? TEXT("/")
+                          : !tex     ? TEXT("*")
+                          : b.number ? TEXT(" \\cdot ")
+                                     : TEXT(" "));
+        put_piece(p, &text, &b, tex ? PRODUCT : FACTOR);
+    }
+    return (struct piece){
+        .text = keep(p, &text), .binds = tex && over ? FACTOR : PRODUCT, .negative = negative};
+}
+
+static bool is_word(struct text text)
+{
+    for (size_t i = 0; i < text.len; i++)
+        if (!is_name_char(text.at[i]))
+            return false;
+    return text.len > 0;
+}
+
+/* x^n by products where hooke does so and the reader would; by a function elsewhere. */
+static struct piece power_of(struct printer *p, const struct piece *x, const struct piece *n)
+{
+    struct buffer text = {0};
+    int binds = ATOM;
+    const bool computes = p->dialect == DIALECT_C || p->dialect == DIALECT_PYTHON;
+    const bool brief = n->number && power_is_short(n->value);
+    if (n->number && n->value == 0.5 && p->dialect != DIALECT_TEX) {
+        buffer_put(&text, TEXT("sqrt("));
+        put_piece(p, &text, x, SUM);
+        buffer_char(&text, ')');
+    } else if (computes && brief && is_word(x->text) && !x->negative &&
+               (n->value == 2 || n->value == 3)) {
+        for (int i = 0; i < (int)n->value; i++)
+            buffer_format(&text, "%s%.*s", i ? "*" : "", (int)x->text.len, x->text.at);
+        binds = PRODUCT;
+    } else if (computes) {
+        buffer_put(&text, brief ? TEXT("power(") : TEXT("pow("));
+        put_piece(p, &text, x, SUM);
+        buffer_put(&text, TEXT(", "));
+        put_piece(p, &text, n, SUM);
+        buffer_char(&text, ')');
+    } else {
+        const bool tex = p->dialect == DIALECT_TEX;
+        put_piece(p, &text, x, ATOM);
+        buffer_put(&text, tex ? TEXT("^{") : TEXT("^"));
+        put_piece(p, &text, n, tex ? SUM : ATOM);
+        buffer_put(&text, tex ? TEXT("}") : TEXT(""));
+        binds = FACTOR;
+    }
+    return (struct piece){.text = keep(p, &text), .binds = binds};
+}
+
+static struct piece comparison_of(struct printer *p, enum op_kind kind, const struct piece *a,
+                                  const struct piece *b)
+{
+    static const char *const tex[] = {[OP_LESS] = " < ",
+                                      [OP_GREATER] = " > ",
+                                      [OP_LESS_EQUAL] = " \\le ",
+                                      [OP_GREATER_EQUAL] = " \\ge "};
+    static const char *const sign[] = {[OP_LESS] = " < ",
+                                       [OP_GREATER] = " > ",
+                                       [OP_LESS_EQUAL] = " <= ",
+                                       [OP_GREATER_EQUAL] = " >= "};
+    struct buffer text = {0};
+    const bool c = p->dialect == DIALECT_C;
+    buffer_put(&text, c ? TEXT("(double)(") : TEXT("("));
+    put_piece(p, &text, a, SUM);
+    buffer_put(&text, text_of((p->dialect == DIALECT_TEX ? tex : sign)[kind]));
+    put_piece(p, &text, b, SUM);
+    buffer_char(&text, ')');
+    return (struct piece){.text = keep(p, &text), .binds = c ? FACTOR : ATOM};
+}
+
+/* Returns the form of a function, empty for a call by its own name. */
+static struct text form_of(struct text name, enum dialect dialect)
+{
+    struct text form = {0}, forms = {0};
+    for (size_t i = 0; i < COUNT_OF(calls); i++)
+        if (text_is(name, calls[i].name))
+            forms = text_of(calls[i].forms);
+    for (int i = 0; i <= (int)dialect; i++)
+        if (!text_split(&forms, '~', &form))
+            return (struct text){0};
+    return form;
+}
+
+static struct piece call_of(struct printer *p, const struct function *function,
+                            const struct piece *operand)
+{
+    const struct text name = text_of(function->row.name), form = form_of(name, p->dialect);
+    if (function->two == function_power)
+        return power_of(p, &operand[0], &operand[1]);
+    struct buffer text = {0};
+    if (form.len == 0)
+        buffer_format(&text, "%s(", function->row.name);
+    for (int i = 0; form.len == 0 && i < function_arity(function); i++) {
+        buffer_put(&text, i ? TEXT(", ") : TEXT(""));
+        put_piece(p, &text, &operand[i], COMPARISON);
+    }
+    if (form.len == 0)
+        buffer_char(&text, ')');
+    for (size_t i = 0; i < form.len; i++)
+        if (form.at[i] == '$')
+            put_piece(p, &text, &operand[form.at[++i] - '1'], COMPARISON);
+        else
+            buffer_char(&text, form.at[i]);
+    return (struct piece){.text = keep(p, &text), .binds = ATOM};
+}
+
+static struct piece operation(struct printer *p, const struct op *op, const struct piece *operand)
+{
+    struct piece a = operand[0];
+    switch (op->kind) {
+    case OP_NEG:
+        a.negative ^= a.zero != TERM_ZERO;
+        a.value = -a.value;
+        return a;
+    case OP_ADD:
+    case OP_SUB:
+        return sum_of(p, &a, operand[1], op->kind == OP_SUB);
+    case OP_MUL:
+    case OP_DIV:
+        return product_of(p, a, operand[1], op->kind == OP_DIV);
+    case OP_POW:
+        return power_of(p, &a, &operand[1]);
+    case OP_CALL:
+        return call_of(p, op->function, operand);
+    default:
+        return comparison_of(p, op->kind, &a, &operand[1]);
+    }
+}
+
+bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
+               const bool *zero, struct buffer *out)
+{
+    struct printer *p = calloc(1, sizeof *p);
+    if (!p)
+        return false;
+    p->dialect = dialect;
+    int top = 0;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NUMBER) {
+            p->stack[top++] = number_piece(p, op->number);
+        } else if (op->kind == OP_NAME) {
+            p->stack[top] = (struct piece){.text = text_of(name[op->slot]), .binds = ATOM};
+            if (zero && zero[op->slot]) {
+                p->stack[top] = number_piece(p, 0);
+                p->stack[top].zero = NAME_ZERO;
+            }
+            top++;
+        } else {
+            top -= op_arity(op);
+            p->stack[top] = operation(p, op, &p->stack[top]);
+            top++;
+        }
+    }
+    put_piece(p, out, &p->stack[0], COMPARISON);
+    const bool fine = !p->failed && !out->failed;
+    arena_reset(&p->arena);
+    free(p);
+    return fine;
+}

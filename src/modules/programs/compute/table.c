@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rows of methods, to be read by others. */
+#include "modules/programs/compute/table.h"
+#include "method/control/adapt_body.h"
+
+bool method_runge_kutta(const struct method *method, struct runge_kutta *table)
+{
+    static const double straight[16] = {0};
+    const struct tableau *t = method->tableau;
+    if (!t)
+        return false;
+    *table = (struct runge_kutta){t->stages, t->fsal, t->c, t->b, t->a, t->b_hat, NULL};
+    if (method->dense && t->fsal && t->bends <= 1 && t->extra == 0)
+        table->bend = t->bends == 1 ? t->dense : straight;
+    return true;
+}
+
+bool method_error_control(const struct method *method, double tol, double *most, int *order)
+{
+    const struct tableau *t = method->tableau;
+    if (!(method->flags & METHOD_ADAPTIVE) || !t || !t->fsal || !t->b_hat || t->rough)
+        return false;
+    const struct controller controller = {.tol = tol};
+    *most = largest_estimate(method, tolerance(&controller));
+    *order = method->embedded + 1;
+    return true;
+}
+
+int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHTS],
+                     bool *kick_first)
+{
+    const struct splitting *s = method->splitting;
+    for (int i = 0; s && i < s->count; i++)
+        weight[i] = splitting_weight(s, i);
+    *kick_first = s && s->kick_first;
+    return s ? s->count : 0;
+}
+
+bool method_is_backward_euler(const struct method *method)
+{
+    const struct implicit_tableau *t = method->implicit;
+    return t && t->stages == 1 && t->diagonal == 1 && t->a[0] == 1 && t->b[0] == 1;
+}

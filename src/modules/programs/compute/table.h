@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the row of a method says, for those who write the method down. */
+#ifndef HOOKE_MODULES_PROGRAMS_COMPUTE_TABLE_H
+#define HOOKE_MODULES_PROGRAMS_COMPUTE_TABLE_H
+
+#include <hooke/method.h>
+
+/* k_i = f(t + c_i h, y + sum_j (h a_ij) k_j), y' = y + sum_i (h b_i) k_i, over the weights that are
+ * not 0; fsal: the last stage is at y' and the first one of the next step. */
+struct runge_kutta {
+    int stages;
+    bool fsal;
+    const double *c, *b; /* [stages] */
+    const double *a;     /* a21, a31 a32, ... */
+    const double *b_hat; /* [stages] of the embedded method; NULL: none */
+    /* [stages] of a cubic Hermite interpolant's bend, see src/method/step/step.h; NULL: there is
+     * another interpolant, or none */
+    const double *bend;
+};
+
+/* False: the method is no explicit Runge-Kutta method. */
+bool method_runge_kutta(const struct method *method, struct runge_kutta *table);
+
+/*
+ * How its steps follow the error e = h sum_i (b_i - b_hat_i) k_i: *most is the largest root of the
+ * mean square that is accepted, in units of the state's size, *order how e goes with h. False: not
+ * by that error, or where the last stage is not the next first.
+ */
+bool method_error_control(const struct method *method, double tol, double *most, int *order);
+
+#define SPLITTING_WEIGHTS 40
+
+/* Drifts q += (w h) v and kicks v += (w h) a in turn. 0: the method is no splitting; else how many.
+ */
+int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHTS],
+                     bool *kick_first);
+
+/* Is it y' = y + h f(t + h, y')? */
+bool method_is_backward_euler(const struct method *method);
+
+#endif

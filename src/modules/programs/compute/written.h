@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The forces of a scene as text of other languages. */
+#ifndef HOOKE_MODULES_PROGRAMS_COMPUTE_WRITTEN_H
+#define HOOKE_MODULES_PROGRAMS_COMPUTE_WRITTEN_H
+
+#include <hooke/scene/formula.h>
+#include <hooke/scene/model.h>
+
+struct cancel;
+struct catalog;
+
+/* ---- expressions in other languages ----
+ *
+ * The operations in the order of the expression, so that a language of IEEE doubles gives the bits
+ * of expr_value(), but for functions of its own library.
+ */
+
+enum dialect { DIALECT_C, DIALECT_PYTHON, DIALECT_OCTAVE, DIALECT_XPP, DIALECT_TEX, DIALECTS };
+
+/* struct row at the enum's place */
+extern const struct catalog dialect_catalog;
+
+/* A number, in C and Python one that is a double whatever stands beside it. */
+void dialect_number(struct buffer *out, enum dialect dialect, double number);
+/* "y^3" is y*y*y in C: name [names] of what stands for each name; zero [names]: of those that are
+ * 0, whose products are left out, as programs do; NULL: none are. False: no memory. */
+bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
+               const bool *zero, struct buffer *out);
+/* ---- the forces of a scene ---- */
+
+/*
+ * What is added to each row: to accelerations, or in a scene of first order to derivatives; in the
+ * order in which hooke adds, so that it has hooke's bits. Names: t, the state [n], the parameters,
+ * what is observed.
+ */
+struct written {
+    struct arena arena;
+    const struct scene *scene;
+    struct system system;
+    int rows, names, params; /* params: the name of the first parameter */
+    const char **name;       /* [names] */
+    bool *zero;              /* [names] parameters that are 0 */
+    /* [rows] NULL: nothing is added. force and drag: without and with velocity, for splittings */
+    const struct expr *all[LIMIT_VARIABLES], *force[LIMIT_VARIABLES], *drag[LIMIT_VARIABLES];
+    const struct expr *split[LIMIT_VARIABLES]; /* force, then drag, as splittings add them */
+    const struct expr *dry;      /* what dry friction takes, in none of them; NULL: none */
+    int observed;                /* the first name of what is observed */
+    const struct expr **observe; /* [names - observed] */
+    const struct cancel *cancel; /* of what is made of it; whoever began looks, too */
+};
+
+/* The texts of another dialect, a built-in term as the reader knows it: as_typed, else as it is
+ * computed. To be given back by written_free(), whatever it returns. */
+bool written_make(struct written *written, const struct scene *scene, bool as_typed,
+                  struct error *error);
+void written_free(struct written *written);
+
+#endif

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Programs out of templates: c.template, python.template and octave.template, which say how they
+ * are read. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/statement.h>
+#include "modules/programs/program.h"
+
+#include <ctype.h>
+#include <string.h>
+
+#define TEMPLATE(name)                                                                             \
+    __asm__(".pushsection .rodata\nprogram_" #name ":\n.incbin \"src/modules/programs/" #name      \
+            ".template\"\n.byte 0\n.popsection\n");                                                \
+    extern const char program_##name[];
+TEMPLATE(c)
+TEMPLATE(python)
+TEMPLATE(octave)
+
+static const char *template_of(enum dialect dialect)
+{
+    return dialect == DIALECT_C        ? program_c
+           : dialect == DIALECT_PYTHON ? program_python
+                                       : program_octave;
+}
+
+/* ---- names ---- */
+
+static bool has_word(const char *text, const char *word, size_t len, char behind)
+{
+    for (const char *at = text; (at = strstr(at, word)); at++)
+        if ((at == text || !is_name_char(at[-1])) &&
+            (behind ? at[len] == behind : !is_name_char(at[len])))
+            return true;
+    return false;
+}
+
+/* Names of types, of reentrant functions and of limits in C, and its float and long functions. */
+static bool is_like_library(const char *name)
+{
+    static const char *const ends[] = {"_t", "_r", "_l", "_MAX", "_MIN", "_unlocked"};
+    static const char *const begins[] = {"M_", "FP_", "SEEK_"};
+    const size_t len = strlen(name);
+    char stem[LIMIT_SYMBOL + 1] = {0};
+    for (size_t i = 0; i < COUNT_OF(ends); i++)
+        if (len > strlen(ends[i]) && strcmp(name + len - strlen(ends[i]), ends[i]) == 0)
+            return true;
+    for (size_t i = 0; i < COUNT_OF(begins); i++)
+        if (strncmp(name, begins[i], strlen(begins[i])) == 0)
+            return true;
+    if (len < 3 || len > LIMIT_SYMBOL || !strchr("fl", name[len - 1]))
+        return false;
+    memcpy(stem, name, len - 1);
+    return has_word(strstr(program_c, "<<words>>"), stem, len - 1, '\0');
+}
+
+bool program_takes(enum dialect dialect, const char *name)
+{
+    return has_word(strstr(template_of(dialect), "<<words>>"), name, strlen(name), '\0') ||
+           (dialect == DIALECT_C && is_like_library(name));
+}
+
+/* ---- expansion ---- */
+
+bool program_uses(const struct scene_program *p, const char *name, char behind)
+{
+    return has_word(p->rates, name, strlen(name), behind) ||
+           has_word(p->observed, name, strlen(name), behind);
+}
+
+bool program_reads(const struct scene_program *p, int i)
+{
+    return program_uses(p, p->name[i], '\0');
+}
+
+static struct text next_line(const char **rest)
+{
+    const size_t len = strcspn(*rest, "\n");
+    const struct text line = {*rest, len};
+    *rest += len + ((*rest)[len] != '\0');
+    return line;
+}
+
+/* Returns true if a word's text is not empty, or if the formulas call the function of that name. */
+static bool holds(struct scene_program *p, struct text word)
+{
+    struct buffer text = {0}, *out = p->out;
+    char name[LIMIT_SYMBOL + 1] = {0};
+    if (word.at[word.len - 1] == '(') {
+        memcpy(name, word.at, word.len - 1 < LIMIT_SYMBOL ? word.len - 1 : LIMIT_SYMBOL);
+        return program_uses(p, name, '(');
+    }
+    p->out = &text;
+    program_word(p, word);
+    p->out = out;
+    const bool any = text.len > 0;
+    out->failed |= text.failed;
+    buffer_free(&text);
+    return any;
+}
+
+/* The words behind <<if, all of which have to hold, those behind a ! not to. */
+static bool all_hold(struct scene_program *p, struct text words)
+{
+    struct text word;
+    bool all = true;
+    while (all && text_split(&words, ' ', &word)) {
+        const bool no = word.len > 0 && word.at[0] == '!';
+        if (word.len > 0)
+            all = holds(p, (struct text){word.at + no, word.len - no}) != no;
+    }
+    return all;
+}
+
+/* Appends a line with its words; one that consists of an empty word is left out, and so is a blank
+ * one behind as many of these as the language's style has. */
+static void put_line(struct scene_program *p, struct text line)
+{
+    struct buffer *const out = p->out;
+    const size_t start = out->len;
+    const char *const blanks = p->dialect == DIALECT_PYTHON ? "\n\n\n" : "\n\n";
+    const size_t most = strlen(blanks);
+    if (line.len == 0 && start >= most && memcmp(out->data + start - most, blanks, most) == 0)
+        return;
+    for (size_t i = 0; i < line.len; i++) {
+        const char *const end = strstr(line.at + i, ">>");
+        if (line.at[i] != '<' || line.at[i + 1] != '<' || !end) {
+            buffer_char(out, line.at[i]);
+            continue;
+        }
+        program_word(p, (struct text){line.at + i + 2, (size_t)(end - line.at) - i - 2});
+        i = (size_t)(end - line.at) + 1;
+    }
+    if (line.len == 0 || out->len > start)
+        buffer_char(out, '\n');
+}
+
+/* Nothing of Python's module may have been needed. */
+static void drop_unused_import(struct buffer *out)
+{
+    char *const line = out->data ? strstr(out->data, "import math\n") : NULL;
+    const size_t len = strlen("import math\n");
+    if (!line || strstr(line, "math."))
+        return;
+    memmove(line, line + len, out->len - (size_t)(line - out->data) - len + 1);
+    out->len -= len;
+}
+
+bool program_computes(struct scene_program *p)
+{
+    const char *rest = strstr(template_of(p->dialect), "<<begin>>\n");
+    bool active = true;
+    next_line(&rest);
+    while (!p->out->failed && !cancelled(p->session->front.cancel)) {
+        const struct text line = next_line(&rest);
+        if (text_is(line, "<<words>>")) {
+            drop_unused_import(p->out);
+            return true;
+        }
+        if (text_starts(line, TEXT("<<if")))
+            active = all_hold(p, (struct text){line.at + 4, line.len - 6});
+        else if (active)
+            put_line(p, line);
+    }
+    return false;
+}

@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording.
+ */
+#include <hooke/base/unit.h>
+#include <hooke/plot.h>
+#include "modules/recording/fit_text.h"
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what was taken ---- */
+
+enum { ADOPTED_MAX = LIMIT_VARIABLES + 16, LEFT_OUT_MAX = 4 };
+
+struct adoption {
+    struct session *session;
+    struct scene scene; /* as it becomes */
+    struct adopted {
+        char name[LIMIT_NAME + 1];
+        struct measured value;
+        enum quantity quantity;
+    } taken[ADOPTED_MAX];
+    int count;
+    const char *left_out[LEFT_OUT_MAX];
+    int left;
+    int data;             /* place of the recording that was fitted, -1: none */
+    bool as_on_data;      /* it starts where the fit does: it can be compared */
+    struct inputs inputs; /* what entered besides the fit */
+    bool pendulum;        /* the scene swings on a rod, not on a spring */
+    bool unscaled; /* the fit is one of volts or newtons, and nothing says how far they are */
+};
+
+static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
+{
+    const int index = scene_param(&a->scene, name);
+    value.uncertainty = isfinite(value.uncertainty) ? value.uncertainty : 0;
+    if (!scene_set(&a->scene, index, value, error))
+        return false;
+    if (a->count < ADOPTED_MAX) {
+        struct adopted *taken = &a->taken[a->count++];
+        snprintf(taken->name, sizeof taken->name, "%s", name);
+        taken->value = value;
+        taken->quantity = param_at(&a->scene, index)->quantity;
+    }
+    return true;
+}
+
+/* The scene becomes that, and with it what is known of its uncertainty. */
+static void become(const struct adoption *a)
+{
+    struct fits *fits = fits_made(a->session);
+    a->session->setup.scene = a->scene;
+    fits->adopted = (struct adopted_fit){.scene = a->scene, .statement = a->session->history.count};
+    inputs_keep(&a->inputs, &fits->adopted.exact);
+    memcpy(fits->adopted.of, fits->fit_of, sizeof fits->adopted.of);
+}
+
+static void leave_out(struct adoption *a, const char *what)
+{
+    if (a->left < LEFT_OUT_MAX)
+        a->left_out[a->left++] = what;
+}
+
+/* ---- the proof ---- */
+
+#define AGREES 1.2      /* rms of the run over that of the fit, at most */
+#define ROUNDING 1e-8   /* of the amplitude: what the run's own errors may add */
+#define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
+
+/* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or
+ * was stopped. */
+static double rms_of_run(const struct adoption *a)
+{
+    const struct session *session = a->session;
+    struct run *run =
+        a->data >= 0 && a->as_on_data
+            ? study_run(&a->scene, fits_of(session)->fit.window[1], session->front.cancel)
+            : NULL;
+    const double rms =
+        run ? run_data_distance(run, session->recording[a->data]->recording).rms : NAN;
+    run_destroy(run);
+    return rms;
+}
+
+/* What stands between the run and the fit. */
+static void warn_apart(const struct adoption *a, double rms, struct reply *reply)
+{
+    const struct fit *fit = &fits_of(a->session)->fit;
+    struct buffer text = {0};
+    buffer_format(&text, "the run is %.2g times as far from the data as the fit: ", rms / fit->rms);
+    if (a->left > 0)
+        for (int i = 0; i < a->left; i++)
+            buffer_format(&text, "%s%s", i ? ", " : "the scene does not take ", a->left_out[i]);
+    else if (param_value(&a->scene, "C") > 0 && fit->drag.candidates == 0)
+        buffer_put(&text,
+                   TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
+    else if (param_value(&a->scene, "F0") > 0 || fabs(param_value(&a->scene, "k3")) > 0)
+        buffer_put(&text, TEXT("the scene has forces that the fit does not know"));
+    else
+        buffer_put(&text, TEXT("the fitted curve is no motion of this scene"));
+    reply_warning(reply, "%s", text.data ? text.data : "");
+    buffer_free(&text);
+}
+
+static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
+{
+    const struct fit *fit = &fits_of(a->session)->fit;
+    const double rms = rms_of_run(a), allowed = AGREES * fit->rms + ROUNDING * fit->amplitude.value;
+    const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
+    const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
+    if (isfinite(rms)) {
+        buffer_put(text, TEXT("\nrms of the run "));
+        buffer_quantity(text, rms, quantity, 3);
+        buffer_put(text, TEXT(", of the fit "));
+        buffer_quantity(text, fit->rms, quantity, 3);
+        const struct method *method = a->session->setup.method;
+        if (!a->session->setup.method_chosen && method->order < 4)
+            buffer_format(text, " (to rounding; %s's is farther off: 'method rk4')",
+                          method->row.name);
+    }
+    inputs_put(&a->inputs, text);
+    reply_text(reply, buffer_text(text));
+    reply_begin(reply, "adopt");
+    reply_object(reply, "parameters");
+    for (int i = 0; i < a->count; i++)
+        reply_measured(reply, a->taken[i].name, a->taken[i].value, a->taken[i].quantity);
+    reply_close(reply);
+    reply_array(reply, "left_out");
+    for (int i = 0; i < a->left; i++)
+        reply_string(reply, NULL, a->left_out[i]);
+    reply_close(reply);
+    inputs_reply(&a->inputs, reply);
+    reply_real(reply, "rms_fit", fit->rms);
+    reply_real(reply, "rms_run", rms);
+    if (isfinite(rms))
+        reply_bool(reply, "agrees", rms <= allowed);
+    else
+        reply_null(reply, "agrees");
+    reply_end(reply);
+    if (of && recorded_bare(of)) {
+        struct buffer lacks = {0};
+        put_bare(of, &lacks);
+        reply_warning(reply,
+                      "%s %s: its numbers were taken as metres or radians ('load FILE unit=cm' "
+                      "says otherwise)",
+                      of->name, buffer_view(&lacks));
+        buffer_free(&lacks);
+    }
+    if (rms > allowed)
+        warn_apart(a, rms, reply);
+}
+
+static void put_taken(const struct adoption *a, struct buffer *text)
+{
+    for (int i = 0; i < a->count; i++) {
+        buffer_put(text, i ? TEXT("  ") : TEXT(""));
+        put_value(text, a->taken[i].name, a->taken[i].value, a->taken[i].quantity, a->data >= 0);
+    }
+}
+
+/* Numbers without a unit are taken as positions. */
+static int derivatives(enum quantity quantity)
+{
+    return quantity == QUANTITY_OTHER ? 0 : quantity_order(quantity);
+}
+
+static bool is_turning(enum quantity quantity)
+{
+    return quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
+           quantity == QUANTITY_ANGULAR_ACCELERATION;
+}
+
+/* Place of the recording that was fitted, -1: it was none, or is gone. */
+static int fitted_recording(const struct session *session)
+{
+    const struct text of = text_of(fits_of(session)->fit_of);
+    return text_starts(of, TEXT("data "))
+               ? session_find_recording(session, (struct text){of.at + 5, of.len - 5})
+               : -1;
+}
+
+/* Of a fit of the scene: what was free, as it was fitted. */
+static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
+                        struct error *error)
+{
+    struct scene scene = session->setup.scene;
+    struct fits *fits = fits_made(session);
+    const struct scene *fitted = &fits->fit_scene;
+    if (fits->fit_modes > 0) {
+        error_set(error, ERROR_COMMAND,
+                  "several modes at once are no motion of one spring and mass");
+        return error_hint(error, "type the equations of what is coupled, then: fit scene free=..");
+    }
+    if (!fitted->model) {
+        error_set(error, ERROR_COMMAND, "a formula has nothing that the scene could take");
+        return error_hint(error, "type: fit, or: fit scene");
+    }
+    if (fitted->model != scene.model)
+        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s",
+                         fitted->preset->row.name, scene.preset->row.name);
+    if (has_argument(args, "amplitude"))
+        return error_set(error, ERROR_COMMAND,
+                         "'adopt amplitude' belongs to the fit of a damped oscillation");
+    struct buffer text = {0};
+    struct adoption a = {
+        .session = session, .scene = scene, .data = fitted_recording(session), .as_on_data = true};
+    const int t0 = scene_param(fitted, "t0");
+    for (int i = 0; i < (int)scene_params(&scene)->count; i++) {
+        if (!fits->fit_free[i] && (i != t0 || scene.value[i] == fitted->value[i]))
+            continue;
+        const struct measured value = {fitted->value[i],
+                                       fits->fit_free[i] ? fitted->uncertainty[i] : 0};
+        if (!take(&a, param_at(&scene, i)->row.name, value, error))
+            return false;
+    }
+    inputs_use_motion(&a.inputs, fitted, fits->fit_free);
+    become(&a);
+    adopted_free(fits->fit_free, &fits->fit.covariance, &fits->adopted.known);
+    put_taken(&a, &text);
+    if (a.data >= 0 && fits->fit.offset.value != 0) {
+        struct recording *recording = session->recording[a.data]->recording;
+        recording->zero = fits->fit_zero + fits->fit.offset.value;
+        put_value(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
+                  recording->column[recording->value].quantity, true);
+        buffer_put(&text, TEXT(" (the offset of the fit)"));
+    }
+    session_changed(session);
+    reply_adoption(&a, &text, reply);
+    buffer_free(&text);
+    return true;
+}
+
+/* ---- of an oscillation ---- */
+
+/* A coefficient that these parameters turned into one of the scene. */
+static struct measured converted(struct adoption *a, struct measured rate, const char *names)
+{
+    struct inputs used = {.exacts = 0};
+    inputs_use_params(&used, &a->scene, names);
+    if (rate.value != 0)
+        inputs_use_params(&a->inputs, &a->scene, names);
+    return inputs_widen(&used, rate);
+}
+
+/* Every term of the law, those it does not have as 0. */
+static bool take_law(struct adoption *a, const struct fit *fit, const struct measured *value,
+                     struct error *error)
+{
+    if (fit->drag.candidates == 0) {
+        const bool decays = isfinite(fit->gamma.value);
+        return take(a, "gamma", decays ? fit->gamma : (struct measured){0, 0}, error);
+    }
+    const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
+    if (a->unscaled) {
+        if (law->law & (LAW_QUADRATIC | LAW_DRY))
+            leave_out(a, "quadratic drag and dry friction without a scale");
+        if (fit->drag.force == RESTORING_CUBIC)
+            leave_out(a, "a cubic spring without a scale");
+        return take(a, "gamma", law->rate[0], error);
+    }
+    if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) &&
+        scene_param(&a->scene, "k3") >= 0 &&
+        !take(a, "k3", converted(a, value[ADOPTED_CUBIC], "m"), error))
+        return false;
+    const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
+    if (!take(a, "gamma", law->rate[0], error))
+        return false;
+    if (quadratic && !(param_value(&a->scene, "rho") * param_value(&a->scene, "area") > 0))
+        leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
+    else if ((quadratic || param_value(&a->scene, "C") > 0) &&
+             !take(a, "C", converted(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
+        return false;
+    if (scene_param(&a->scene, "friction") < 0) {
+        if (dry)
+            leave_out(a, "dry friction");
+        return true;
+    }
+    return !(dry || param_value(&a->scene, "friction") > 0) ||
+           take(a, "friction", converted(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"), error);
+}
+
+/* The spring of the fit, or the rod that swings as fast. */
+static bool take_force(struct adoption *a, const struct measured *value, struct error *error)
+{
+    if (a->pendulum && !(param_value(&a->scene, "g") > 0))
+        return error_set(error, ERROR_COMMAND,
+                         "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
+    inputs_use_params(&a->inputs, &a->scene, a->pendulum ? "g" : "m g");
+    return a->pendulum ? take(a, "length", value[ADOPTED_LENGTH], error)
+                       : take(a, "k", value[ADOPTED_STIFFNESS], error);
+}
+
+static bool take_start(struct adoption *a, const struct measured *value, double t0,
+                       struct error *error)
+{
+    const bool taken = a->pendulum ? take(a, "theta0", value[ADOPTED_ANGLE], error) &&
+                                         take(a, "rate0", value[ADOPTED_TURNING], error)
+                                   : take(a, "y0", value[ADOPTED_POSITION], error) &&
+                                         take(a, "v0", value[ADOPTED_VELOCITY], error);
+    return taken && take(a, "t0", (struct measured){t0, 0}, error);
+}
+
+static bool can_have_spring(const struct scene *scene, const struct fit *fit, struct error *error)
+{
+    if (fit->drag.force != RESTORING_SINE)
+        return needs_spring(scene, "adopt", error);
+    error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, the scene %s is none",
+              scene->preset->row.name);
+    return error_hint(error, "type: scene pendulum; adopt");
+}
+
+/* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion
+ * is as wide as that of the scene; 0: which stands still. */
+static bool find_scale(const struct adoption *a, const struct fit *fit,
+                       const struct argument_value *args, double *scale, struct error *error)
+{
+    const enum quantity needs = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    if (args->count > 0) {
+        *scale = args->item->value.value;
+        if (args->item->quantity == needs && *scale != 0)
+            return true;
+        return error_at(error, args->item->text, "scale needs %s %s other than 0",
+                        quantity_article(needs), quantity_name(needs));
+    }
+    *scale = adopted_scale_of(&a->scene, fit);
+    return true;
+}
+
+static void put_scaled(const struct adoption *a, const struct fit *fit, double scale,
+                       enum quantity quantity, bool option, struct buffer *text)
+{
+    const enum quantity position = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    const char *unit = quantity_unit(quantity);
+    buffer_format(text, "\nwith 1 %s = ", unit);
+    buffer_quantity(text, scale, position, 4);
+    if (option)
+        return;
+    buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ",
+                  quantity_article(quantity), quantity_name(quantity), quantity_name(position));
+    buffer_quantity(text, fit->amplitude.value * scale, position, 4);
+    buffer_format(text, ", is kept ('adopt scale=..' says what 1 %s is)", unit);
+    if (fit->drag.candidates > 0 && (fit->drag.best & (LAW_QUADRATIC | LAW_DRY)))
+        buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
+}
+
+/* What the scene does not have of what was fitted, or the fit not of the scene. */
+static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
+                      enum quantity quantity, struct reply *reply)
+{
+    if (a->unscaled && a->left > 0)
+        reply_warning(reply, "the scene does not take %s%s%s", a->left_out[0],
+                      a->left > 1 ? ", " : "", a->left > 1 ? a->left_out[1] : "");
+    if (!starts)
+        reply_warning(reply,
+                      scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 "
+                               "%s is ('adopt scale=..')"
+                             : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity "
+                               "or acceleration",
+                      scaled ? quantity_unit(quantity) : quantity_name(quantity));
+    if (a->pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
+        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
+                             "law, then adopt again");
+    if (!a->pendulum && !param_chosen(&a->scene, "m"))
+        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
+                             "200 g, then adopt again");
+    if ((fit->drag.candidates == 0 && param_value(&a->scene, "C") > 0) ||
+        param_value(&a->scene, "F0") > 0)
+        reply_warning(
+            reply,
+            "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+}
+
+bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
+               struct error *error)
+{
+    struct fits *fits = fits_made(session);
+    if (!fits || !fits->has_fit) {
+        error_set(error, ERROR_COMMAND, "there is no fit to adopt yet");
+        return error_hint(error, "type: fit");
+    }
+    const struct fit *fit = &fits->fit;
+    if (fits->fit_samples > 0)
+        return adopt_curve(session, args, reply, error);
+    const bool at_rest = has_argument(args, "amplitude");
+    const struct argument_value *option = argument_value(args, "scale");
+    double scale = 0;
+    struct fit in_positions;
+    struct adoption a = {
+        .session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
+    struct named_value fitted = {.quantity = QUANTITY_LENGTH};
+    names_value(session, TEXT("fit_amplitude"), &fitted);
+    const bool scaled = quantity_is_scaled(fitted.quantity);
+    a.pendulum = is_pendulum(&a.scene) && (scaled || is_turning(fitted.quantity));
+    if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
+        return false;
+    if (option->count > 0 && !scaled)
+        return error_at(error, option->where, "scale is for voltages and forces; %s %s was fitted",
+                        quantity_article(fitted.quantity), quantity_name(fitted.quantity));
+    if (scaled && !find_scale(&a, fit, option, &scale, error))
+        return false;
+    a.unscaled = scaled && scale == 0;
+    if (scale != 0) {
+        in_positions = *fit;
+        adopted_scale(&in_positions, scale);
+        fit = &in_positions;
+    }
+    const int n = scale != 0 ? 0 : derivatives(fitted.quantity);
+    a.as_on_data = n >= 0 && !at_rest;
+    struct measured value[ADOPTED_VALUES];
+    adopted_values(&a.scene, fit, n > 0 ? n : 0, at_rest, value);
+    if (!take_force(&a, value, error) || !take_law(&a, fit, value, error) ||
+        (n >= 0 && !take_start(&a, value, at_rest ? 0 : fit->t0, error)))
+        return false;
+    if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
+        leave_out(&a, "the drift of the offset");
+    become(&a);
+    adopted_motion(&a.scene, fit, n > 0 ? n : 0, at_rest, n >= 0, &fits->adopted.known);
+    const double middle = a.pendulum ? 0
+                                     : -param_value(&a.scene, "m") * param_value(&a.scene, "g") /
+                                           value[ADOPTED_STIFFNESS].value;
+    const double zero = fits->fit_zero + fits->fit.offset.value - (n == 0 && !scaled ? middle : 0);
+    if (a.data >= 0)
+        session->recording[a.data]->recording->zero = zero;
+    session_changed(session);
+
+    struct buffer text = {0};
+    put_taken(&a, &text);
+    if (a.data >= 0) {
+        put_value(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity,
+                  true);
+        buffer_put(&text, TEXT(" (the offset of the fit)"));
+    }
+    if (scale != 0)
+        put_scaled(&a, &fits->fit, scale, fitted.quantity, option->count > 0, &text);
+    if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)
+        buffer_format(&text, "\nthe data do not distinguish the laws: the best one, %s, is taken",
+                      drag_law_name(fit->drag.best));
+    reply_adoption(&a, &text, reply);
+    buffer_free(&text);
+    warn_left(&a, fit, n >= 0, scaled, fitted.quantity, reply);
+    return true;
+}

@@ -1,0 +1,499 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What is wrong with a recording, found without a model for the whole of it. Only single samples
+ * that cannot be the motion are masked; everything else is said and left to who uses it. Flat tops
+ * are kept: the fit treats them as censored, and could not if only those samples were missing that
+ * noise carried one way.
+ */
+#include "modules/recording/clean/clean.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define FAR_OFF 6.0        /* robust standard deviations */
+#define FAR_OFF_BESIDE 3.0 /* next to one that is far off, on the same side */
+#define FAR_OFF_MIN 0.01   /* of the amplitude: what is nearer does no harm */
+#define GAP 1.5            /* median steps, as the loader counts them */
+#define SHOULDER_MIN 3     /* samples in a row; fewer are spikes */
+#define STUCK_MIN 5        /* samples */
+#define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
+#define SEEN 6.0           /* typical scales: an amplitude that is no noise */
+#define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
+
+static void note_size(struct finding *finding, double size)
+{
+    finding->size = fmax(isnan(finding->size) ? 0 : finding->size, size);
+}
+
+/* ---- times ---- */
+
+static void find_gaps(struct cleaning *c)
+{
+    struct finding *gaps = &c->findings->of[FINDING_GAPS];
+    for (size_t i = 0; i + 1 < c->n; i++)
+        c->sorted[i] = c->t[i + 1] - c->t[i];
+    c->step = values_quantile(c->sorted, c->n - 1, 0.5);
+    for (size_t i = 0; i + 1 < c->n; i++)
+        if (c->t[i + 1] - c->t[i] > GAP * c->step) {
+            clean_note(gaps, c->t[i], 1);
+            note_size(gaps, c->t[i + 1] - c->t[i]);
+        }
+}
+
+static void find_missing(struct cleaning *c)
+{
+    struct finding *missing = &c->findings->of[FINDING_MISSING];
+    for (size_t i = 0; i < c->n; i++) {
+        if (!isnan(c->y[i]))
+            continue;
+        c->excluded[i] = 1;
+        missing->count++;
+        if (i == 0 || !c->excluded[i - 1])
+            clean_note(missing, c->t[i], 0);
+    }
+    c->findings->of[FINDING_REPEATED].count = c->recording->repeated;
+    c->findings->of[FINDING_BACKWARD].count = c->recording->backward;
+}
+
+/* ---- values ---- */
+
+/* The step of which nearly all differences are multiples, in the numbers as they stand in the file.
+ */
+static void find_steps(struct cleaning *c)
+{
+    const struct column *column = &c->recording->column[c->recording->value];
+    double quantum = HUGE_VAL, before = NAN;
+    size_t n = 0;
+    for (size_t i = 0; i < c->n; i++) {
+        const double now = column->value[i], step = fabs(now - before);
+        if (isnan(c->y[i]))
+            continue;
+        quantum = step > 0 && step < quantum ? step : quantum;
+        before = now;
+        c->sorted[n++] = c->y[i];
+    }
+    c->sorted_count = n;
+    if (n == 0 || !sort_values(c->sorted, n, c->residual, c->cancel))
+        return;
+    c->swing = c->sorted[(size_t)(0.995 * (double)(n - 1) + 0.5)] -
+               c->sorted[(size_t)(0.005 * (double)(n - 1) + 0.5)];
+    before = NAN;
+    for (size_t i = 0, others = 0; i < c->n; i++) {
+        const double multiple = (column->value[i] - before) / quantum;
+        others += fabs(multiple - nearbyint(multiple)) > 0.01;
+        if (100 * others > n)
+            return;
+        before = isnan(c->y[i]) ? before : column->value[i];
+    }
+    c->quantum = isfinite(quantum) ? quantum * fabs(column->factor) : 0;
+    if (c->quantum * LEVELS_FEW > c->swing && c->quantum < c->swing) {
+        struct finding *steps = &c->findings->of[FINDING_QUANTISED];
+        steps->count = n;
+        steps->size = c->quantum;
+    }
+}
+
+/*
+ * Equal values in a row while the motion goes on, or for half a period while elsewhere there is
+ * noise; not at the ends, where it may rest. The first of them is as good as any.
+ */
+static void find_stuck(struct cleaning *c)
+{
+    const double min = STUCK_MOVES * fmax(c->typical, c->quantum);
+    for (size_t from = 0, to; from < c->n; from = to) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (to = from; to < c->n && (to == from || c->y[to] == c->y[from]); to++) {
+            low = c->model[to] < low ? c->model[to] : low;
+            high = c->model[to] > high ? c->model[to] : high;
+        }
+        const bool end = from == 0 || to == c->n, many = to - from >= STUCK_MIN;
+        const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
+        if (end || !many || c->excluded[from] || !(high - low > min || lasts))
+            continue;
+        for (size_t i = from + 1; i < to; i++) {
+            c->findings->mask[i] = 1 + FINDING_STUCK;
+            c->excluded[i] = 1;
+        }
+    }
+}
+
+/* ---- the ends ---- */
+
+/* The k-th stretch from one end. */
+static const struct local *from_end(const struct cleaning *c, bool end, size_t k)
+{
+    return &c->local[end ? c->locals - 1 - k : k];
+}
+
+/* By how much the amplitude falls in a period, as a rule, where it is seen. */
+static double usual_fall(struct cleaning *c)
+{
+    const double min = SEEN * c->typical;
+    size_t n = 0;
+    for (size_t k = 0; k + 1 < c->locals; k++)
+        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > min)
+            c->per_local[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
+    return n > 0 ? fmin(values_quantile(c->per_local, n, 0.5), 1) : 1;
+}
+
+static size_t far_off(const struct cleaning *c, const struct local *local)
+{
+    size_t count = 0;
+    const double min = FAR_OFF * fmax(c->typical, local->scale);
+    for (size_t i = local->from; i < local->to; i++)
+        count += !c->excluded[i] && fabs(c->residual[i]) > min;
+    return count;
+}
+
+/* Returns true for a stretch that has samples, but too few that may be fitted: no gap. */
+static bool lacks_good_samples(const struct cleaning *c, const struct local *local)
+{
+    return !local->fitted && 2 * (double)(local->to - local->from) * c->step > c->period;
+}
+
+/* Returns the smallest amplitude of a stretch over that of the larger ones before and after it:
+ * what waxes and wanes, such as beats, is small at an end without a hand. */
+static double deepest_wane(struct cleaning *c)
+{
+    double before = 0, after = 0, deepest = 1;
+    for (size_t k = c->locals; k-- > 0;) {
+        c->per_local[k] = after;
+        after = fmax(after, c->local[k].fitted ? c->local[k].amplitude : 0);
+    }
+    for (size_t k = 0; k < c->locals; k++) {
+        const double around = fmin(before, c->per_local[k]), here = c->local[k].amplitude;
+        if (!c->local[k].fitted)
+            continue;
+        deepest = around > SEEN * c->typical ? fmin(deepest, here / around) : deepest;
+        before = fmax(before, here);
+    }
+    return deepest;
+}
+
+/*
+ * Stretches at one end that are no free oscillation: the amplitude there is much less than further
+ * inside (where it is at least as large as the decay allows), or no sine fits; where it comes to
+ * rest also what does not move any more. Stretches with too few samples for a fit count only if
+ * stretches further inside are hardly ever so many in a row by chance: a clipped signal may leave
+ * too few samples anywhere.
+ */
+static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
+{
+    const double wane = deepest_wane(c);
+    static const double chance_max = 0.05;
+    size_t bad = 0, lacking = 0, lacking_there = 0;
+    double largest = 0;
+    for (size_t k = 0; k < c->locals; k++) {
+        largest = fmax(largest, c->local[k].fitted ? c->local[k].amplitude : 0);
+        lacking += lacks_good_samples(c, &c->local[k]);
+    }
+    for (; 3 * bad < 2 * c->locals; bad++) {
+        const struct local *s = from_end(c, end, bad);
+        double inside = 0, faded = 1;
+        for (size_t k = bad + 1; k < c->locals && k < bad + 12; k++) {
+            const struct local *other = from_end(c, end, k);
+            faded *= end ? fall : 1;
+            inside = fmax(inside, other->fitted ? faded * other->amplitude : 0);
+        }
+        if (!s->fitted) {
+            lacking_there += lacks_good_samples(c, s);
+            continue;
+        }
+        const bool still =
+            s->amplitude < fmin(0.6, 0.8 * wane) * inside && inside > SEEN * c->typical;
+        const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
+                           4 * far_off(c, s) > s->to - s->from;
+        const bool gone =
+            rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
+        if (!still && !rough && !gone)
+            break;
+    }
+    const double share_inside = (double)(lacking - lacking_there) / (double)(c->locals - bad);
+    if (lacking_there == bad && pow(share_inside, (double)bad) > chance_max)
+        return 0;
+    return 3 * bad < 2 * c->locals ? bad : 0;
+}
+
+static void find_ends(struct cleaning *c)
+{
+    const double fall = usual_fall(c);
+    const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
+    const size_t rest = motion_rest(&rows, c->period);
+    const size_t before = bad_stretches(c, false, false, fall),
+                 after = bad_stretches(c, true, rest < c->n, fall);
+    if (before + after >= c->locals)
+        return;
+    const size_t from = before > 0 ? c->local[before].from : 0;
+    const size_t to = rest < c->n && rest > from ? rest
+                      : after > 0                ? c->local[c->locals - 1 - after].to
+                                                 : c->n;
+    c->findings->rests = to == rest && rest < c->n ? c->t[rest] : NAN;
+    c->findings->window[0] = c->t[from];
+    c->findings->window[1] = c->t[to - 1];
+    if (from > 0)
+        clean_note(&c->findings->of[FINDING_START], c->t[0], from);
+    if (to < c->n)
+        clean_note(&c->findings->of[FINDING_END], c->t[to], c->n - to);
+}
+
+/* ---- bad echoes ---- */
+
+/*
+ * Samples far off their local fit, with those beside them on the same side; inside the window. A
+ * strong change is itself off the line that the amplitude is fitted with: by half the square of
+ * what it changes by in a period, there or as a rule, relatively, and by twice as much at the ends,
+ * where the fit is one-sided.
+ */
+static void mark_far_off(struct cleaning *c, unsigned char mark)
+{
+    unsigned char *mask = c->findings->mask;
+    const double loss = -log(usual_fall(c));
+    for (size_t k = 0; k < c->locals; k++) {
+        const struct local *s = &c->local[k];
+        const double scale = fmax(s->scale, c->typical),
+                     here = hypot(s->parameter[4], s->parameter[5]) / s->amplitude,
+                     change = fmax(loss, s->fitted ? fmin(here, 1) : 0),
+                     bend = 0.5 * change * change;
+        const double off = k == 0 || k + 1 == c->locals ? 2 * bend : bend;
+        const double min =
+            fmax(FAR_OFF * scale, fmax(fmax(FAR_OFF_MIN, off) * s->amplitude, 1.5 * c->quantum));
+        const double beside = FAR_OFF_BESIDE / FAR_OFF * min;
+        for (size_t i = s->from; i < s->to && s->fitted; i++) {
+            const double r = c->residual[i];
+            if (c->excluded[i] || !(fabs(r) > min))
+                continue;
+            mask[i] = mark;
+            for (size_t j = i;
+                 j-- > 0 && !mask[j] && !c->excluded[j] && r * c->residual[j] > beside * fabs(r);)
+                mask[j] = mark;
+            for (size_t j = i + 1;
+                 j < c->n && !c->excluded[j] && r * c->residual[j] > beside * fabs(r); j++)
+                mask[j] = mark;
+        }
+    }
+}
+
+/* What is far off at an end of the window, not for a sample or two, is a hand or the release. */
+static void trim_ends(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    size_t first = 0, last = c->n - 1, from, to;
+    while (c->t[first] < f->window[0])
+        first++;
+    while (c->t[last] > f->window[1])
+        last--;
+    for (from = first; from < last && f->mask[from]; from++)
+        ;
+    for (to = last; to > from && f->mask[to]; to--)
+        ;
+    if (from - first >= SHOULDER_MIN) {
+        f->of[FINDING_START].stretches = 0;
+        clean_note(&f->of[FINDING_START], c->t[0], from - first);
+        f->window[0] = c->t[from];
+    }
+    if (last - to >= SHOULDER_MIN) {
+        f->of[FINDING_END].stretches = 0;
+        clean_note(&f->of[FINDING_END], c->t[to + 1], last - to);
+        f->window[1] = c->t[to];
+    }
+}
+
+/* Counts what is masked, in the window; what is outside is not used anyway. */
+static void count_masked(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    const unsigned char any = 1 + FINDING_SPIKES;
+    for (size_t from = 0, to; from < c->n; from = to) {
+        const unsigned char kind = f->mask[from];
+        const double r = c->residual[from];
+        for (to = from + 1;
+             to < c->n && f->mask[to] == kind && (kind != any || r * c->residual[to] > 0);)
+            to++;
+        const bool outside = c->t[from] < f->window[0] || c->t[to - 1] > f->window[1];
+        if (kind == 0)
+            continue;
+        const enum finding_kind found = kind != any                 ? (enum finding_kind)(kind - 1)
+                                        : to - from >= SHOULDER_MIN ? FINDING_SHOULDERS
+                                                                    : FINDING_SPIKES;
+        for (size_t i = from; i < to; i++) {
+            f->mask[i] = outside ? 0 : (unsigned char)(1 + found);
+            if (!outside && found != FINDING_STUCK)
+                note_size(&f->of[found], fabs(c->residual[i]));
+        }
+        if (outside)
+            continue;
+        clean_note(&f->of[found], c->t[from], to - from);
+        f->masked += to - from;
+    }
+}
+
+/* ---- sway ---- */
+
+#define SWAY_MIN 0.015 /* rms, relative */
+#define SWAY_STRETCHES 6
+#define SWAY_TURNS 4 /* fewer may be a law of drag that no parabola follows */
+
+/* Takes out of y what is along the basis vector. */
+static void take_out(double *y, const double *basis, size_t n)
+{
+    double along = 0, square = 0;
+    for (size_t i = 0; i < n; i++) {
+        along += y[i] * basis[i];
+        square += basis[i] * basis[i];
+    }
+    for (size_t i = 0; i < n; i++)
+        y[i] -= square > 0 ? along / square * basis[i] : 0;
+}
+
+/* ln of the local amplitudes about a parabola in time, against what the noise makes of them. */
+static bool find_sway(struct cleaning *c)
+{
+    struct findings *f = c->findings;
+    double *y = arena_array(c->scratch, 4 * c->locals, sizeof *y), *one = y + c->locals,
+           *line = one + c->locals, *curve = line + c->locals, first = NAN, last = NAN, square = 0,
+           expected = 0;
+    size_t n = 0, turns = 0;
+    if (!y)
+        return false;
+    for (size_t k = 0; k < c->locals; k++) {
+        const struct local *s = &c->local[k];
+        if (!s->fitted || !(s->amplitude > 0) || s->t < f->window[0] || s->t > f->window[1])
+            continue;
+        const double noise = s->scale / s->amplitude;
+        expected += noise * noise / fmax((double)(s->to - s->from), 1);
+        y[n] = log(s->amplitude);
+        one[n] = 1;
+        line[n] = s->t - c->t[0];
+        curve[n] = line[n] * line[n];
+        first = n++ == 0 ? s->t : first;
+        last = s->t;
+    }
+    if (n < SWAY_STRETCHES)
+        return true;
+    take_out(line, one, n);
+    take_out(curve, one, n);
+    take_out(curve, line, n);
+    take_out(y, one, n);
+    take_out(y, line, n);
+    take_out(y, curve, n);
+    for (size_t i = 0; i < n; i++) {
+        square += y[i] * y[i];
+        turns += i > 0 && y[i] * y[i - 1] < 0;
+    }
+    const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
+    if (sway > SWAY_MIN && sway > 3 * noise && turns >= SWAY_TURNS) {
+        clean_note(&f->of[FINDING_SWAY], first, n);
+        f->of[FINDING_SWAY].size = sway;
+        f->sway_period = 2 * (last - first) / (double)turns;
+    }
+    return true;
+}
+
+/* ---- all of it ---- */
+
+static bool inspect_motion(struct cleaning *c)
+{
+    if (!clean_fit(c))
+        return false;
+    clean_clipped(c, true);
+    clean_clipped(c, false);
+    find_stuck(c);
+    if (cancelled(c->cancel) || !clean_fit(c)) /* without what was found so far */
+        return false;
+    find_ends(c);
+    mark_far_off(c, 1 + FINDING_SPIKES);
+    trim_ends(c);
+    count_masked(c);
+    return !cancelled(c->cancel) && find_sway(c);
+}
+
+static bool inspect(struct recording *recording, double period, struct findings *f,
+                    struct arena *scratch)
+{
+    const size_t n = recording->rows;
+    struct cleaning c = {.recording = recording,
+                         .findings = f,
+                         .scratch = scratch,
+                         .n = n,
+                         .t = recording->t,
+                         .y = recording->y,
+                         .period = period,
+                         .cancel = recording->cancel,
+                         .excluded = arena_alloc(scratch, n),
+                         .residual = arena_array(scratch, n, sizeof(double)),
+                         .model = arena_array(scratch, n, sizeof(double)),
+                         .sorted = arena_array(scratch, n, sizeof(double))};
+    f->mask = arena_alloc(&recording->arena, n);
+    f->window[0] = recording->t[0];
+    f->window[1] = recording->t[n - 1];
+    f->period = period;
+    f->sway_period = f->rests = NAN;
+    for (int k = 0; k < FINDINGS; k++) {
+        f->of[k].size = NAN;
+        for (int i = 0; i < FINDING_STRETCHES; i++)
+            f->of[k].first[i] = NAN;
+    }
+    if (!c.excluded || !c.residual || !c.model || !c.sorted || !f->mask)
+        return false;
+    find_gaps(&c);
+    find_missing(&c);
+    if (cancelled(c.cancel))
+        return false;
+    find_steps(&c);
+    if (cancelled(c.cancel))
+        return false;
+    const bool moves =
+        period > 0 && recording->t[n - 1] - recording->t[0] >= 2 * period && c.swing > 0;
+    return !moves || inspect_motion(&c);
+}
+
+bool recording_inspect(struct recording *recording, double period, const char *still,
+                       struct error *error)
+{
+    struct arena scratch = {0};
+    if (recording->findings)
+        return true;
+    struct findings *findings = arena_alloc(&recording->arena, sizeof *findings);
+    const bool ok = findings && inspect(recording, period, findings, &scratch);
+    arena_reset(&scratch);
+    if (cancelled(recording->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
+    if (!ok)
+        return error_memory(error);
+    snprintf(findings->still, sizeof findings->still, "%s", still);
+    recording->findings = findings;
+    return true;
+}
+
+void recording_keep_ends(struct recording *recording)
+{
+    if (!recording->findings)
+        return;
+    struct findings *f = arena_alloc(&recording->arena, sizeof *f);
+    if (!f)
+        return;
+    *f = *recording->findings;
+    f->window[0] = recording->t[0];
+    f->window[1] = recording->t[recording->rows - 1];
+    f->rests = NAN;
+    f->of[FINDING_START].count = f->of[FINDING_END].count = 0;
+    f->of[FINDING_START].stretches = f->of[FINDING_END].stretches = 0;
+    recording->findings = f;
+}
+
+void recording_clean(struct recording *recording)
+{
+    const struct findings *f = recording->findings;
+    const double first = recording->t[0], last = recording->t[recording->rows - 1];
+    if (!f)
+        return;
+    recording->cleaned = true;
+    if (recording->window[0] <= first && recording->window[1] >= last) {
+        recording->window[0] = f->window[0];
+        recording->window[1] = f->window[1];
+    }
+}

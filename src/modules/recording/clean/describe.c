@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/catalog.h>
+#include "modules/recording/clean/clean.h"
+
+#define ROW(name, brief, remedy, done)                                                             \
+    {                                                                                              \
+        {name, "", brief, "", NULL}, remedy, done                                                  \
+    }
+
+static const struct finding_row rows[] = {
+    [FINDING_SPIKES] = ROW("spikes", "missed echoes", REMEDY_MASK, "masked"),
+    [FINDING_SHOULDERS] =
+        ROW("shoulders", "double echoes, several samples in a row", REMEDY_MASK, "masked"),
+    [FINDING_STUCK] = ROW("stuck", "the same value again while it moves", REMEDY_MASK, "masked"),
+    [FINDING_CLIPPED] = ROW("clipped", "flat tops", REMEDY_KEEP,
+                            "kept: fits judge them, and say what they leave out"),
+    [FINDING_QUANTISED] =
+        ROW("steps", "few different values", REMEDY_KEEP, "kept: noise of step/sqrt(12)"),
+    [FINDING_START] = ROW("start", "rest, hand or release before it swings freely", REMEDY_WINDOW,
+                          "left out by the window"),
+    [FINDING_END] = ROW("end", "rest or a hand after it has swung freely", REMEDY_WINDOW,
+                        "left out by the window"),
+    [FINDING_GAPS] =
+        ROW("gaps", "longer steps of time", REMEDY_KEEP, "kept: times are used as they are"),
+    [FINDING_MISSING] = ROW("missing", "rows without a value", REMEDY_KEEP, "left out"),
+    [FINDING_REPEATED] = ROW("repeated", "rows with the time of the one before", REMEDY_DROPPED,
+                             "dropped at loading"),
+    [FINDING_BACKWARD] =
+        ROW("backward", "rows whose time goes back", REMEDY_DROPPED, "dropped at loading"),
+    [FINDING_SWAY] = ROW("sway", "the amplitude goes up and down: does it swing sideways too?",
+                         REMEDY_KEEP, "kept: gamma is uncertain"),
+};
+
+const struct catalog finding_catalog = CATALOG("finding", rows);
+
+void recording_describe_masked(const struct recording *recording, struct buffer *text)
+{
+    const struct findings *f = recording->findings;
+    if (!recording->cleaned || !f)
+        return;
+    buffer_format(text, "cleaned: %zu of %zu samples masked", f->masked, recording->rows);
+    int kinds = 0;
+    for (size_t k = 0; k < FINDINGS; k++)
+        if (rows[k].remedy == REMEDY_MASK && f->of[k].count > 0)
+            buffer_format(text, "%s%zu in %s", kinds++ ? ", " : " (", f->of[k].count,
+                          rows[k].row.name);
+    buffer_put(text, kinds ? TEXT(")") : TEXT(""));
+    if (f->of[FINDING_CLIPPED].count > 0)
+        buffer_format(text, "; %zu clipped", f->of[FINDING_CLIPPED].count);
+    buffer_put(text, TEXT("; 'data restore' takes it back\n"));
+}

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a motion comes to rest before its recording ends. */
+#include "modules/recording/clean/clean.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+#define PERIODS_MIN 2.0 /* of rest, and of motion before it */
+#define QUIET 0.2       /* of the scatter at the start: so small must that at the end be */
+#define ALIKE 1.5       /* times the scatter at the end: so large may that of half a period be */
+#define FADED 0.4       /* of what an exponential decay leaves: less is there in a rest */
+#define CLEAR 3.0       /* standard deviations of an amplitude */
+#define SAMPLES_MIN 8.0 /* of a stretch whose amplitude is asked for */
+
+struct spread {
+    double mean, deviation, count;
+};
+
+static struct spread spread_of(const struct motion_rows *x, size_t from, size_t to)
+{
+    struct spread s = {0};
+    for (size_t i = from; i < to; i++)
+        if (x->mask[i] == x->wanted) { /* Welford 1962 */
+            const double off = x->y[i] - s.mean;
+            s.mean += off / ++s.count;
+            s.deviation += off * (x->y[i] - s.mean);
+        }
+    s.deviation = s.count > 1 ? sqrt(s.deviation / (s.count - 1)) : NAN;
+    return s;
+}
+
+/* The amplitude of the sine of this period in rows from … to, beside their mean; NAN: they do not
+ * determine it. */
+static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period,
+                           double *count)
+{
+    double n = 0, mean[3] = {0}, square[3][3] = {{0}};
+    for (size_t i = from; i < to; i++) {
+        if (x->mask[i] != x->wanted)
+            continue;
+        const double phase = TWO_PI * (x->t[i] - x->t[from]) / period,
+                     v[3] = {cos(phase), sin(phase), x->y[i]};
+        double before[3];
+        n++;
+        for (int j = 0; j < 3; j++) {
+            before[j] = v[j] - mean[j];
+            mean[j] += before[j] / n;
+            for (int k = 0; k <= j; k++)
+                square[j][k] += before[j] * (v[k] - mean[k]);
+        }
+    }
+    *count = n;
+    const double cc = square[0][0], cs = square[1][0], ss = square[1][1], det = cc * ss - cs * cs;
+    if (!(n >= 4 && det > 0.01 * n * n))
+        return NAN;
+    return hypot(ss * square[2][0] - cs * square[2][1], cc * square[2][1] - cs * square[2][0]) /
+           det;
+}
+
+/*
+ * Whether less is there than the decay before leaves: ln of the amplitudes of whole stretches, from
+ * the largest on, is a line for a damped sine, however strong its decay; a straight line through
+ * them, weighted with what the noise leaves certain, is what the rest must fall short of.
+ */
+static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
+                  double noise)
+{
+    const double from = x->t[rest] + 0.5 * stretch;
+    double w = 0, mean_t = 0, mean_l = 0, tt = 0, tl = 0, largest = 0, count;
+    for (double t = x->t[0]; t + stretch <= x->t[rest]; t += stretch) {
+        const double a = amplitude_of(x, first_from(x->t, x->n, t),
+                                      first_from(x->t, x->n, t + stretch), period, &count);
+        const double weight = a * a * count, off_t = t - mean_t, off_l = log(a) - mean_l;
+        if (!(a > CLEAR * noise * sqrt(2 / count)))
+            continue;
+        if (a > largest) { /* what was before grew: a hand, a release */
+            w = weight;
+            mean_t = t;
+            mean_l = log(a);
+            tt = tl = 0;
+            largest = a;
+            continue;
+        }
+        w += weight;
+        mean_t += weight / w * off_t;
+        mean_l += weight / w * off_l;
+        tt += weight * off_t * (t - mean_t);
+        tl += weight * off_t * (log(a) - mean_l);
+    }
+    const double a = amplitude_of(x, first_from(x->t, x->n, from),
+                                  first_from(x->t, x->n, from + stretch), period, &count);
+    const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (from - mean_t));
+    return w > 0 && count > 0 && left > CLEAR * noise * sqrt(2 / count) &&
+           (isnan(a) ? 0 : a) + CLEAR * noise * sqrt(2 / count) < FADED * left;
+}
+
+/* Whole periods, of so many samples at least, and of the pattern in which few samples a period meet
+ * the sine. */
+static double stretch_of(const struct motion_rows *x, double period)
+{
+    const double step = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
+    const double pattern = 1 / fabs(1 / step - 2 / period), min = fmax(SAMPLES_MIN * step, period);
+    return period * ceil(fmax(min, period < SAMPLES_MIN * step ? pattern : 0) / period - 1e-9);
+}
+
+size_t motion_quiet(const struct motion_rows *x, double period)
+{
+    if (!(period > 0) || x->n < 2)
+        return x->n;
+    const double first = x->t[0], last = x->t[x->n - 1], stretch = stretch_of(x, period);
+    const double min = PERIODS_MIN * stretch;
+    if (!(last - first >= 2 * min))
+        return x->n;
+    const struct spread start = spread_of(x, 0, first_from(x->t, x->n, first + min));
+    const struct spread end = spread_of(x, first_from(x->t, x->n, last - min), x->n);
+    if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
+        return x->n;
+    size_t rest = first_from(x->t, x->n, last - min), to = rest;
+    int moves = 0; /* half stretches in a row: a single one may be chance */
+    double t = last - min - 0.5 * stretch;
+    while (t > first + min) {
+        const size_t from = first_from(x->t, x->n, t);
+        const struct spread s = spread_of(x, from, to);
+        const double off = fabs(s.mean - end.mean);
+        moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation)
+                    ? moves + 1
+                    : 0;
+        if (moves == 2)
+            return rest;
+        to = from;
+        t -= 0.5 * stretch;
+        rest = moves == 0 ? from : rest;
+    }
+    return x->n; /* it never moved */
+}
+
+size_t motion_rest(const struct motion_rows *x, double period)
+{
+    const size_t rest = motion_quiet(x, period);
+    if (rest >= x->n)
+        return x->n;
+    const struct spread after = spread_of(x, rest, x->n);
+    return stops(x, rest, period, stretch_of(x, period), after.deviation) ? rest : x->n;
+}

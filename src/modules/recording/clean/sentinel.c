@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Sensors that see nothing send one number instead: 0, -1, 400, 8190, 65535. Its fingerprint is a
+ * value that is repeated exactly, far from all others, in places that have nothing to do with the
+ * motion. Flat tops lie close to the values before and after them, a rest is one long run, and of a
+ * sensor with coarse steps the next value is one step away.
+ */
+#include "modules/recording/clean/clean.h"
+#include "modules/recording/table/table.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+enum {
+    ROWS_MIN = 50,     /* fewer tell too little */
+    REPEATED_MIN = 3,  /* times that the value occurs */
+    RUNS_MIN = 2,      /* of it */
+    DIFFERENT_MIN = 5, /* values that the others have: two levels are a signal of their own */
+    RUN_MEAN_MAX = 20, /* rows: longer ones are a rest */
+    KINDS_MAX = 3      /* different ones of one sensor */
+};
+
+static const double share_max = 0.45;    /* of the rows */
+static const double stray_share = 0.005; /* of the others, which may be anywhere */
+static const double outer_share = 0.15;  /* on either side: what may be another sentinel */
+/* Distance from the others relative to their range: where the motion may have led up to the value,
+ * and where it cannot have. */
+static const double distance_min = 0.25, distance_sure = 1.0;
+/* The same where all neighbours are farther from the value than the motion goes in a step. */
+static const double distance_jump = 0.05;
+/* Quantile of the steps between others, and how much farther than that the motion does not go. */
+static const double usual_step = 0.98, jump_factor = 1.3;
+/* Share of the runs with such neighbours: of a value outside of the others, of one among them, and
+ * of one among them that is repeated far more often than any other. */
+static const double jumps_outside = 0.8, jumps_inside = 0.4, jumps_frequent = 0.2;
+static const double far_more_often = 10;
+static const double inside_share = 0.02; /* of the rows: fewer among the others do no harm */
+/* Share of the intervals between runs that are alike: the value is part of a periodic signal,
+ * unless neighbours of this mean rank, in a motion whose steps are this part of its range, show
+ * that it swings out of the range of the sensor. */
+static const double regular_share = 0.9, out_of_range_rank = 0.75, out_of_range_step = 0.3;
+/* Mean rank of the neighbours among the others, where 1 is nearest to the value. */
+static const double neighbour_rank_max = 0.75;
+/* Correlation of neighbours from which on the others are a motion, not the noise of a signal that
+ * the repeated value is a level of. */
+static const double motion_correlation = 0.25;
+
+struct sentinel_search {
+    const double *y; /* NAN where a value is missing */
+    double *present; /* [values] those that are present, ascending */
+    double *sorted;  /* [others] the same without the candidate */
+    double *scratch; /* [n] */
+    size_t n, values, others;
+    double value; /* the candidate */
+    const struct cancel *cancel;
+};
+
+static bool is_other(const struct sentinel_search *s, size_t i)
+{
+    return !isnan(s->y[i]) && s->y[i] != s->value;
+}
+
+/* Sorts the values that are present. Returns false if cancelled. */
+static bool sort_present(struct sentinel_search *s)
+{
+    s->values = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (!isnan(s->y[i]))
+            s->present[s->values++] = s->y[i];
+    return sort_values(s->present, s->values, s->scratch, s->cancel);
+}
+
+/* Leaves the candidate out of the values that are present. Returns the number of different others.
+ */
+static size_t leave_out_candidate(struct sentinel_search *s)
+{
+    size_t different = 0;
+    s->others = 0;
+    for (size_t i = 0; i < s->values; i++)
+        if (s->present[i] != s->value) {
+            s->sorted[s->others++] = s->present[i];
+            different += i == 0 || s->present[i] > s->present[i - 1];
+        }
+    return different;
+}
+
+/* Counts the candidate and its runs, missing values left out. */
+static bool is_scattered(const struct sentinel_search *s)
+{
+    size_t count = 0, runs = 0;
+    bool inside = false;
+    for (size_t i = 0; i < s->n; i++) {
+        if (isnan(s->y[i]))
+            continue;
+        const bool here = s->y[i] == s->value;
+        count += here;
+        runs += here && !inside;
+        inside = here;
+    }
+    return count >= REPEATED_MIN && runs >= RUNS_MIN && count <= RUN_MEAN_MAX * runs &&
+           (double)count <= share_max * (double)(count + s->others);
+}
+
+/* Returns true if most of the rows that are the candidate lie in runs that are too long for a
+ * sensor that sees nothing now and then: as before a trigger, at a value that the motion meets
+ * again. */
+static bool is_mostly_rest(const struct sentinel_search *s)
+{
+    size_t count = 0, resting = 0;
+    for (size_t from = 0, to; from < s->n; from = to) {
+        for (to = from; to < s->n && s->y[to] == s->value;)
+            to++;
+        count += to - from;
+        resting += to - from > RUN_MEAN_MAX ? to - from : 0;
+        to += to == from;
+    }
+    return 2 * resting > count;
+}
+
+/* Returns the longest step that the others take from one row to the next, NAN of too few. */
+static double longest_step(const struct sentinel_search *s)
+{
+    size_t steps = 0;
+    for (size_t i = 1; i < s->n; i++)
+        if (is_other(s, i) && is_other(s, i - 1))
+            s->scratch[steps++] = fabs(s->y[i] - s->y[i - 1]);
+    return steps < ROWS_MIN ? NAN : jump_factor * values_quantile(s->scratch, steps, usual_step);
+}
+
+/* Returns the share of the runs of the candidate to which the motion would have to jump, and from
+ * them. Where a signal is cut off, the values before and after approach the limit. */
+static double jump_share(const struct sentinel_search *s, double longest)
+{
+    double jumps = 0, runs = 0;
+    for (size_t from = 0, to; from < s->n; from = to) {
+        for (to = from; to < s->n && s->y[to] == s->value;)
+            to++;
+        const bool before = from > 0 && is_other(s, from - 1), after = to < s->n && is_other(s, to);
+        if (to > from && (before || after)) {
+            jumps += (!before || fabs(s->y[from - 1] - s->value) > longest) &&
+                     (!after || fabs(s->y[to] - s->value) > longest);
+            runs++;
+        }
+        to += to == from;
+    }
+    return runs > 0 ? jumps / runs : 0;
+}
+
+/* Mean rank, 0 to 1, of the values before and after runs of the candidate; 1 is nearest to it. */
+static double neighbour_rank(const struct sentinel_search *s, bool above)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const bool beside = is_other(s, i) && ((i > 0 && s->y[i - 1] == s->value) ||
+                                               (i + 1 < s->n && s->y[i + 1] == s->value));
+        if (!beside)
+            continue;
+        const double below = (double)first_from(s->sorted, s->others, s->y[i]);
+        sum += below / (double)s->others;
+        count++;
+    }
+    const double mean = count > 0 ? sum / count : 1;
+    return above ? mean : 1 - mean;
+}
+
+/* Returns true if the others are correlated with their neighbours, one or two rows away. Values
+ * beyond the middle part are taken for its border, so that a second sentinel does not hide it. */
+static bool others_move(const struct sentinel_search *s)
+{
+    const size_t outer = (size_t)(outer_share * (double)s->others);
+    const double low = s->sorted[outer], high = s->sorted[s->others - 1 - outer];
+    double mean = 0, square = 0, product[2] = {0, 0}, pairs[2] = {0, 0};
+    for (size_t i = 0; i < s->others; i++)
+        mean += fmin(fmax(s->sorted[i], low), high) / (double)s->others;
+    for (size_t i = 0; i < s->n; i++) {
+        if (!is_other(s, i))
+            continue;
+        const double y = fmin(fmax(s->y[i], low), high) - mean;
+        square += y * y / (double)s->others;
+        for (size_t k = 0; k < 2; k++)
+            if (i > k && is_other(s, i - k - 1)) {
+                product[k] += y * (fmin(fmax(s->y[i - k - 1], low), high) - mean);
+                pairs[k]++;
+            }
+    }
+    for (size_t k = 0; k < 2; k++)
+        if (pairs[k] > 0 && fabs(product[k] / pairs[k]) > motion_correlation * square)
+            return true;
+    return false;
+}
+
+/* Returns true if nearly all runs of the candidate begin at equal distances, give or take a row. */
+static bool is_regular(const struct sentinel_search *s)
+{
+    size_t runs = 0, last = 0, alike = 0, before = s->n;
+    for (size_t i = 0; i < s->n; before = i++) {
+        if (s->y[i] != s->value || (before < s->n && s->y[before] == s->value))
+            continue;
+        if (runs > 0)
+            s->scratch[runs - 1] = (double)(i - last);
+        last = i;
+        runs++;
+    }
+    if (runs < REPEATED_MIN)
+        return false;
+    const double median = values_quantile(s->scratch, runs - 1, 0.5);
+    for (size_t k = 0; k + 1 < runs; k++)
+        alike += fabs(s->scratch[k] - median) <= 1;
+    return (double)alike >= regular_share * (double)(runs - 1);
+}
+
+/* Returns how often the most frequent of the others occurs. */
+static size_t most_frequent(const struct sentinel_search *s, double *value)
+{
+    size_t longest = 0;
+    for (size_t from = 0, to; from < s->others; from = to) {
+        for (to = from + 1; to < s->others && s->sorted[to] == s->sorted[from];)
+            to++;
+        if (to - from > longest) {
+            longest = to - from;
+            *value = s->sorted[from];
+        }
+    }
+    return longest;
+}
+
+/* Judges a candidate among the others, or so close to them that noise may carry them there. */
+static bool is_sentinel_inside(struct sentinel_search *s, double jumps)
+{
+    double next;
+    size_t count = 0;
+    for (size_t i = 0; i < s->n; i++)
+        count += s->y[i] == s->value;
+    const bool frequent = (double)count > far_more_often * (double)most_frequent(s, &next);
+    return (double)count >= inside_share * (double)(count + s->others) &&
+           jumps > (frequent ? jumps_frequent : jumps_inside) && !is_regular(s);
+}
+
+static bool is_sentinel(struct sentinel_search *s)
+{
+    if (leave_out_candidate(s) < DIFFERENT_MIN || !is_scattered(s) || !others_move(s))
+        return false;
+    const size_t strays = (size_t)(stray_share * (double)s->others);
+    const double high = s->sorted[s->others - 1 - strays], low = s->sorted[strays];
+    const bool above = s->value > high;
+    const double distance = above ? s->value - high : low - s->value, range = high - low,
+                 longest = longest_step(s), jumps = jump_share(s, longest);
+    if (distance <= distance_sure * range && is_mostly_rest(s))
+        return false;
+    if (distance <= distance_jump * range)
+        return is_sentinel_inside(s, jumps);
+    const double rank = neighbour_rank(s, above);
+    if (is_regular(s) && (rank < out_of_range_rank || longest > out_of_range_step * range))
+        return false;
+    return distance > distance_sure * range || jumps > jumps_outside ||
+           (distance > distance_min * range && rank < neighbour_rank_max) ||
+           is_sentinel_inside(s, jumps);
+}
+
+/* Candidates are the extremes, and the most frequent value where a stray one lies beyond it.
+ * Returns false if none is a sentinel; else its value is in *s. */
+static bool find_sentinel(struct sentinel_search *s)
+{
+    s->value = NAN;
+    if (!sort_present(s) || leave_out_candidate(s) < DIFFERENT_MIN || s->others < ROWS_MIN)
+        return false;
+    double candidate[3] = {s->sorted[0], s->sorted[s->others - 1], NAN};
+    most_frequent(s, &candidate[2]);
+    for (size_t k = 0; k < COUNT_OF(candidate); k++) {
+        s->value = candidate[k];
+        if (is_sentinel(s))
+            return true;
+    }
+    return false;
+}
+
+bool recording_leave_out_sentinels(struct recording *recording)
+{
+    const struct column *column = &recording->column[recording->value];
+    const size_t n = recording->rows;
+    struct arena scratch = {0};
+    struct sentinel_search s = {.y = recording->y,
+                                .present = arena_array(&scratch, n + 1, sizeof(double)),
+                                .sorted = arena_array(&scratch, n + 1, sizeof(double)),
+                                .scratch = arena_array(&scratch, n + 1, sizeof(double)),
+                                .n = n,
+                                .cancel = recording->cancel};
+    const bool memory = s.present && s.sorted && s.scratch;
+    for (int kind = 0; kind < KINDS_MAX && memory && find_sentinel(&s); kind++) {
+        size_t count = 0;
+        double shown = NAN;
+        for (size_t i = 0; i < n; i++)
+            if (recording->y[i] == s.value) {
+                shown = column->value[i];
+                recording->y[i] = NAN;
+                count++;
+            }
+        recording_warn(recording,
+                       "%s: %zu of %zu values are %.6g%s%s, exactly, where the motion would have "
+                       "to jump to, as sensors "
+                       "send that see nothing: left out",
+                       column->name, count, n, shown, column->unit[0] ? " " : "", column->unit);
+    }
+    arena_reset(&scratch);
+    return memory;
+}

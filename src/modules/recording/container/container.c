@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From the bytes of a file to text: what kind of container it is, and UTF-16. */
+#include <hooke/base/safe_text.h>
+#include "modules/recording/container/container.h"
+
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+struct container_part *contents_add(struct contents *contents, struct text name)
+{
+    if (!contents->part)
+        contents->part = calloc(PARTS_MAX, sizeof *contents->part);
+    if (!contents->part || contents->parts == PARTS_MAX)
+        return NULL;
+    struct container_part *part = &contents->part[contents->parts++];
+    struct buffer safe = {0};
+    safe_text(&safe, name, false);
+    const size_t len = safe.failed ? 0 : text_fitting(buffer_text(&safe), LIMIT_NAME);
+    if (len > 0)
+        memcpy(part->name, safe.data, len);
+    part->name[len] = '\0';
+    buffer_free(&safe);
+    return part;
+}
+
+void contents_free(struct contents *contents)
+{
+    for (size_t i = 0; i < contents->parts; i++)
+        buffer_free(&contents->part[i].text);
+    free(contents->part);
+    *contents = (struct contents){0};
+}
+
+void put_cell(struct buffer *text, struct text cell)
+{
+    cell = text_trim(cell);
+    for (size_t i = 0; i < cell.len; i++)
+        buffer_char(text, strchr("\t\r\n", cell.at[i]) ? ' ' : cell.at[i]);
+}
+
+/* Hinnant 2013, chrono-compatible low-level date algorithms: civil_from_days. */
+static void civil(int64_t day, int64_t *year, int *month, int *date)
+{
+    day += 719468;
+    const int64_t era = (day >= 0 ? day : day - 146096) / 146097, of_era = day - era * 146097;
+    const int64_t y = (of_era - of_era / 1460 + of_era / 36524 - of_era / 146096) / 365;
+    const int64_t of_year = of_era - (365 * y + y / 4 - y / 100), m = (5 * of_year + 2) / 153;
+    *date = (int)(of_year - (153 * m + 2) / 5 + 1);
+    *month = (int)(m < 10 ? m + 3 : m - 9);
+    *year = y + era * 400 + (*month <= 2);
+}
+
+void put_stamp(struct buffer *text, double days, bool with_date)
+{
+    double day = floor(days), micro = nearbyint((days - day) * 86400e6);
+    if (micro >= 86400e6) {
+        day++;
+        micro = 0;
+    }
+    if (with_date && fabs(day) < 1e9) {
+        int64_t year;
+        int month, date;
+        civil((int64_t)day, &year, &month, &date);
+        buffer_format(text, "%04d-%02d-%02dT", (int)year, month, date);
+    }
+    const int64_t all = (int64_t)micro;
+    buffer_format(text, "%02d:%02d:%02d.%06d", (int)(all / 3600000000), (int)(all / 60000000 % 60),
+                  (int)(all / 1000000 % 60), (int)(all % 1000000));
+}
+
+/* ---- UTF-16 ---- */
+
+static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel, struct buffer *out,
+                       struct error *error)
+{
+    const unsigned char *at = (const unsigned char *)bytes.at;
+    uint32_t high = 0;
+    for (size_t i = 2; i + 1 < bytes.len; i += 2) {
+        if (i % LOOK_EACH_ROWS == 0 && !unpacking_goes_on(cancel, error))
+            return false;
+        const uint32_t unit =
+            big ? (uint32_t)(at[i] << 8 | at[i + 1]) : (uint32_t)(at[i + 1] << 8 | at[i]);
+        if (unit >= 0xD800 && unit < 0xDC00) {
+            high = unit;
+            continue;
+        }
+        const bool pair = high && unit >= 0xDC00 && unit < 0xE000;
+        buffer_codepoint(out, pair ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
+                              : unit >= 0xDC00 && unit < 0xE000 ? 0xFFFD
+                                                                : unit);
+        high = 0;
+    }
+    buffer_put(out, TEXT(""));
+    return !out->failed || error_memory(error);
+}
+
+/*
+ * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of
+ * another: units of which both bytes are of numbers, so many in a row as no script has. The length
+ * of `bytes`: nowhere.
+ */
+static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
+{
+    enum { UNITS = 16 };
+    size_t units = 0;
+    for (size_t i = 2; i + 1 < bytes.len && !cancelled_at(cancel, i); i += 2) {
+        bool both = bytes.at[i] && bytes.at[i + 1];
+        for (size_t k = i; k < i + 2; k++)
+            both = both && strchr("0123456789.,;\t\r\n -+eE", bytes.at[k]);
+        units = both ? units + 1 : 0;
+        if (units == UNITS)
+            return i - 2 * (UNITS - 1);
+    }
+    return bytes.len;
+}
+
+/* One part that is the text itself. `bytes` is given away. */
+static bool add_text(struct contents *contents, struct text name, struct buffer *bytes,
+                     struct error *error)
+{
+    struct container_part *part = contents_add(contents, name);
+    if (!part)
+        return contents->parts == PARTS_MAX || error_memory(error);
+    const struct text raw = buffer_text(bytes);
+    const bool wide = packing_of(raw) == PACKING_UTF16;
+    const size_t narrow = wide ? narrow_numbers(raw, contents->cancel) : raw.len;
+    if (narrow < raw.len) {
+        error_set(error, ERROR_IO,
+                  "the file begins in UTF-16, but from byte %zu on has one byte a character",
+                  narrow + 1);
+        return error_hint(error, "split it there, or export the data anew as UTF-8");
+    }
+    if (wide)
+        return from_utf16(raw, raw.at[0] == '\xFE', contents->cancel, &part->text, error);
+    part->text = *bytes;
+    *bytes = (struct buffer){0};
+    return true;
+}
+
+/* ---- zip ---- */
+
+static bool ends_in(const char *path, const char *endings)
+{
+    const char *dot = strrchr(path, '.');
+    struct text rest = text_of(endings), one;
+    while (dot && text_split(&rest, ' ', &one))
+        if (strlen(dot + 1) == one.len && strncasecmp(dot + 1, one.at, one.len) == 0)
+            return true;
+    return false;
+}
+
+/* Tables of text: not what an app says about itself (phyphox' meta folder), not a Mac's shadow
+ * files. */
+static bool is_table_entry(const char *path)
+{
+    return ends_in(path, "csv txt tsv dat asc lvm") && strncmp(path, "meta/", 5) != 0 &&
+           !strstr(path, "/meta/") && strncmp(path, "__MACOSX", 8) != 0;
+}
+
+static bool is_wanted(const char *path)
+{
+    return is_table_entry(path) || workbook_wanted(path);
+}
+
+static struct text entry_name(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
+               *dot = strrchr(name, '.');
+    return (struct text){name, dot && dot > name ? (size_t)(dot - name) : strlen(name)};
+}
+
+/* An archive ends in its directory, the end of which has at most 65535 bytes of remarks behind it
+ * (APPNOTE 4.3.16). */
+static bool has_directory(struct text bytes)
+{
+    enum { END = 22, REMARKS = 65535 };
+    const size_t from = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
+    for (size_t at = bytes.len; at-- > from;) {
+        const unsigned char *end = (const unsigned char *)bytes.at + at;
+        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")) &&
+            bytes.len - at >= END &&
+            bytes.len - at >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
+            return true;
+    }
+    return false;
+}
+
+static bool from_zip(struct text bytes, const char *shown, struct contents *contents,
+                     struct error *error)
+{
+    struct archive_content *content = calloc(1, sizeof *content);
+    if (!content)
+        return error_memory(error);
+    content->cancel = contents->cancel;
+    bool done = archive_unpack(bytes, shown, is_wanted, NULL, content, error);
+    if (done && !has_directory(bytes)) {
+        error_set(error, ERROR_IO,
+                  "%s is cut short: the directory at the end of the archive is missing", shown);
+        done = error_hint(error, "transfer the file again, or export the data as CSV");
+    }
+    if (done && archive_content_find(content, "xl/workbook.xml")) {
+        contents->container = "xlsx";
+        done = workbook_sheets(content, shown, contents, error);
+    } else if (done) {
+        contents->container = "zip";
+        for (size_t i = 0; i < content->entries && done; i++)
+            if (is_table_entry(content->entry[i].path))
+                done = add_text(contents, entry_name(content->entry[i].path),
+                                &content->entry[i].bytes, error);
+    }
+    archive_content_free(content);
+    free(content);
+    if (done && contents->parts == 0) {
+        error_set(
+            error, ERROR_IO,
+            "%s is a zip archive without a table of text (.csv, .txt, .tsv, .dat) or a workbook",
+            shown);
+        error_hint(error, "open it where it was made and export the data as CSV");
+        done = false;
+    }
+    return done;
+}
+
+/* A table as export writes it, as text. */
+static bool from_json(struct text bytes, struct contents *contents, struct error *error)
+{
+    struct arena arena = {0};
+    struct table table;
+    struct buffer text = {0};
+    bool done = table_parse(bytes, contents->cancel, &arena, &table, error);
+    if (done) {
+        table_put(&table, table_csv, &text);
+        done = unpacking_goes_on(contents->cancel, error);
+    }
+    if (done) {
+        contents->container = "json";
+        done = add_text(contents, TEXT(""), &text, error);
+    }
+    arena_reset(&arena);
+    buffer_free(&text);
+    return done;
+}
+
+/* ---- what is what ---- */
+
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
+                   struct contents *contents, struct error *error);
+
+static bool is_archive(struct text bytes)
+{
+    const enum packing packing = packing_of(bytes);
+    return packing == PACKING_GZIP || packing == PACKING_ZIP || packing == PACKING_XLS;
+}
+
+static bool from_gzip(const char *path, const struct intake *intake, struct text bytes,
+                      struct contents *contents, struct error *error)
+{
+    const char *shown = intake->shown;
+    struct intake inside = {.shown = shown, .options = intake->options};
+    struct archive_content *content = calloc(1, sizeof *content);
+    if (!content)
+        return error_memory(error);
+    content->cancel = contents->cancel;
+    bool done = archive_unpack(bytes, shown, NULL, &inside, content, error);
+    if (done && content->entries == 0)
+        done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
+    if (done && is_archive(buffer_text(&content->entry[0].bytes)))
+        done = error_set(error, ERROR_IO,
+                         "%s holds an archive or a workbook in an archive: unpack it first", shown);
+    else if (done)
+        done = unpack(path, &inside, &content->entry[0].bytes, contents, error);
+    contents->container = contents->container ? contents->container : "gzip";
+    archive_content_free(content);
+    free(content);
+    return done;
+}
+
+/* `bytes` is given away where it is the text itself. */
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
+                   struct contents *contents, struct error *error)
+{
+    const struct text text = buffer_text(bytes);
+    switch (packing_of(text)) {
+    case PACKING_GZIP:
+        return from_gzip(path, intake, text, contents, error);
+    case PACKING_ZIP:
+        return from_zip(text, intake->shown, contents, error);
+    case PACKING_XLS:
+        contents->container = "xls";
+        return workbook_old_sheets(path, intake->shown, contents, error);
+    case PACKING_XML:
+        return xml_tables(text, intake->shown, contents, error);
+    case PACKING_JSON:
+        return from_json(text, contents, error);
+    case PACKING_OCTAVE:
+        if (!octave_tables(text, intake->shown, contents, error))
+            return false;
+        if (contents->parts > 0)
+            return true;
+        break;
+    case PACKING_UTF16:
+    case PACKING_NONE:
+        break;
+    }
+    return add_text(contents, TEXT(""), bytes, error);
+}
+
+bool contents_read(const char *path, const char *shown, const struct load_options *options,
+                   struct contents *contents, struct error *error)
+{
+    struct buffer bytes = {0};
+    struct intake intake = {.shown = shown, .options = options};
+    *contents = (struct contents){.cancel = options->cancel};
+    const bool done =
+        intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
+    contents->grew = intake.grew;
+    contents->sum = intake.sum;
+    buffer_free(&bytes);
+    if (!done)
+        contents_free(contents);
+    return done;
+}

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a file holds, as text: archives, workbooks and XML documents become one or more tables of
+ * text, UTF-16 becomes UTF-8. Everything after this sees lines of text only. The libraries that
+ * read containers are loaded when such a file is met; without them the file is refused with the
+ * name of what is missing.
+ */
+#ifndef HOOKE_MODULES_RECORDING_CONTAINER_CONTAINER_H
+#define HOOKE_MODULES_RECORDING_CONTAINER_CONTAINER_H
+
+#include "modules/recording/table/load.h"
+#include <hooke/base/cancel.h>
+#include <hooke/result.h>
+
+#define PARTS_MAX 256
+#define PACKED_MAX (64u << 20)     /* bytes of an archive, a workbook, an XML document */
+#define UNPACKED_MAX (128u << 20)  /* bytes of all entries of a zip archive or a workbook */
+#define EXPANSION_MAX 64           /* times its size that an archive may grow to … */
+#define EXPANSION_FREE (16u << 20) /* … beyond so many bytes, which are always allowed */
+
+/* intake.c: what a file is, told from its first bytes. */
+enum packing {
+    PACKING_NONE,
+    PACKING_UTF16,
+    PACKING_GZIP,
+    PACKING_ZIP,
+    PACKING_XLS,
+    PACKING_XML,
+    PACKING_JSON,
+    PACKING_OCTAVE
+};
+
+enum packing packing_of(struct text bytes);
+
+/* A file that is being read, or what comes out of gzip. */
+struct intake {
+    const char *shown; /* its name for messages */
+    const struct load_options *options;
+    enum packing packing;
+    size_t line; /* where the line at hand begins */
+    bool sought; /* there is a table in the beginning */
+    /* text that was being written: its last line is left out, as it may be half of one */
+    bool grew;
+    uint64_t sum; /* of all bytes that were read; 0: more than SUMMED_BYTES */
+};
+
+/* The look of a read_watch whose context is a struct intake: refuses what is no text and no
+ * container, what no table begins in, lines without end, containers that are too large. */
+bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+                 struct error *error);
+bool intake_read(const char *path, struct intake *intake, struct buffer *bytes,
+                 struct error *error);
+
+struct container_part {
+    char name[LIMIT_NAME + 1]; /* of the entry, sheet or data set, made safe; "": the file itself */
+    struct buffer text;        /* UTF-8 */
+};
+
+struct contents {
+    const char *container;       /* "gzip", "zip", "xlsx" …; NULL: a plain file */
+    struct container_part *part; /* [PARTS_MAX] */
+    uint64_t sum;                /* of the file's bytes; 0: nobody has looked */
+    size_t parts;                /* at least 1 after contents_read */
+    bool grew;                   /* while it was read; its last line is left out */
+    const struct cancel *cancel; /* of the options it was read with */
+};
+
+/* What long loops over a container ask; false: `error` says that it was stopped. */
+static inline bool unpacking_goes_on(const struct cancel *cancel, struct error *error)
+{
+    return !cancelled(cancel) || error_set(error, ERROR_CANCELLED, "reading was stopped");
+}
+
+/*
+ * Reads the file at `path` and unpacks it. `shown`: its name for messages. ERROR_IO with the reason
+ * and what to do: not readable, damaged, too large, a container that is not known, or one whose
+ * library is missing.
+ */
+bool contents_read(const char *path, const char *shown, const struct load_options *options,
+                   struct contents *contents, struct error *error);
+void contents_free(struct contents *contents);
+
+/* A new part; NULL: no memory, or PARTS_MAX of them (the rest is left out). */
+struct container_part *contents_add(struct contents *contents, struct text name);
+
+/* archive.c: entries of a zip or gzip archive in memory. */
+struct archive_entry {
+    char *path; /* as in the archive, NUL-terminated */
+    struct buffer bytes;
+};
+
+struct archive_content {
+    const struct cancel *cancel; /* ends the unpacking */
+    struct archive_entry entry[PARTS_MAX];
+    size_t entries;
+};
+
+/* `wanted` says which entries are unpacked (NULL: all); the others are skipped. intake looks at
+ * what comes out; NULL: nobody does. */
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+                    struct intake *intake, struct archive_content *content, struct error *error);
+void archive_content_free(struct archive_content *content);
+/* NULL: not there */
+const struct buffer *archive_content_find(const struct archive_content *content, const char *path);
+
+/* xml.c: a document, element by element. Handlers return false to stop (the error is then theirs).
+ */
+struct xml_reader {
+    void *context;
+    const struct cancel *cancel;
+    bool (*start)(void *context, const char *name, const char **attributes);
+    bool (*end)(void *context, const char *name);
+    bool (*text)(void *context, struct text text);
+};
+
+bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
+              struct error *error);
+const char *xml_attribute(const char **attributes, const char *name); /* NULL: not there */
+
+/* xml_tables.c: Logger Pro (.cmbl) and CASSY Lab 2 (.labx). */
+bool xml_tables(struct text document, const char *shown, struct contents *contents,
+                struct error *error);
+/* octave.c: vectors of a text file of Octave, side by side. Adds no part where the file is to be
+ * read as any other text. */
+bool octave_tables(struct text text, const char *shown, struct contents *contents,
+                   struct error *error);
+/* workbook.c, workbook_old.c: sheets of .xlsx and .xls. */
+bool workbook_sheets(const struct archive_content *content, const char *shown,
+                     struct contents *contents, struct error *error);
+/* the entries of an .xlsx that hold sheets, words and formats */
+bool workbook_wanted(const char *path);
+bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
+                         struct error *error);
+
+/* A cell of a table of text: what would end it becomes a blank. */
+void put_cell(struct buffer *text, struct text cell);
+/* A day of the Gregorian calendar counted from 1970-01-01, with its fraction, as a date or a time
+ * of day. */
+void put_stamp(struct buffer *text, double days, bool with_date);
+
+#endif

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What is seen of a file while it is read, so that one that holds no table is refused from its
+ * beginning: the cost of a refusal does not grow with the size that a hostile or mistaken file
+ * claims.
+ */
+#include "modules/recording/container/container.h"
+#include <hooke/base/file.h>
+#include <hooke/base/fields.h>
+#include "modules/recording/table/table.h"
+
+#include <string.h>
+
+#define BOM TEXT("\xEF\xBB\xBF")
+#define LINE_BYTES (16u << 20)        /* a longer line ends no more: it is no row */
+#define PATIENCE_NS 2000000000        /* [ns] a pipe that is slow gets to end in */
+#define ENOUGH_BYTES (2 * HEAD_BYTES) /* in which the table has to begin */
+
+/* ---- kinds of files ---- */
+
+static bool is_xml(struct text text)
+{
+    if (text_starts(text, BOM))
+        text = (struct text){text.at + 3, text.len - 3};
+    text = text_trim(text);
+    return text_starts(text, TEXT("<?xml")) || text_starts(text, TEXT("<Document")) ||
+           text_starts(text, TEXT("<cassylab"));
+}
+
+enum {
+    /* [byte] that tell what a file is: blanks may stand before a document's first element */
+    HEAD = 512
+};
+
+enum packing packing_of(struct text bytes)
+{
+    const struct text head = {bytes.at, bytes.len < HEAD ? bytes.len : HEAD};
+    return text_starts(head, TEXT("\x1F\x8B"))           ? PACKING_GZIP
+           : text_starts(head, TEXT("PK\x03\x04"))       ? PACKING_ZIP
+           : text_starts(head, TEXT("\xD0\xCF\x11\xE0")) ? PACKING_XLS
+           : text_starts(head, TEXT("\xFF\xFE")) || text_starts(head, TEXT("\xFE\xFF"))
+               ? PACKING_UTF16
+           : is_xml(head)                                   ? PACKING_XML
+           : text_starts(head, TEXT("# Created by Octave")) ? PACKING_OCTAVE
+           : table_recognise(head) && head.at[0] == '{'     ? PACKING_JSON
+                                                            : PACKING_NONE;
+}
+
+/* ---- refusals ---- */
+
+static const struct {
+    const char *start, *what;
+} binaries[] = {
+    {"%PDF", "a PDF document"},
+    {"\x89PNG", "a picture (PNG)"},
+    {"{\\rtf", "a rich text document (.rtf)"},
+};
+
+static bool refuse_known(struct text text, const char *name, struct error *error)
+{
+    for (size_t i = 0; i < COUNT_OF(binaries); i++)
+        if (text_starts(text, text_of(binaries[i].start))) {
+            error_set(error, ERROR_IO, "%s is %s, not a text file", name, binaries[i].what);
+            return error_hint(error, "open it where it was made and export it as CSV (UTF-8 text)");
+        }
+    return true;
+}
+
+static bool refuse_nul(struct text text, size_t nul, const char *name, struct error *error)
+{
+    struct text rest = {text.at, nul + 1}, line = {0};
+    size_t number = 0;
+    while (table_line(&rest, &line))
+        number++;
+    error_set(error, ERROR_IO, "%s is not a text file: NUL byte in line %zu, column %zu", name,
+              number, line.len);
+    return error_hint(error, "export the data as CSV text");
+}
+
+/* From byte `from` on. */
+static bool refuse_binary_from(struct text text, size_t from, const char *name, struct error *error)
+{
+    const char *nul = from < text.len ? memchr(text.at + from, '\0', text.len - from) : NULL;
+    return refuse_known(text, name, error) &&
+           (!nul || refuse_nul(text, (size_t)(nul - text.at), name, error));
+}
+
+bool refuse_binary(struct text text, const char *name, struct error *error)
+{
+    return refuse_binary_from(text, 0, name, error) &&
+           (text_trim(text).len > 0 || error_set(error, ERROR_IO, "%s is empty", name));
+}
+
+/* ---- while it is read ---- */
+
+static bool refuse_wide_nul(struct text bytes, size_t from, const char *name, struct error *error)
+{
+    for (size_t i = from - from % 2; i + 1 < bytes.len; i += 2)
+        if (!bytes.at[i] && !bytes.at[i + 1]) {
+            error_set(error, ERROR_IO,
+                      "%s is not a text file: it begins in UTF-16, NUL character at byte %zu", name,
+                      i + 1);
+            return error_hint(error, "export the data as CSV text");
+        }
+    return true;
+}
+
+static bool refuse_large(const struct intake *intake, uintmax_t size, struct error *error)
+{
+    if (size <= PACKED_MAX)
+        return true;
+    error_set(error, ERROR_IO,
+              "%s has %ju bytes; of archives, workbooks and XML documents at most %u are read",
+              intake->shown, size, PACKED_MAX);
+    return error_hint(error, "unpack it, or export the data as CSV");
+}
+
+/* The line at hand, which began somewhere before. */
+static bool refuse_endless_line(struct intake *intake, struct text text, size_t from,
+                                struct error *error)
+{
+    for (size_t i = text.len; i > from && i > intake->line; i--)
+        if (text.at[i - 1] == '\n' || text.at[i - 1] == '\r')
+            intake->line = i;
+    if (text.len - intake->line <= LINE_BYTES)
+        return true;
+    error_set(error, ERROR_IO,
+              "%s is no table: from byte %zu on there is no end of line for %u bytes",
+              intake->shown, intake->line + 1, LINE_BYTES);
+    return error_hint(error, "export the data as CSV text");
+}
+
+bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+                 struct error *error)
+{
+    struct intake *intake = context;
+    const char *name = intake->shown;
+    if (cancelled(intake->options->cancel))
+        return error_set(error, ERROR_CANCELLED, "reading was stopped");
+    const bool enough = content.len >= ENOUGH_BYTES && !intake->sought;
+    const enum packing packing = from < HEAD ? packing_of(content) : intake->packing;
+    intake->packing = packing;
+    if (packing == PACKING_UTF16)
+        return refuse_wide_nul(content, from, name, error);
+    if (packing != PACKING_NONE &&
+        !refuse_large(intake, size > content.len ? size : content.len, error))
+        return false;
+    if (packing != PACKING_NONE && packing != PACKING_XML)
+        return true;
+    if (!refuse_binary_from(content, from, name, error))
+        return false;
+    if (packing == PACKING_XML)
+        return true;
+    intake->sought |= enough;
+    return (!enough || table_begins(content, name, intake->options, error)) &&
+           refuse_endless_line(intake, content, from, error);
+}
+
+bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error)
+{
+    const bool input = strcmp(path, STANDARD_INPUT) == 0;
+    struct read_watch watch = {
+        .context = intake, .look = intake_look, .patience = input ? 0 : PATIENCE_NS};
+    if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error)) {
+        if (watch.endless)
+            error_hint(error, "'collect' takes lines as they come; 'load -' reads standard input "
+                              "to its end");
+        return false;
+    }
+    intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;
+    intake->grew = watch.grew && intake->packing == PACKING_NONE;
+    for (bool whole = !intake->grew; !whole && bytes->len > 0;
+         whole = whole || bytes->data[bytes->len - 1] == '\n')
+        bytes->data[--bytes->len] = '\0';
+    return true;
+}

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Text files of Octave (save -text) that hold their columns as vectors, one below the other. Those
+ * of equal length become a table. A single matrix is a table already and is left to others.
+ */
+#include "modules/recording/container/container.h"
+
+#include <hooke/base/number.h>
+#include <hooke/base/numeric.h>
+
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { VARIABLES_MAX = 256 };
+
+struct octave_variable {
+    struct text name, body; /* body: its numbers, separated by white space */
+    double rows, columns;   /* 0 of what is no array of real numbers */
+    bool is_range;          /* body: base, limit, increment */
+    double base, increment;
+};
+
+struct octave_file {
+    struct octave_variable variable[VARIABLES_MAX];
+    size_t variables;
+};
+
+static const char *const blanks = " \t\r\n";
+
+/* Takes the next number or word off the text. Returns an empty text at its end. */
+static struct text next_word(struct text *rest)
+{
+    const size_t gap = rest->len > 0 ? strspn(rest->at, blanks) : 0,
+                 skipped = gap < rest->len ? gap : rest->len;
+    *rest = (struct text){rest->at + skipped, rest->len - skipped};
+    const size_t used = rest->len > 0 ? strcspn(rest->at, blanks) : 0;
+    const struct text word = {rest->at, used < rest->len ? used : rest->len};
+    *rest = (struct text){rest->at + word.len, rest->len - word.len};
+    return word;
+}
+
+static bool has_label(struct text line, const char *label, struct text *value)
+{
+    if (!text_starts(line, text_of(label)))
+        return false;
+    *value = text_trim((struct text){line.at + strlen(label), line.len - strlen(label)});
+    return true;
+}
+
+static void read_range(struct octave_variable *v)
+{
+    struct text rest = v->body;
+    double limit;
+    if (real_parse(next_word(&rest), &v->base) == REAL_OK &&
+        real_parse(next_word(&rest), &limit) == REAL_OK &&
+        real_parse(next_word(&rest), &v->increment) == REAL_OK && v->increment != 0) {
+        v->rows = floor((limit - v->base) / v->increment * (1 + 1e-12) + 1e-9) + 1;
+        v->columns = 1;
+    }
+}
+
+static void read_variables(struct text text, struct octave_file *file)
+{
+    struct text line, value;
+    struct octave_variable *v = NULL;
+    bool is_matrix = false;
+    while (table_line(&text, &line)) {
+        if (has_label(line, "# name:", &value)) {
+            if (v && v->is_range)
+                read_range(v);
+            if (file->variables == VARIABLES_MAX)
+                return;
+            v = &file->variable[file->variables++];
+            *v = (struct octave_variable){.name = value};
+            is_matrix = false;
+        } else if (v && has_label(line, "# type:", &value)) {
+            is_matrix = text_is(value, "matrix");
+            v->is_range = text_is(value, "range") || text_is(value, "double_range");
+        } else if (is_matrix && has_label(line, "# rows:", &value)) {
+            v->rows = real_parse(value, &v->rows) == REAL_OK ? v->rows : 0;
+        } else if (is_matrix && has_label(line, "# columns:", &value)) {
+            v->columns = real_parse(value, &v->columns) == REAL_OK ? v->columns : 0;
+        } else if (v && line.len > 0 && line.at[0] != '#') {
+            if (v->body.len == 0)
+                v->body.at = line.at;
+            v->body.len = (size_t)(line.at + line.len - v->body.at);
+        }
+    }
+    if (v && v->is_range)
+        read_range(v);
+}
+
+/* Returns the number of values of a vector, 0 of anything else, and of one that claims more values
+ * than its text can hold. */
+static double vector_length(const struct octave_variable *v)
+{
+    static const double range_max = 1e7;
+    const double length = v->rows * v->columns,
+                 max = v->is_range ? range_max : 0.5 * (double)(v->body.len + 1);
+    return (v->rows == 1 || v->columns == 1) && length >= 2 && length <= max ? length : 0;
+}
+
+/* Returns the length of the longest vectors below `limit`, 0 if there is none. */
+static double longest_vectors(const struct octave_file *file, double limit)
+{
+    double longest = 0;
+    for (size_t i = 0; i < file->variables; i++) {
+        const double length = vector_length(&file->variable[i]);
+        longest = length < limit ? fmax(longest, length) : longest;
+    }
+    return longest;
+}
+
+/* Puts the vectors of one length into one table, unless there is only one of them. */
+static bool add_table(struct octave_file *file, double length, struct contents *contents,
+                      struct error *error)
+{
+    struct octave_variable *of[VARIABLES_MAX];
+    size_t count = 0;
+    for (size_t i = 0; i < file->variables; i++)
+        if (vector_length(&file->variable[i]) == length)
+            of[count++] = &file->variable[i];
+    struct container_part *part = count > 1 ? contents_add(contents, of[0]->name) : NULL;
+    if (!part)
+        return count < 2 || contents->parts == PARTS_MAX || error_memory(error);
+    for (size_t i = 0; i < count; i++) {
+        buffer_put(&part->text, i > 0 ? TEXT("\t") : TEXT(""));
+        put_cell(&part->text, of[i]->name);
+    }
+    for (double row = 0; row < length && !part->text.failed; row++) {
+        if (fmod(row, LOOK_EACH_ROWS) == 0 && !unpacking_goes_on(contents->cancel, error))
+            return false;
+        buffer_char(&part->text, '\n');
+        for (size_t i = 0; i < count; i++) {
+            buffer_put(&part->text, i > 0 ? TEXT("\t") : TEXT(""));
+            if (of[i]->is_range)
+                buffer_format(&part->text, "%.17g", of[i]->base + row * of[i]->increment);
+            else
+                buffer_put(&part->text, next_word(&of[i]->body));
+        }
+    }
+    buffer_char(&part->text, '\n');
+    return !part->text.failed || error_memory(error);
+}
+
+/* Returns true if there is a matrix of rows and columns. */
+static bool has_matrix(const struct octave_file *file)
+{
+    for (size_t i = 0; i < file->variables; i++)
+        if (file->variable[i].rows > 1 && file->variable[i].columns > 1)
+            return true;
+    return false;
+}
+
+static bool refuse_lengths(const struct octave_file *file, const char *shown, struct error *error)
+{
+    const struct octave_variable *a = NULL, *b = NULL;
+    for (size_t i = 0; i < file->variables; i++)
+        if (vector_length(&file->variable[i]) > 0) {
+            b = a && !b ? &file->variable[i] : b;
+            a = a ? a : &file->variable[i];
+        }
+    if (!b)
+        return true;
+    error_set(error, ERROR_IO,
+              "%s holds the vectors %.*s (%.0f values) and %.*s (%.0f values): columns of a table "
+              "are equally long",
+              shown, (int)text_fitting(a->name, SHORT_NAME - 1), a->name.at, vector_length(a),
+              (int)text_fitting(b->name, SHORT_NAME - 1), b->name.at, vector_length(b));
+    return error_hint(error, "save one matrix: M = [t(:) y(:)]; save -text FILE M");
+}
+
+bool octave_tables(struct text text, const char *shown, struct contents *contents,
+                   struct error *error)
+{
+    struct octave_file file = {.variables = 0};
+    read_variables(text, &file);
+    double length = longest_vectors(&file, HUGE_VAL);
+    while (length > 0) {
+        if (!add_table(&file, length, contents, error))
+            return false;
+        length = longest_vectors(&file, length);
+    }
+    if (contents->parts > 0)
+        contents->container = "Octave";
+    return contents->parts > 0 || has_matrix(&file) || refuse_lengths(&file, shown, error);
+}

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Instruments' XML documents as tables of text: Logger Pro's .cmbl (DataSet, in it DataColumns with
+ * a name, a unit and a block of numbers, one a line, Z where there is none) and CASSY Lab 2's .labx
+ * (channels, in them channels with quantity, symbol, unit and a list of values). Each set of
+ * columns becomes a part.
+ */
+#include "modules/recording/container/container.h"
+
+#include "modules/recording/table/table.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    COLUMNS_MAX = 256,
+    STRANGE_MAX = 20000 /* elements before the first of a table: an instrument has a few hundred */
+};
+
+struct xml_column {
+    struct buffer name, unit, cells; /* cells: one a line */
+};
+
+struct tables {
+    struct contents *contents;
+    struct error *error;
+    const char *shown;
+    bool known; /* the document is one of the two */
+    bool cassy;
+    int strange;           /* elements that belong to neither so far */
+    struct buffer *target; /* what text goes to, NULL: nowhere */
+    struct buffer set;     /* name of the data set */
+    struct xml_column *column;
+    size_t columns;
+    int sets;
+};
+
+static bool is_one_of(const char *name, const char *names)
+{
+    struct text rest = text_of(names), one;
+    while (text_split(&rest, ' ', &one))
+        if (strlen(name) == one.len && memcmp(name, one.at, one.len) == 0)
+            return true;
+    return false;
+}
+
+static void clear_columns(struct tables *tables)
+{
+    for (size_t i = 0; i < tables->columns; i++) {
+        buffer_free(&tables->column[i].name);
+        buffer_free(&tables->column[i].unit);
+        buffer_free(&tables->column[i].cells);
+    }
+    tables->columns = 0;
+    buffer_clear(&tables->set);
+}
+
+static struct xml_column *newest(struct tables *tables)
+{
+    return tables->columns > 0 ? &tables->column[tables->columns - 1] : NULL;
+}
+
+/* Where the text of this element belongs. */
+static struct buffer *target_of(struct tables *tables, const char *name)
+{
+    struct xml_column *column = newest(tables);
+    if (strcmp(name, "DataSetName") == 0)
+        return &tables->set;
+    if (!column)
+        return NULL;
+    if (is_one_of(name, tables->cassy ? "quantity" : "DataObjectName"))
+        return &column->name;
+    if (is_one_of(name, tables->cassy ? "unit" : "ColumnUnits"))
+        return &column->unit;
+    return is_one_of(name, tables->cassy ? "value" : "ColumnCells") ? &column->cells : NULL;
+}
+
+static bool refuse_strange(const struct tables *tables)
+{
+    error_set(tables->error, ERROR_IO,
+              "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
+              tables->shown);
+    return error_hint(tables->error, "open it where it was made and export it as CSV");
+}
+
+static bool start(void *context, const char *name, const char **attributes)
+{
+    struct tables *tables = context;
+    (void)attributes;
+    tables->cassy |= strcmp(name, "cassylab") == 0;
+    tables->known |= is_one_of(name, "cassylab DataSet");
+    if (!tables->known && ++tables->strange > STRANGE_MAX)
+        return refuse_strange(tables);
+    if (is_one_of(name, tables->cassy ? "channels" : "DataSet"))
+        clear_columns(tables);
+    if (is_one_of(name, tables->cassy ? "channel" : "DataColumn")) {
+        if (tables->columns == COLUMNS_MAX)
+            return error_set(tables->error, ERROR_IO, "%s has more than %d columns in a data set",
+                             tables->shown, COLUMNS_MAX);
+        tables->column[tables->columns++] = (struct xml_column){0};
+    }
+    struct buffer *target = target_of(tables, name);
+    tables->target = target ? target : tables->target;
+    return true;
+}
+
+/* The longest column's numbers, side by side. */
+static bool write_rows(struct tables *tables, struct buffer *out)
+{
+    struct text rest[COLUMNS_MAX], cell;
+    bool more = true;
+    for (size_t i = 0; i < tables->columns; i++)
+        rest[i] = buffer_text(&tables->column[i].cells);
+    for (size_t row = 1; more && !out->failed; row++) {
+        if (row % LOOK_EACH_ROWS == 0 &&
+            !unpacking_goes_on(tables->contents->cancel, tables->error))
+            return false;
+        const size_t before = out->len;
+        more = false;
+        for (size_t i = 0; i < tables->columns; i++) {
+            buffer_put(out, i > 0 ? TEXT("\t") : TEXT(""));
+            bool found = false;
+            while (!found && text_split(&rest[i], '\n', &cell))
+                found = text_trim(cell).len > 0;
+            more |= found;
+            if (found && !text_is(text_trim(cell), "Z"))
+                put_cell(out, cell);
+        }
+        buffer_char(out, '\n');
+        if (!more && !out->failed) {
+            out->len = before;
+            out->data[before] = '\0';
+        }
+    }
+    return !out->failed || error_memory(tables->error);
+}
+
+static bool finish_set(struct tables *tables)
+{
+    char name[32];
+    size_t filled = 0;
+    for (size_t i = 0; i < tables->columns; i++)
+        filled += tables->column[i].cells.len > 0;
+    if (filled == 0)
+        return true;
+    snprintf(name, sizeof name, "set %d", ++tables->sets);
+    struct text own = text_trim(buffer_text(&tables->set));
+    struct container_part *part = contents_add(tables->contents, own.len > 0 ? own : text_of(name));
+    if (!part)
+        return tables->contents->parts == PARTS_MAX || error_memory(tables->error);
+    for (size_t i = 0; i < tables->columns; i++) {
+        const struct text unit = text_trim(buffer_text(&tables->column[i].unit));
+        buffer_put(&part->text, i > 0 ? TEXT("\t") : TEXT(""));
+        put_cell(&part->text, buffer_text(&tables->column[i].name));
+        if (unit.len > 0) {
+            buffer_put(&part->text, TEXT(" ("));
+            put_cell(&part->text, unit);
+            buffer_char(&part->text, ')');
+        }
+    }
+    buffer_char(&part->text, '\n');
+    return write_rows(tables, &part->text);
+}
+
+static bool end(void *context, const char *name)
+{
+    struct tables *tables = context;
+    if (tables->target && strcmp(name, "value") == 0)
+        buffer_char(tables->target, '\n');
+    tables->target = NULL;
+    return !is_one_of(name, tables->cassy ? "channels" : "DataSet") || finish_set(tables);
+}
+
+static bool text(void *context, struct text text)
+{
+    struct tables *tables = context;
+    if (tables->target)
+        buffer_put(tables->target, text);
+    return !tables->target || !tables->target->failed || error_memory(tables->error);
+}
+
+bool xml_tables(struct text document, const char *shown, struct contents *contents,
+                struct error *error)
+{
+    struct tables tables = {.contents = contents, .error = error, .shown = shown};
+    const struct xml_reader reader = {&tables, contents->cancel, start, end, text};
+    tables.column = calloc(COLUMNS_MAX, sizeof *tables.column);
+    bool done = tables.column ? xml_read(document, shown, &reader, error) : error_memory(error);
+    contents->container = tables.cassy ? "labx" : "cmbl";
+    if (done && !tables.known) {
+        done = refuse_strange(&tables);
+    } else if (done && contents->parts == 0) {
+        done = error_set(error, ERROR_IO, "%s holds no columns of numbers", shown);
+    }
+    clear_columns(&tables);
+    buffer_free(&tables.set);
+    free(tables.column);
+    return done;
+}

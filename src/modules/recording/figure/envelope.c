@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Envelopes in figures: amplitudes read window by window. */
+#include "modules/recording/known/known.h"
+#include "modules/recording/plots.h"
+
+#include <math.h>
+
+#define ENVELOPE_MAX 120
+#define ENVELOPE_MIN 3
+#define ENVELOPE_SAMPLES 8
+
+/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves
+ * one empty. */
+bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve)
+{
+    struct overview overview;
+    struct reading reading[ENVELOPE_MAX];
+    double at[ENVELOPE_MAX];
+    curve->n = 0;
+    if (series->n < ENVELOPE_SAMPLES) /* a window of time in which there is next to nothing */
+        return true;
+    series_overview(series, d->arena, &overview);
+    int count =
+        overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_MIN), ENVELOPE_MAX) : 1;
+    const double from = series->t[0], span = series->t[series->n - 1] - from;
+    for (;; count /= 2) {
+        for (int i = 0; i < count; i++)
+            at[i] = from + (i + 0.5) / count * span;
+        if (series_amplitudes(series, d->arena, at, count, span / count, reading, d->error))
+            break;
+        if (count < 2 * ENVELOPE_MIN)
+            return false;
+    }
+    double *x = arena_array(d->arena, (size_t)count, sizeof *x),
+           *y = arena_array(d->arena, (size_t)count, sizeof *y),
+           *bar = arena_array(d->arena, (size_t)count, sizeof *bar);
+    if (!x || !y || !bar)
+        return error_memory(d->error);
+    for (int i = 0; i < count; i++) {
+        x[i] = reading[i].t;
+        y[i] = reading[i].amplitude.value;
+        bar[i] = reading[i].amplitude.uncertainty;
+    }
+    curve->bar = bar;
+    curve->x = x;
+    curve->y = y;
+    curve->n = (size_t)count;
+    return true;
+}
+
+bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve)
+{
+    struct series series;
+    if (!run_series(run, false, d->arena, &series, d->error))
+        return false;
+    series = series_window(series, d->window[0], d->window[1]);
+    return drawing_data_envelope(d, &series, curve);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Spectra in figures: how far the axis goes, and the names of their lines. */
+#include "modules/recording/known/known.h"
+#include <hooke/base/cancel.h>
+#include "modules/recording/measuring.h"
+#include "modules/recording/plots.h"
+
+#include <math.h>
+
+/* the axis goes to so many times the main line: beyond it there is little to see */
+#define SPECTRUM_AXIS_TIMES 10
+#define SPECTRUM_SAMPLES 4096
+#define SAMPLES_A_PERIOD 24 /* the axis goes to ten times the line */
+
+static bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
+                          struct error *error)
+{
+    if (!series_spectrum(series, arena, &curve->x, &curve->y, &curve->n))
+        return error_set(error, ERROR_COMMAND, "a spectrum needs at least 8 samples");
+    return true;
+}
+
+/* Samples the position evenly between two times, no finer than a spectrum of a few harmonics needs:
+ * the newest part where that is not all of it. */
+static bool run_even_series(const struct run *run, double from, double to, double period,
+                            struct arena *arena, struct series *series, struct error *error)
+{
+    const double step =
+        isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
+    const double max = floor((to - from) / step);
+    const size_t n = max > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(max, 0);
+    double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
+    if (!t || !y)
+        return error_memory(error);
+    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel, 0};
+    for (size_t i = 0; i < n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
+        t[series->n] = to - (double)(n - i) * step;
+        y[series->n] = run_position(run, t[series->n]);
+        series->n += isfinite(y[series->n]) ? 1 : 0;
+    }
+    return true;
+}
+
+bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
+{
+    curve->points = false;
+    struct figure_peaks ignored = {0}, *peaks = d->request->peaks ? d->request->peaks : &ignored;
+    struct spectrum_peak found[PEAKS_EACH];
+    const int max = d->request->peaks ? PEAKS_EACH : 1,
+              count = series_peaks(series, d->arena, found, max);
+    for (int i = 0; i < count && peaks->count < PEAKS_MAX; i++)
+        peaks->peak[peaks->count++] =
+            (struct figure_peak){curve->label, found[i], series->quantity};
+    if (count > 0 && !(d->line.frequency.value >= found[0].frequency.value))
+        d->line = found[0];
+    return data_spectrum(series, d->arena, curve, d->error);
+}
+
+bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve)
+{
+    struct series series;
+    return run_even_series(run, d->window[0], d->window[1], d->period, d->arena, &series,
+                           d->error) &&
+           drawing_data_spectrum(d, &series, curve);
+}
+
+struct axis spectrum_axis(const struct drawing *d)
+{
+    const struct curve *first = &d->curve[0];
+    const double nyquist = first->n > 0 ? first->x[first->n - 1] : 0;
+    /* While a run goes on its law says it best: the axis stands still. */
+    const bool law = d->request->follow && isfinite(d->period);
+    const double line = law ? 1 / d->period : d->line.frequency.value;
+    return (struct axis){.label = "f",
+                         .unit = "Hz",
+                         .fixed = nyquist > 0,
+                         .to = line > 0 ? fmin(nyquist, SPECTRUM_AXIS_TIMES * line) : nyquist};
+}
+
+void spectrum_note(const struct drawing *d, struct buffer *text)
+{
+    if (!(d->line.frequency.value > 0) || d->request->running)
+        return;
+    buffer_put(text, TEXT("line at "));
+    buffer_measured(text, d->line.frequency, QUANTITY_FREQUENCY, 5);
+}
+
+/* The lines of spectra in words and as records; with names where there are several curves. */
+void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply)
+{
+    for (int i = 0; i < peaks->count; i++) {
+        const struct figure_peak *peak = &peaks->peak[i];
+        struct buffer text = {0};
+        if (curves > 1 && peak->label)
+            buffer_format(&text, "%s: ", peak->label);
+        put_measured(&text, "line at f", peak->line.frequency, QUANTITY_FREQUENCY);
+        put_measured(&text, "   A", peak->line.amplitude, peak->quantity);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+        reply_begin(reply, "peak");
+        reply_string(reply, "of", peak->label);
+        reply_measured(reply, "frequency", peak->line.frequency, QUANTITY_FREQUENCY);
+        reply_measured(reply, "amplitude", peak->line.amplitude, peak->quantity);
+        reply_end(reply);
+    }
+}
+
+void reply_spectrum(const struct session *session, const struct figure_request *request,
+                    struct reply *reply)
+{
+    UNUSED(session);
+    spectrum_report(request->peaks, request->runs + (request->recording >= 0), reply);
+}

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise.
+ * Samples at which the model lies beyond the level are censored, whatever they read themselves:
+ * were they judged by their reading, those that noise carries one way would be kept and the others
+ * dropped, and amplitude and decay would be wrong by many standard deviations.
+ */
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    CENSORED_MIN = 6,
+    ROUNDS = 25,
+    ROWS_A_CHANGE = 1 << 14, /* one of so many rows may still change sides in the end */
+};
+
+/* standard deviations of the second or third harmonic that make it worth a look */
+#define HARMONICS 2.5
+#define GAIN_MIN 9.0 /* chi-square by which a ceiling must explain the samples better */
+#define RESOLVED 1.5 /* steps of the recording: what is flat over less is rounded, not cut */
+/* standard deviations of the noise by which readings of a flat top may scatter, */
+#define FLAT 3.0
+#define FLAT_SHARE 0.02 /* or by this share of what the model does there */
+/* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+#define SLOPE_MAX 0.35
+
+/* A flat top has harmonics; noise has none at all. */
+static bool has_harmonics(const struct motion *m)
+{
+    const struct harmonic *h = &m->harmonic;
+    double sum[2] = {0, 0}, norm[2] = {0, 0}, phase = atan2(-h->b, h->a);
+    for (size_t i = 0; i < m->samples.n; i++) {
+        if (!m->samples.use[i])
+            continue;
+        double s = m->samples.t[i] - h->origin, e = exp(-1.5 * h->gamma * s),
+               c = cos(h->omega * s + phase);
+        double u[2] = {e * (2 * c * c - 1), e * c * (4 * c * c - 3)}; /* cos 2x, cos 3x */
+        for (int k = 0; k < 2; k++) {
+            sum[k] += u[k] * m->residual[i];
+            norm[k] += u[k] * u[k];
+        }
+    }
+    double sigma = harmonic_sigma(h, FREE_GAMMA), min = HARMONICS * HARMONICS * sigma * sigma;
+    return sum[0] * sum[0] > min * norm[0] || sum[1] * sum[1] > min * norm[1];
+}
+
+/* Returns true if the residuals are too small for a flat top that is_flat() could tell from
+ * rounding: those of its samples are about as large as the model goes beyond it. */
+static bool is_rounding(const struct motion *m)
+{
+    static const double amplitude_share = 1e-5;
+    const double max =
+        fmax(0.5 * RESOLVED * m->quantum, amplitude_share * hypot(m->harmonic.a, m->harmonic.b));
+    for (size_t i = 0; i < m->samples.n; i++)
+        if (m->samples.use[i] && fabs(m->residual[i]) > max)
+            return false;
+    return true;
+}
+
+/* Returns true if the sine leaves more, beside noise, than even a square wave does: a quarter of
+ * its own power. Then no flat tops explain it. */
+static bool is_no_sine(const struct motion *m)
+{
+    static const double left_max = 0.3;
+    double power = 0, left = 0;
+    for (size_t i = 0; i < m->samples.n; i++)
+        if (m->samples.use[i]) {
+            const double r = m->residual[i], sine = m->samples.y[i] - r - m->harmonic.c;
+            power += sine * sine;
+            left += r * r - m->overview.noise * m->overview.noise;
+        }
+    return left > left_max * power;
+}
+
+struct censoring {
+    struct harmonic harmonic;
+    unsigned char *use; /* [n] without the censored ones */
+    double *residual;   /* [n] */
+    double level, rss, slope;
+    double beyond;  /* how far the model goes beyond the level */
+    double scatter; /* of the readings there about the level */
+    size_t censored;
+};
+
+/* From a first level on: censor beyond it, fit the rest, read the level again from what is
+ * censored. */
+static bool settle(const struct motion *m, int side, struct censoring *c)
+{
+    struct samples x = m->samples;
+    x.use = c->use;
+    c->harmonic = m->harmonic;
+    memcpy(c->use, m->samples.use, x.n);
+    memcpy(c->residual, m->residual, x.n * sizeof(double));
+    for (int round = 0; round < ROUNDS; round++) {
+        double sum = 0, counted = 0, before = c->level;
+        size_t changed = 0;
+        c->censored = 0;
+        for (size_t i = 0; i < x.n; i++) {
+            bool beyond = side * (x.y[i] - c->residual[i] - c->level) > 0,
+                 use = m->samples.use[i] && !beyond;
+            changed += use != (c->use[i] != 0);
+            c->use[i] = use;
+            c->censored += beyond;
+            sum += beyond && m->samples.use[i] ? x.y[i] : 0;
+            counted += beyond && m->samples.use[i];
+        }
+        if (counted < CENSORED_MIN || !harmonic_fit(&x, FREE_GAMMA, &c->harmonic, c->residual) ||
+            !c->harmonic.converged)
+            return false;
+        c->level = sum / counted;
+        if (changed <= x.n / ROWS_A_CHANGE &&
+            fabs(c->level - before) <= 1e-6 * hypot(c->harmonic.a, c->harmonic.b))
+            break;
+    }
+    c->beyond = 0;
+    double square = 0, xx = 0, xy = 0, mean_x = 0, mean_y = 0, counted = 0;
+    for (size_t i = 0; i < x.n; i++) {
+        double over = x.y[i] - c->residual[i] - c->level, off = x.y[i] - c->level;
+        if (m->samples.use[i] && !c->use[i]) {
+            square += off * off;
+            c->beyond = fmax(c->beyond, fabs(over));
+            xx += over * over;
+            xy += over * off;
+            mean_x += over;
+            mean_y += off;
+            counted++;
+        }
+    }
+    c->scatter = sqrt(square / fmax(counted, 1));
+    double spread = xx - mean_x * mean_x / fmax(counted, 1);
+    c->rss = c->harmonic.rss + square;
+    c->slope = spread > 0 ? (xy - mean_x * mean_y / counted) / spread : 1;
+    return true;
+}
+
+/* A wave with a wide trough is no flat top: its readings change there, by more than noise and
+ * rounding do. */
+static bool is_flat(const struct motion *m, const struct censoring *c)
+{
+    return fabs(c->slope) < SLOPE_MAX && c->beyond > RESOLVED * m->quantum &&
+           c->scatter <= FLAT * m->overview.noise + RESOLVED * m->quantum + FLAT_SHARE * c->beyond;
+}
+
+/* Sets a motion of every few rows of a long one, in which ceilings are looked for first; of all of
+ * a short one. Returns false if out of memory. */
+static bool some_rows(const struct motion *m, struct arena *arena, struct motion *some)
+{
+    enum { ROWS_MIN = 16384, ROWS_A_PERIOD = 16 };
+    const struct samples *x = &m->samples;
+    const double period = TWO_PI / (m->harmonic.omega * x->dt);
+    const size_t each =
+        (size_t)fmax(fmin((double)(x->n / ROWS_MIN), floor(period / ROWS_A_PERIOD)), 1);
+    const size_t n = x->n / each;
+    *some = *m;
+    if (each == 1)
+        return true;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    some->residual = arena_array(arena, n, sizeof *y);
+    some->samples = (struct samples){.t = t,
+                                     .y = y,
+                                     .n = n,
+                                     .t0 = x->t0,
+                                     .dt = x->dt * (double)each,
+                                     .uniform = x->uniform,
+                                     .use = arena_alloc(arena, n),
+                                     .cancel = x->cancel};
+    if (!t || !y || !some->residual || !some->samples.use)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        t[i] = x->t[i * each];
+        y[i] = x->y[i * each];
+        some->residual[i] = m->residual[i * each];
+        some->samples.use[i] = x->use[i * each];
+    }
+    return true;
+}
+
+/* Looks for the best ceiling on one side, in some rows first. Returns false if none explains the
+ * samples better. */
+static bool find_ceiling(const struct motion *m, const struct motion *some, int side,
+                         struct censoring *best, struct censoring *trial)
+{
+    static const double heights[] = {0.95, 0.8, 0.6};
+    const struct harmonic *h = &m->harmonic;
+    const bool all = some->samples.n == m->samples.n;
+    double swing = 0, level = NAN, least = HUGE_VAL;
+    bool found = false;
+    for (size_t i = 0; i < m->samples.n; i++)
+        if (m->samples.use[i])
+            swing = fmax(swing, side * (m->samples.y[i] - m->residual[i] - h->c));
+    for (size_t k = 0; k < COUNT_OF(heights) + !all; k++) {
+        const bool last = k == COUNT_OF(heights);
+        trial->level = last ? level : h->c + side * heights[k] * swing;
+        if (!isfinite(trial->level) || !settle(last ? m : some, side, trial))
+            continue;
+        if (!all && !last) {
+            level = trial->rss < least ? trial->level : level;
+            least = fmin(least, trial->rss);
+            continue;
+        }
+        const double variance = trial->rss / (double)h->used;
+        if (h->rss - trial->rss > GAIN_MIN * variance && is_flat(m, trial) &&
+            !(found && trial->rss >= best->rss)) {
+            struct censoring swap = *best;
+            *best = *trial;
+            *trial = swap;
+            found = true;
+        }
+    }
+    return found;
+}
+
+bool censor_clipped(struct motion *m, struct arena *arena)
+{
+    size_t n = m->samples.n;
+    if (is_rounding(m) || is_no_sine(m) || !has_harmonics(m))
+        return true;
+    struct censoring two[2] = {0};
+    struct motion some;
+    if (!some_rows(m, arena, &some))
+        return false;
+    for (int k = 0; k < 2; k++) {
+        two[k].use = arena_alloc(arena, n);
+        two[k].residual = arena_array(arena, n, sizeof(double));
+        if (!two[k].use || !two[k].residual)
+            return false;
+    }
+    for (int side = 1; side >= -1; side -= 2) {
+        struct censoring best = two[0], trial = two[1];
+        if (find_ceiling(m, &some, side, &best, &trial)) {
+            memcpy(m->samples.use, best.use, n);
+            memcpy(m->residual, best.residual, n * sizeof(double));
+            m->harmonic = best.harmonic;
+            m->clipped += best.censored;
+        }
+    }
+    m->rejected = 0;
+    for (size_t i = 0; i < n; i++)
+        m->rejected += !m->samples.use[i];
+    m->clipped = m->clipped < m->rejected ? m->clipped : m->rejected;
+    return true;
+}

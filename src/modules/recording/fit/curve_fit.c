@@ -1,0 +1,381 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Least squares for any curve; robust loss by weights that are set anew between the steps (Holland
+ * & Welsch 1977). */
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include "modules/recording/fit/curve_problem.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY };
+
+#define SOFT_L1 1.345
+#define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
+/* of the step that is polished no further, relative to value or uncertainty */
+#define LENGTH_EXACT 1e-14
+#define LENGTH_COSTLY 1e-10
+#define TRUST_ROUGH 1e-8 /* variances that the last step of a rough fit may promise */
+#define DAMPING_FIRST 3e-3
+
+/* ---- the problem ---- */
+
+/* Residuals and derivatives at x, in the curve's order; false: the curve has none there. */
+static bool evaluate(struct curve_problem *p, const double *x)
+{
+    const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
+    if (p->known && memcmp(p->at, x, bytes) == 0)
+        return true;
+    p->known = false;
+    if (!p->curve->evaluate(p->curve->context, x, p->t, p->n, p->value, p->derivative))
+        return false;
+    for (size_t i = 0; i < p->n; i++) {
+        p->residual[i] = p->y[i] - p->value[i];
+        for (size_t j = 0; j < count; j++)
+            if (!isfinite(p->derivative[i * count + j]))
+                return false;
+    }
+    memcpy(p->at, x, bytes);
+    return p->known = true;
+}
+
+/* From the model's order to the curve's, and back. */
+static void to_curve(const struct curve_problem *p, const double *model, double *curve)
+{
+    for (int j = 0; j < p->curve->parameters; j++)
+        curve[p->order[j]] = model[j];
+}
+
+static void to_model(const struct curve_problem *p, const double *curve, double *model)
+{
+    for (int j = 0; j < p->curve->parameters; j++)
+        model[j] = curve[p->order[j]];
+}
+
+/* The derivatives by the model's first parameters and `right` [n], weighted, as a triangle. */
+static bool fold(const struct curve_problem *p, int columns, const double *right,
+                 struct triangle *t)
+{
+    const size_t count = (size_t)p->curve->parameters, width = (size_t)columns + 1;
+    double block[(TRIANGLE_COLUMNS + TRIANGLE_ROWS) * TRIANGLE_COLUMNS];
+    size_t rows = 0;
+    *t = (struct triangle){.n = columns};
+    for (size_t i = 0; i < p->n; i++) {
+        const double root = sqrt(p->weight[i]);
+        double *row = block + (width + rows) * width;
+        if (cancelled_at(p->cancel, i))
+            return false;
+        for (int j = 0; j < columns; j++)
+            row[j] = root * p->derivative[i * count + (size_t)p->order[j]];
+        row[columns] = root * right[i];
+        t->rows += root > 0;
+        rows += root > 0;
+        if (rows == TRIANGLE_ROWS || (i + 1 == p->n && rows > 0)) {
+            triangle_add(t, block, rows);
+            rows = 0;
+        }
+    }
+    return true;
+}
+
+static bool linearise(void *context, const double *x, int columns, struct triangle *t)
+{
+    struct curve_problem *p = context;
+    double place[CURVE_PARAMETERS];
+    to_curve(p, x, place);
+    return evaluate(p, place) && fold(p, columns, p->residual, t);
+}
+
+static bool curvature(void *context, const double *x, const double *step, struct triangle *t)
+{
+    static const double part = 0.02; /* of the step, for the difference */
+    struct curve_problem *p = context;
+    const size_t count = (size_t)p->curve->parameters;
+    double ahead[CURVE_PARAMETERS];
+    for (size_t j = 0; j < count; j++)
+        ahead[j] = x[j] + part * step[j];
+    if (!evaluate(p, x) ||
+        !p->curve->evaluate(p->curve->context, ahead, p->t, p->n, p->value, NULL))
+        return false;
+    for (size_t i = 0; i < p->n; i++) {
+        double slope = 0;
+        for (size_t j = 0; j < count; j++)
+            slope += p->derivative[i * count + j] * step[j];
+        p->scratch[i] = 2 / part * (slope - (p->value[i] - p->y[i] + p->residual[i]) / part);
+    }
+    return fold(p, p->model.parameters, p->scratch, t);
+}
+
+/* The linear parameters first; none is, if linear is NULL. */
+static void set_order(struct curve_problem *p, const bool *linear)
+{
+    int others = 0;
+    p->model.linears = 0;
+    for (int j = 0; j < p->curve->parameters; j++)
+        p->model.linears += linear && linear[j];
+    for (int j = 0, solved = 0; j < p->curve->parameters; j++)
+        p->order[linear && linear[j] ? solved++ : p->model.linears + others++] = j;
+}
+
+bool curve_problem_init(struct curve_problem *p, const struct fit_curve *curve, const bool *linear,
+                        const struct series *series, struct arena *arena)
+{
+    const size_t n = series->n;
+    *p = (struct curve_problem){
+        .curve = curve, .t = series->t, .y = series->y, .n = n, .cancel = series->cancel};
+    p->model = (struct least_squares){.parameters = curve->parameters,
+                                      .unit = p->unit,
+                                      .context = p,
+                                      .linearise = linearise,
+                                      .curvature = curvature};
+    set_order(p, linear);
+    p->value = arena_array(arena, n, sizeof(double));
+    p->scratch = arena_array(arena, n, sizeof(double));
+    p->weight = arena_array(arena, n, sizeof(double));
+    p->residual = arena_array(arena, n, sizeof(double));
+    p->derivative = arena_array(arena, n * (size_t)curve->parameters, sizeof(double));
+    if (!p->value || !p->scratch || !p->weight || !p->residual || !p->derivative)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        if (cancelled_at(p->cancel, i))
+            return false;
+        p->weight[i] = 1;
+        p->size = hypot(p->size, series->y[i]);
+    }
+    return true;
+}
+
+double curve_solve_linears(struct curve_problem *p, double *x)
+{
+    struct triangle t = {.n = p->model.linears};
+    double place[CURVE_PARAMETERS];
+    to_model(p, x, place);
+    memset(place, 0, (size_t)t.n * sizeof *place);
+    const double rss = solve_linears(&p->model, place, &t);
+    to_curve(p, place, x);
+    return rss;
+}
+
+/* ---- the minimum ---- */
+
+enum manner { ROUGHLY, EXACTLY, ACCELERATED, RESCALED, MANNERS };
+
+/* From x to the minimum, or to its last digits. Returns false if there is no value at x, or if
+ * cancelled. */
+static bool go_down(struct curve_problem *p, double *x, enum manner manner, int max,
+                    int *iterations)
+{
+    static const double rounding = 32 * 2.2e-16;
+    struct descent d = {.iterations = 0};
+    const struct descent_options options = {.trust = TRUST_ROUGH,
+                                            .rounding = rounding * p->size * rounding * p->size,
+                                            .exact = manner == ROUGHLY ? 0
+                                                     : p->costly       ? LENGTH_COSTLY
+                                                                       : LENGTH_EXACT,
+                                            .accelerated = manner >= ACCELERATED,
+                                            .rescaled = manner == RESCALED || p->model.linears > 0,
+                                            .damping = DAMPING_FIRST,
+                                            .iterations = max,
+                                            .cancel = p->cancel};
+    to_model(p, x, d.x);
+    if (p->model.linears > 0) { /* slopes by the others need the linear ones */
+        struct triangle t = {.n = p->model.linears};
+        if (!isfinite(solve_linears(&p->model, d.x, &t)))
+            return false;
+    }
+    const bool done = least_squares_descend(&p->model, &options, &d);
+    if (done)
+        to_curve(p, d.x, x);
+    *iterations += d.iterations;
+    return done;
+}
+
+/* Robust standard deviation of the residuals [from, to) about `middle`. */
+static double robust_scale(struct curve_problem *p, double middle, size_t from, size_t to)
+{
+    for (size_t i = from; i < to; i++)
+        p->scratch[i] = fabs(p->residual[i] - middle);
+    return MAD_TO_SIGMA * values_quantile(p->scratch + from, to - from, 0.5);
+}
+
+/* Weights of the residuals in robust standard deviations. Returns the largest change; INFINITY:
+ * stopped. */
+static double set_weights(struct curve_problem *p, bool soft)
+{
+    const size_t stretches = p->stretch > 0 && p->n >= 2 * p->stretch ? p->n / p->stretch : 1;
+    memcpy(p->scratch, p->residual, p->n * sizeof *p->scratch);
+    double middle = values_quantile(p->scratch, p->n, 0.5), change = 0;
+    if (cancelled(p->cancel))
+        return INFINITY;
+    p->scale = fmax(robust_scale(p, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
+    for (size_t k = 0; k < stretches && !cancelled(p->cancel); k++) {
+        const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
+        const double local = stretches > 1 ? robust_scale(p, middle, from, to) : 0;
+        const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE);
+        for (size_t i = from; i < to; i++) {
+            double z = p->residual[i] / width;
+            double left = 1 - z * z, weight = soft       ? 1 / sqrt(1 + z * z)
+                                              : left > 0 ? left * left
+                                                         : 0;
+            change = fmax(change, fabs(weight - p->weight[i]));
+            p->weight[i] = weight;
+        }
+    }
+    return cancelled(p->cancel) ? INFINITY : change;
+}
+
+/* Weights and steps by turns, until the weights stay. *settles: they did. */
+static bool find_weights(struct curve_problem *p, double *x, int *iterations, bool *settles)
+{
+    for (int round = 0; round < ROBUST_ROUNDS; round++) {
+        const bool soft = round < SOFT_ROUNDS;
+        if (!evaluate(p, x))
+            return false;
+        const double change = set_weights(p, soft);
+        *settles = !soft && change < WEIGHTS_STAY;
+        if (*settles)
+            return true;
+        if (!isfinite(change) || !go_down(p, x, ROUGHLY, 1, iterations))
+            return false;
+    }
+    return true;
+}
+
+/* By variable projection first, where the curve is linear in some parameters. */
+static bool minimise(struct curve_problem *p, double *x, const struct curve_options *o,
+                     struct curve_fit *fit)
+{
+    const int max = o->iterations > 0 ? o->iterations : ITERATIONS;
+    bool settles = true;
+    int iterations = 0;
+    const size_t bytes = (size_t)p->curve->parameters * sizeof *x;
+    double start[CURVE_PARAMETERS] = {0}, least = INFINITY;
+    if (p->model.linears > 0 && !go_down(p, x, ROUGHLY, max, &iterations))
+        return false;
+    set_order(p, NULL);
+    p->model.low = o->low;
+    p->model.high = o->high;
+    for (int j = 0; j < p->curve->parameters; j++) {
+        x[j] = o->low ? fmax(x[j], o->low[j]) : x[j];
+        x[j] = o->high ? fmin(x[j], o->high[j]) : x[j];
+    }
+    if ((p->rough || p->robust) && !go_down(p, x, ROUGHLY, max, &iterations))
+        return false;
+    if (p->robust && !find_weights(p, x, &iterations, &settles))
+        return false;
+    memcpy(start, x, bytes);
+    for (int manner = EXACTLY; manner < (p->costly ? ACCELERATED : MANNERS) && !p->rough;
+         manner++) {
+        double trial[CURVE_PARAMETERS];
+        memcpy(trial, start, bytes);
+        if (!go_down(p, trial, (enum manner)manner, max, &iterations))
+            return false;
+        fit_judge(p, trial, true, fit);
+        if (manner == EXACTLY || fit->converged || fit->rss < least)
+            memcpy(x, trial, bytes);
+        least = fmin(least, fit->rss);
+        if (fit->converged)
+            break;
+    }
+    if (!fit->converged)
+        fit_judge(p, x, !p->rough, fit);
+    fit->iterations = iterations;
+    fit->converged = fit->converged && settles;
+    return !cancelled(p->cancel);
+}
+
+static bool fail(const struct fit_curve *curve, const double *start, struct error *error)
+{
+    struct buffer where = {0};
+    for (int j = 0; j < curve->parameters; j++) {
+        buffer_format(&where, "%s%s = ", j ? ", " : "", curve->name[j]);
+        buffer_short(&where, start[j], 6);
+    }
+    error_set(error, ERROR_COMMAND, "the formula has no finite value or slope at %s",
+              where.failed ? "the start" : where.data);
+    buffer_free(&where);
+    return error_hint(error, "give other starts");
+}
+
+static void set_units(struct curve_problem *p, const struct curve_options *o, const double *start)
+{
+    const double *low = o->low, *high = o->high;
+    for (int j = 0; j < p->curve->parameters; j++) {
+        double bound = low && isfinite(low[j]) ? low[j] : high && isfinite(high[j]) ? high[j] : 0;
+        p->unit[j] = fmax(fabs(start[j] - bound), 1e-3 * fabs(bound));
+        p->unit[j] = p->unit[j] > 0 ? p->unit[j] : 1;
+    }
+}
+
+/*
+ * Of very many samples the start comes from a fit of every so manieth. False: an error that ends
+ * everything; a part that has no answer leaves the start as it was.
+ */
+static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
+                            const struct curve_options *options, struct error *error)
+{
+    struct arena scratch = {0};
+    struct series part;
+    struct curve_options plain = *options;
+    struct curve_fit fit;
+    struct error local = {0};
+    const bool memory = curve_part(series, &scratch, &part);
+    plain.bootstrap = 0;
+    plain.stretch = options->stretch / (series->n / MANY + 1);
+    const bool ok = memory && curve_fit(curve, &part, x, &plain, &scratch, &fit, &local);
+    for (int j = 0; j < curve->parameters && ok; j++)
+        x[j] = fit.value[j].value;
+    arena_reset(&scratch);
+    if (!ok && local.code != ERROR_COMMAND) {
+        *error = local;
+        return memory || error_memory(error);
+    }
+    return true;
+}
+
+bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
+               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+               struct error *error)
+{
+    static const struct curve_options none;
+    const struct curve_options *o = options ? options : &none;
+    const size_t n = series->n, bytes = (size_t)curve->parameters * sizeof *start;
+    struct arena work = {0};
+    struct curve_problem p;
+    double x[CURVE_PARAMETERS];
+    *fit = (struct curve_fit){.parameters = curve->parameters};
+    if (!enough_samples(series, curve->parameters, error))
+        return false;
+    memcpy(x, start, bytes);
+    if (n > MANY && !improve_by_part(curve, series, x, o, error))
+        return false;
+    fit->residual = arena_array(arena, n, sizeof(double));
+    fit->weight = arena_array(arena, n, sizeof(double));
+    bool ok =
+        fit->residual && fit->weight && curve_problem_init(&p, curve, o->linear, series, &work);
+    if (!ok) {
+        arena_reset(&work);
+        return cancelled(o->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
+                                    : error_memory(error);
+    }
+    p.robust = o->robust;
+    p.rough = o->rough;
+    p.costly = o->costly;
+    p.stretch = o->stretch;
+    p.cancel = o->cancel;
+    set_units(&p, o, start);
+    ok = minimise(&p, x, o, fit);
+    if (ok) {
+        memcpy(fit->residual, p.residual, n * sizeof(double));
+        memcpy(fit->weight, p.weight, n * sizeof(double));
+        fit_conclude(&p, fit);
+        ok =
+            o->bootstrap <= 0 || !fit->converged || fit_bootstrap(&p, series, o, arena, fit, error);
+    } else if (cancelled(o->cancel)) {
+        error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    } else {
+        fail(curve, start, error);
+    }
+    arena_reset(&work);
+    return ok;
+}

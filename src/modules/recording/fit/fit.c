@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Fits that need no guess: damped and plain sine, with what they are worth. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include "modules/recording/fit/least_squares.h"
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Covariance of two linear combinations of the parameters. */
+static double covariance(const struct harmonic *h, const double *a, const double *b)
+{
+    return quadratic_form(HARMONIC_PARAMETERS, HARMONIC_PARAMETERS, a, &h->inverse[0][0], b);
+}
+
+void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncertainty)
+{
+    const double before = sqrt(covariance->at[i][i]),
+                 factor = before > 0 ? uncertainty / before : 0;
+    for (int j = 0; j < covariance->n; j++) {
+        covariance->at[i][j] *= factor;
+        covariance->at[j][i] *= factor;
+    }
+}
+
+/* gradient [SINE_PARAMETERS], each with the deviation of a residual that counts for it. */
+static void cover(const struct harmonic *h, const double *const gradient[],
+                  const double deviation[], struct fit_covariance *out)
+{
+    out->n = SINE_PARAMETERS;
+    for (int i = 0; i < SINE_PARAMETERS; i++)
+        for (int j = 0; j < SINE_PARAMETERS; j++)
+            out->at[i][j] = deviation[i] * deviation[j] * covariance(h, gradient[i], gradient[j]);
+}
+
+/*
+ * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t
+ * from t0, A >= 0, phi in
+ * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the
+ * residuals, widened for what the residuals have in common with each parameter (sway, drift). To
+ * that the caller adds what two halves tell. Not included: other ways in which the model itself may
+ * miss (see the warnings).
+ */
+static void report(const struct samples *x, const double *residual, const struct harmonic *h,
+                   int unknowns, double t0, struct fit *fit)
+{
+    double back = h->origin - t0, square = h->a * h->a + h->b * h->b;
+    double amplitude = sqrt(square) * exp(0.5 * h->gamma * back);
+    double phase = remainder(atan2(-h->b, h->a) - h->omega * back, TWO_PI);
+    struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
+    struct widening widen = residual_widening(x, residual, &o, 2);
+    double sigma = harmonic_sigma(h, unknowns), slow = sigma * sqrt(widen.amplitude),
+           fast = sigma * sqrt(widen.phase);
+    double wander = sigma * sqrt(widen.offset);
+    double of_amplitude[HARMONIC_PARAMETERS] = {
+        h->a / square, h->b / square, [RATE_GAMMA] = 0.5 * back}; /* d ln A */
+    double of_phase[HARMONIC_PARAMETERS] = {h->b / square, -h->a / square, [RATE_OMEGA] = -back};
+    double of_offset[HARMONIC_PARAMETERS] = {[LINEAR_C] = 1, [LINEAR_D] = -back};
+    fit->omega = (struct measured){h->omega, fast * sqrt(h->inverse[RATE_OMEGA][RATE_OMEGA])};
+    fit->period.value = TWO_PI / h->omega;
+    fit->period.uncertainty = fit->period.value * fit->omega.uncertainty / h->omega;
+    fit->gamma = (struct measured){h->gamma, slow * sqrt(h->inverse[RATE_GAMMA][RATE_GAMMA])};
+    fit->amplitude = (struct measured){
+        amplitude, amplitude * slow * sqrt(covariance(h, of_amplitude, of_amplitude))};
+    fit->phase = (struct measured){phase <= -PI ? PI : phase,
+                                   fast * sqrt(covariance(h, of_phase, of_phase))};
+    fit->offset =
+        (struct measured){h->c - h->d * back, wander * sqrt(covariance(h, of_offset, of_offset))};
+    fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
+    static const double by_omega[HARMONIC_PARAMETERS] = {[RATE_OMEGA] = 1},
+                        by_gamma[HARMONIC_PARAMETERS] = {[RATE_GAMMA] = 1};
+    const double *const gradient[] = {of_amplitude, of_phase, by_omega, by_gamma};
+    const double deviation[] = {amplitude * slow, fast, fast, slow};
+    cover(h, gradient, deviation, &fit->covariance);
+}
+
+/* One half of the samples on its own, from the whole's frequency and damping on. NAN where it
+ * determines nothing. */
+static void fit_half(const struct motion *m, size_t from, size_t to, int i, struct fit *fit)
+{
+    struct samples part = samples_part(&m->samples, from, to);
+    struct harmonic h = {
+        .omega = m->harmonic.omega, .gamma = m->harmonic.gamma, .drifts = m->harmonic.drifts};
+    struct fit half;
+    if (part.n < 8) {
+        return;
+    }
+    h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
+    if (harmonic_fit(&part, FREE_GAMMA, &h, m->scratch) && h.converged) {
+        report(&part, m->scratch, &h, FREE_GAMMA, part.t[0], &half);
+        fit->halves[i] = half.gamma;
+        fit->half_periods[i] = half.period;
+    }
+}
+
+/* Halves that differ by more than chance: the one number for the whole is only as good as half
+ * their difference. */
+static void widen_by_halves(const struct measured half[2], struct measured *whole)
+{
+    double difference = fabs(half[0].value - half[1].value),
+           chance = hypot(half[0].uncertainty, half[1].uncertainty);
+    if (difference > HALVES_DIFFER * chance) {
+        whole->uncertainty = fmax(whole->uncertainty, 0.5 * difference);
+    }
+}
+
+enum { LEFT_OUT_SIZE = 120 };
+
+/* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)"
+ */
+static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
+{
+    char flat[64] = "";
+    if (m->clipped > 0)
+        snprintf(flat, sizeof flat, ", %zu of them at flat tops (clipped)", m->clipped);
+    out[0] = 0;
+    if (m->rejected > 0)
+        snprintf(out, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected,
+                 m->samples.n, flat);
+}
+
+/* Names the window that one damped sine describes, where there is one. Returns false. */
+static bool hint_swing(const struct motion *m, const struct series *series, struct error *error)
+{
+    static const double same_period_log = 0.2;
+    struct swing swing;
+    if (find_swing(series, &swing) ||
+        (find_first_swing(series, &swing) &&
+         fabs(log(swing.period / m->overview.period)) < same_period_log))
+        return error_hint(error, "one damped sine follows a part of it: add window=%.9g:%.9g",
+                          swing.window[0], swing.window[1]);
+    return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+}
+
+static bool refuse_laws(const struct motion *m, const struct series *series, struct fit *fit,
+                        struct error *error)
+{
+    char without[LEFT_OUT_SIZE];
+    fit->converged = false;
+    say_left_out(m, without);
+    error_set(error, ERROR_NUMERICAL,
+              "it oscillates, every %.4g s on average, but no law of damping follows it%s",
+              m->overview.period, without);
+    return hint_swing(m, series, error);
+}
+
+/* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force.
+ */
+enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
+
+static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws,
+                         const struct series *series, struct arena *arena,
+                         const struct cancel *cancel, struct fit *fit, struct error *error)
+{
+    const bool drag = laws != LAWS_NONE;
+    struct motion m;
+    *fit = (struct fit){.model = model};
+    fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] =
+        (struct measured){NAN, NAN};
+    if (!motion_require(&m, series, arena, cancel, error)) {
+        return false;
+    }
+    if (unknowns == FREE_OMEGA) {
+        m.harmonic.gamma = 0;
+        m.harmonic.a = m.harmonic.b = m.harmonic.d = 0;
+        m.harmonic.origin = 0.5 * (series->t[0] + series->t[series->n - 1]);
+        m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) &&
+                               m.harmonic.converged && !fit_discards_much(m.rejected, m.samples.n);
+        m.autocorrelation = residual_autocorrelation(&m.samples, m.residual);
+    }
+    if (cancelled(cancel)) {
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    }
+    fit->t0 = fit->window[0] = series->t[0];
+    fit->window[1] = series->t[series->n - 1];
+    fit->rms = sqrt(m.harmonic.rss / (double)m.harmonic.used);
+    fit->used = m.harmonic.used;
+    fit->rejected = m.rejected;
+    fit->converged = m.harmonic.converged;
+    fit->iterations = m.harmonic.iterations;
+    fit->autocorrelation = m.autocorrelation;
+    report(&m.samples, m.residual, &m.harmonic, (int)unknowns, fit->t0, fit);
+    if (m.tracked && !fit->converged && !drag) {
+        char without[LEFT_OUT_SIZE];
+        say_left_out(&m, without);
+        error_set(error, ERROR_NUMERICAL,
+                  "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
+                  m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
+        struct mode_pair pair;
+        if (two_lines(&m.samples, &pair))
+            return error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
+                              pair.period[0], pair.period[1]);
+        return hint_swing(&m, series, error);
+    }
+    const bool determined =
+        isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
+    if ((!fit->converged || !determined) && !drag) {
+        fit->converged = false;
+        error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations",
+                  fit->model, fit->iterations);
+        return hint_swing(&m, series, error);
+    }
+    double sway = NAN;
+    if (unknowns == FREE_GAMMA) {
+        /* what rests has no half to compare */
+        const size_t moves = samples_quiet(&m.samples, TWO_PI / m.harmonic.omega);
+        size_t middle = samples_index(&m.samples, 0.5 * (fit->window[0] + series->t[moves - 1]));
+        fit_half(&m, 0, middle, 0, fit);
+        fit_half(&m, middle, moves, 1, fit);
+        widen_by_halves(fit->halves, &fit->gamma);
+        widen_by_halves(fit->half_periods, &fit->period);
+        fit->omega.uncertainty = fit->omega.value * fit->period.uncertainty / fit->period.value;
+        fit_covariance_widen(&fit->covariance, SINE_OMEGA, fit->omega.uncertainty);
+        fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);
+        const double rate = fmax(m.harmonic.gamma, 0);
+        struct envelope_rates rates[3] = {{rate, 0}, {0, 0.5 * rate}, {0.5 * rate, 0.25 * rate}};
+        if (!envelope_laws(&m, &sway, rates)) {
+            return error_memory(error);
+        }
+        if (drag && !drag_laws(&m, series->quantity, laws == LAWS_ALL, rates, arena, fit, error)) {
+            return false;
+        }
+        if (drag && fit_discards_much(m.rejected, m.samples.n))
+            return refuse_laws(&m, series, fit, error);
+    }
+    if (m.samples.pace > 0) {
+        fit->period = measured_at_pace(fit->period, m.samples.pace);
+        fit->omega = measured_at_pace(fit->omega, m.samples.pace);
+        fit->gamma = measured_at_pace(fit->gamma, m.samples.pace);
+        fit_covariance_widen(&fit->covariance, SINE_OMEGA, fit->omega.uncertainty);
+        if (unknowns == FREE_GAMMA)
+            fit_covariance_widen(&fit->covariance, SINE_GAMMA, fit->gamma.uncertainty);
+    }
+    fit_diagnose(&m, sway, fit);
+    return true;
+}
+
+static bool fit_damped(const struct series *series, struct arena *arena,
+                       const struct cancel *cancel, struct fit *fit, struct error *error)
+{
+    return fit_harmonic("damped", FREE_GAMMA, LAWS_NONE, series, arena, cancel, fit, error);
+}
+
+static bool fit_sine(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                     struct fit *fit, struct error *error)
+{
+    return fit_harmonic("sine", FREE_OMEGA, LAWS_NONE, series, arena, cancel, fit, error);
+}
+
+static bool fit_drag(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                     struct fit *fit, struct error *error)
+{
+    return fit_harmonic("drag", FREE_GAMMA, LAWS_OF_DAMPING, series, arena, cancel, fit, error);
+}
+
+static bool fit_law(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                    struct fit *fit, struct error *error)
+{
+    return fit_harmonic("law", FREE_GAMMA, LAWS_ALL, series, arena, cancel, fit, error);
+}
+
+static const struct fit_model models[] = {
+    {.row = {.name = "damped",
+             .unit = "",
+             .brief = "y = c + A exp(-gamma t/2) cos(omega t + phi), no guess needed",
+             .citation = "Golub & Pereyra 2003 (variable projection)"},
+     .fit = fit_damped},
+    {.row = {.name = "sine",
+             .unit = "",
+             .brief = "y = c + A cos(omega t + phi), no guess needed",
+             .citation = "Golub & Pereyra 2003 (variable projection)"},
+     .fit = fit_sine},
+    {.row =
+         {.name = "drag",
+          .unit = "",
+          .brief =
+              "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
+          .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
+     .fit = fit_drag},
+    {.row = {.name = "law",
+             .unit = "",
+             .brief =
+                 "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
+             .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
+     .fit = fit_law},
+    {.row = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
+     .by = FIT_SCENE},
+    {.row = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
+     .by = FIT_MODES},
+};
+
+const struct catalog fit_catalog = CATALOG("model", models);
+
+const struct fit_model *fit_model_by_name(struct text name)
+{
+    return (const struct fit_model *)(const void *)catalog_find(&fit_catalog, name);
+}
+
+const struct fit_model *fit_model_at(size_t i)
+{
+    return (const struct fit_model *)(const void *)catalog_row(&fit_catalog, i);
+}
+
+const struct fit_model *fit_model_from(const struct row *row)
+{
+    return (const struct fit_model *)(const void *)row;
+}
+
+void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
+{
+    const double gamma = fit->gamma.value, omega = fit->omega.value;
+    if (fit->drag.candidates > 0) {
+        if (!equation_solve(&fit->drag.motion, t, n, value, NULL))
+            for (size_t i = 0; i < n; i++)
+                value[i] = NAN;
+    } else {
+        for (size_t i = 0; i < n; i++) {
+            const double s = t[i] - fit->t0, decay = isfinite(gamma) ? exp(-0.5 * gamma * s) : 1;
+            value[i] = fit->offset.value +
+                       fit->amplitude.value * decay * cos(omega * s + fit->phase.value);
+        }
+    }
+    for (size_t i = 0; i < n; i++)
+        value[i] += fit->drift.value * (t[i] - fit->t0);
+}
+
+struct measured fit_stiffness(const struct fit *fit, struct measured mass)
+{
+    double w = fit->omega.value, g = fit->gamma.value, square = w * w + 0.25 * g * g,
+           m = mass.value;
+    double by_mass = isfinite(mass.uncertainty) ? square * mass.uncertainty : 0;
+    double by_omega = 2 * m * w * fit->omega.uncertainty,
+           by_gamma = 0.5 * m * g * fit->gamma.uncertainty;
+    return (struct measured){m * square,
+                             sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma)};
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Fitting a formula, with starts that are looked for: what it is linear in is projected out, the
+ * rest is tried on the scales of the series; the best trials are refined.
+ */
+#include <hooke/base/cancel.h>
+#include "modules/recording/fit/formula.h"
+#include "modules/recording/fit/curve_problem.h"
+
+#include <string.h>
+
+enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
+
+struct formula_search {
+    struct formula formula; /* with its columns thinned like the series */
+    struct series thin;
+    struct fit_curve curve;
+    struct curve_problem problem;            /* of these */
+    int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
+    double scale[SCALES_MAX];
+    int scales;
+    uint64_t state;
+};
+
+struct formula_trial {
+    double x[CURVE_PARAMETERS], rss;
+};
+
+static double uniform(struct formula_search *s)
+{
+    return random_fraction(&s->state);
+}
+
+/* Every so many samples one, at an uneven place, so that no frequency hides between them. */
+static bool thin_out(struct formula_search *s, const struct series *series, struct arena *arena)
+{
+    size_t n = series->n < THIN ? series->n : THIN, columns = (size_t)s->formula.columns;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    double *values = arena_array(arena, n * (columns + 1), sizeof *values);
+    struct formula_column *column = arena_array(arena, columns + 1, sizeof *column);
+    if (!t || !y || !values || !column)
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        size_t from = series->n * i / n, to = series->n * (i + 1) / n;
+        size_t at = from + (size_t)(uniform(s) * (double)(to - from));
+        t[i] = series->t[at];
+        y[i] = series->y[at];
+        for (size_t k = 0; k < columns; k++)
+            values[k * n + i] = s->formula.column[k].value ? s->formula.column[k].value[at] : t[i];
+    }
+    for (size_t k = 0; k < columns; k++)
+        column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
+    s->formula.column = column;
+    s->thin = (struct series){
+        .t = t, .y = y, .n = n, .quantity = series->quantity, .cancel = series->cancel};
+    s->curve =
+        (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
+    return curve_problem_init(&s->problem, &s->curve, s->formula.linear, &s->thin, arena);
+}
+
+/* Sizes that parameters of curves through these samples tend to have. */
+static void find_scales(struct formula_search *s, const struct series *series, struct arena *arena)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
+    for (size_t i = 0; i < series->n; i++) {
+        low = fmin(low, series->y[i]);
+        high = fmax(high, series->y[i]);
+        first = fmin(first, series->t[i]);
+        last = fmax(last, series->t[i]);
+    }
+    double span = last - first, omega = series->n >= 8 ? series_peak_frequency(series, arena) : NAN;
+    const double sizes[] = {1,
+                            2,
+                            0.5,
+                            omega,
+                            omega / TWO_PI,
+                            TWO_PI / omega,
+                            0.1 / span,
+                            1 / span,
+                            3 / span,
+                            10 / span,
+                            30 / span,
+                            100 / span,
+                            0.1 * span,
+                            0.3 * span,
+                            span,
+                            3 * span,
+                            first,
+                            last,
+                            high,
+                            high - low,
+                            low,
+                            0.5 * (first + last)};
+    for (size_t i = 0; i < COUNT_OF(sizes); i++)
+        if (isfinite(sizes[i]) && sizes[i] != 0)
+            s->scale[s->scales++] = sizes[i];
+}
+
+/* A value to try: a scale of the series or any size, of either sign. */
+static double pick(struct formula_search *s)
+{
+    const double size =
+        uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
+    return uniform(s) < 0.3 ? -size : size;
+}
+
+/* The best trials, the best first. Returns how many there are. */
+static int try_scales(struct formula_search *s, const struct cancel *cancel, const double *started,
+                      struct formula_trial *best)
+{
+    int candidates = 0, trials = s->unknowns > 0 ? TRIALS : 1;
+    for (int k = 0; k < trials && !cancelled(cancel); k++) {
+        struct formula_trial trial;
+        memcpy(trial.x, started, sizeof trial.x);
+        for (int i = 0; i < s->unknowns; i++)
+            trial.x[s->unknown[i]] = pick(s);
+        trial.rss = curve_solve_linears(&s->problem, trial.x);
+        if (!isfinite(trial.rss))
+            continue;
+        int at = candidates;
+        while (at > 0 && best[at - 1].rss > trial.rss)
+            at--;
+        bool twin = at > 0 && best[at - 1].rss >= trial.rss * (1 - 1e-9);
+        if (at == REFINED || twin)
+            continue;
+        candidates = candidates < REFINED ? candidates + 1 : candidates;
+        memmove(best + at + 1, best + at, (size_t)(candidates - at - 1) * sizeof *best);
+        best[at] = trial;
+    }
+    return candidates;
+}
+
+/* A converged answer before one that is not, then the smaller sum of squares. */
+static bool better(const struct curve_fit *a, const struct curve_fit *b)
+{
+    return a->converged != b->converged ? a->converged : a->rss < b->rss;
+}
+
+struct refining {
+    const struct formula *formula;
+    const struct series *series;
+    const struct curve_options *options;
+    struct arena *arena;
+    struct curve_fit *fit;
+    bool found;          /* fit holds an answer */
+    struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
+};
+
+/* What came out, in the memory of the answer. False: no memory. */
+static bool keep(struct refining *r, const struct curve_fit *trial)
+{
+    const size_t n = r->series->n;
+    double *residual = r->found ? r->fit->residual : arena_array(r->arena, n, sizeof *residual);
+    double *weight = r->found ? r->fit->weight : arena_array(r->arena, n, sizeof *weight);
+    if (!residual || !weight)
+        return error_memory(r->error);
+    memcpy(residual, trial->residual, n * sizeof *residual);
+    memcpy(weight, trial->weight, n * sizeof *weight);
+    *r->fit = *trial;
+    r->fit->residual = residual;
+    r->fit->weight = weight;
+    r->found = true;
+    return true;
+}
+
+/* A fit from x, where the linear parameters do not matter if projected; kept if it is better than
+ * what there is. Returns false if everything ends. */
+static bool refine(struct refining *r, const double *x, bool projected)
+{
+    struct arena own = {0};
+    struct formula whole = *r->formula;
+    struct fit_curve curve = {whole.parameters, whole.name, &whole, formula_evaluate};
+    struct curve_options options = *r->options;
+    struct curve_fit trial;
+    struct error local = {0};
+    options.linear = projected ? whole.linear : NULL;
+    bool goes_on = curve_fit(&curve, r->series, x, &options, &own, &trial, &local);
+    if (goes_on) {
+        goes_on = (r->found && !better(&trial, r->fit)) || keep(r, &trial);
+    } else {
+        *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
+        goes_on = local.code == ERROR_COMMAND;
+    }
+    arena_reset(&own);
+    return goes_on;
+}
+
+static bool fit_ready(const struct formula *formula, const struct series *series,
+                      const struct curve_options *options, struct arena *arena,
+                      struct curve_fit *fit, struct error *error)
+{
+    static const struct curve_options none;
+    struct curve_options o = options ? *options : none;
+    struct formula_search s = {.formula = *formula, .state = 20180920};
+    struct refining r = {formula, series, &o, arena, fit, false, error};
+    struct formula_trial best[REFINED + 1];
+    double answer[CURVE_PARAMETERS];
+    bool all = true;
+    o.bootstrap = 0;
+    for (int j = 0; j < formula->parameters; j++) {
+        all = all && formula->started[j];
+        if (!formula->linear[j] && !formula->started[j])
+            s.unknown[s.unknowns++] = j;
+    }
+    /* The start that was asked for comes first: the minimum it leads to is what was asked for. */
+    if (all && !refine(&r, formula->start, false))
+        return false;
+    if (!(r.found && fit->converged)) {
+        if (!thin_out(&s, series, arena))
+            return error_memory(error);
+        find_scales(&s, series, arena);
+        int candidates = try_scales(&s, o.cancel, formula->start, best);
+        for (int k = 0; k < candidates; k++)
+            if (!refine(&r, best[k].x, true) || !refine(&r, best[k].x, false))
+                return false;
+    }
+    if (cancelled(o.cancel))
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    if (!r.found && error->code == ERROR_NONE)
+        error_set(error, ERROR_COMMAND,
+                  "no start was found from which the formula has finite values everywhere");
+    if (!r.found)
+        return error_hint(error, "give starts: fit 'a*exp(-b*t)' a=5 b=0.1");
+    *error = (struct error){0};
+    if (!options || options->bootstrap <= 0 || !fit->converged)
+        return true;
+    for (int j = 0; j < formula->parameters; j++)
+        answer[j] = fit->value[j].value;
+    o.bootstrap = options->bootstrap;
+    r.found = false;
+    return refine(&r, answer, false);
+}
+
+bool formula_fit(const struct formula *formula, const struct series *series,
+                 const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+                 struct error *error)
+{
+    struct formula ready = *formula;
+    ready.cancel = series->cancel;
+    if (!enough_samples(series, formula->parameters, error) || !formula_ready(&ready, arena, error))
+        return false;
+    const bool fitted = fit_ready(&ready, series, options, arena, fit, error);
+    formula_done(&ready);
+    return fitted;
+}

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rejection of missed echoes and of clipped samples around a least-squares fit. Nothing is dropped
+ * without being counted. */
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define REJECT_AT 5.0 /* robust standard deviations */
+#define EXACT 1e-7    /* of the amplitude: deviations below are the model's, not the instrument's */
+
+/* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b,
+ * c and rejects nothing. */
+static void fit_segment(struct motion *m, struct swing_segment *s)
+{
+    struct samples part = samples_part(&m->samples, s->from, s->to);
+    struct harmonic h = {
+        .a = s->a, .b = s->b, .c = s->c, .omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
+    h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
+    s->settled = true;
+    if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->from)) {
+        /* too few good samples to judge the others */
+        memset(m->residual + s->from, 0, part.n * sizeof(double));
+        return;
+    }
+    s->a = h.a;
+    s->b = h.b;
+    s->c = h.c;
+    /* What the model misses is in proportion to the amplitude: the scale is that of the middle. */
+    double square = 0,
+           growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
+    double weight = exp(0.5 * h.gamma * (part.t[0] - h.origin));
+    for (size_t i = 0; i < part.n; i++, weight *= growth) {
+        double r = m->residual[s->from + i], model = part.y[i] - r - h.c;
+        square += model * model;
+        m->scratch[i] = fabs(r) * weight;
+    }
+    s->scale = MAD_TO_SIGMA * values_quantile(m->scratch, part.n, 0.5);
+    s->rms = sqrt(square / (double)part.n);
+}
+
+/* Returns how many samples changed sides. */
+static size_t update_mask(struct motion *m, double typical)
+{
+    size_t changed = 0;
+    double exact = EXACT * hypot(m->harmonic.a, m->harmonic.b);
+    m->rejected = 0;
+    for (size_t k = 0; k < m->segments; k++) {
+        struct swing_segment *s = &m->segment[k];
+        double duration = m->samples.t[s->to - 1] - m->samples.t[s->from];
+        double fall = exp(-0.5 * m->harmonic.gamma * duration / (double)(s->to - s->from));
+        double local = s->scale * exp(0.25 * m->harmonic.gamma * duration);
+        for (size_t i = s->from; i < s->to; i++, local *= fall) {
+            bool use = fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact;
+            if (use != (m->samples.use[i] != 0)) {
+                m->samples.use[i] = use;
+                s->settled = false;
+                changed++;
+            }
+            m->rejected += !use;
+        }
+    }
+    return changed;
+}
+
+bool reject_outliers(struct motion *m, struct arena *arena)
+{
+    enum { ROUNDS = 30, LEAST = 24 };
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           max = (double)(m->samples.n / LEAST);
+    m->segments = (size_t)fmax(1, fmin(max, floor(0.25 * m->harmonic.omega * span / PI)));
+    m->segment = arena_array(arena, m->segments, sizeof *m->segment);
+    if (!m->segment) {
+        return false;
+    }
+    for (size_t k = 0; k < m->segments; k++) {
+        m->segment[k].from = m->samples.n * k / m->segments;
+        m->segment[k].to = m->samples.n * (k + 1) / m->segments;
+    }
+    double typical = 0, rounding = m->quantum / sqrt(12.0);
+    for (int round = 0; round < ROUNDS; round++) {
+        for (size_t k = 0; k < m->segments; k++) {
+            if (!m->segment[k].settled) {
+                fit_segment(m, &m->segment[k]);
+            }
+        }
+        for (size_t k = 0; k < m->segments; k++) {
+            m->scratch[k] = m->segment[k].scale;
+        }
+        typical = fmax(values_quantile(m->scratch, m->segments, 0.5), rounding);
+        /* Wild echoes raise the noise between neighbours, what the model misses raises the scale.
+         */
+        if (update_mask(m, typical) == 0) {
+            break;
+        }
+    }
+    m->overview.noise = fmax(fmin(m->overview.noise, typical), rounding);
+    return true;
+}

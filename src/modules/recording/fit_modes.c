@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fit modes: several damped sines, as lines and as keys of the record. */
+#include "modules/recording/fit_text.h"
+#include <hooke/base/unit.h>
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#define MODES_USUAL 2
+
+/* What is told of a mode: for people, in records, and as results that expressions can use. */
+static const struct mode_value {
+    const char *lead, *key, *result;
+    size_t at;
+    enum quantity quantity; /* QUANTITY_OTHER: that of the series */
+} of_mode[] = {
+    {": f = ", "frequency", "fit_f", offsetof(struct normal_mode, frequency), QUANTITY_FREQUENCY},
+    {"\n    gamma = ", "gamma", "fit_gamma", offsetof(struct normal_mode, gamma), QUANTITY_RATE},
+    {"   A = ", "amplitude", "fit_amplitude", offsetof(struct normal_mode, amplitude),
+     QUANTITY_OTHER},
+    {"   phase = ", "phase", "fit_phase", offsetof(struct normal_mode, phase), QUANTITY_ANGLE},
+};
+
+static struct measured value_of(const struct normal_mode *mode, const struct mode_value *value)
+{
+    return *(const struct measured *)(const void *)((const char *)mode + value->at);
+}
+
+static enum quantity quantity_of(const struct mode_value *value, enum quantity series)
+{
+    return value->quantity == QUANTITY_OTHER ? series : value->quantity;
+}
+
+static void put(struct buffer *text, const char *name, struct measured value,
+                enum quantity quantity)
+{
+    buffer_put(text, text_of(name));
+    buffer_measured(text, value, quantity, 6);
+}
+
+static struct measured inverse(struct measured f)
+{
+    return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
+}
+
+static void put_coupling(const struct fit_summary *summary, struct buffer *text)
+{
+    const struct modes_fit *modes = summary->modes;
+    put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
+    put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
+    put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling, QUANTITY_NUMBER);
+    if (isfinite(summary->k.value))
+        put(text, "   kc = ", summary->k, QUANTITY_STIFFNESS);
+    buffer_put(
+        text,
+        TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
+}
+
+void put_modes(const struct fit_summary *summary, struct buffer *text)
+{
+    const struct modes_fit *modes = summary->modes;
+    const enum quantity quantity = summary->subject->series.quantity;
+    for (int k = 0; k < modes->modes; k++) {
+        const struct normal_mode *mode = &modes->mode[k];
+        buffer_format(text, "\n  mode %d", k + 1);
+        for (const struct mode_value *v = of_mode; v < of_mode + COUNT_OF(of_mode); v++) {
+            put(text, v->lead, value_of(mode, v), quantity_of(v, quantity));
+            if (v == of_mode)
+                put(text, "   T = ", inverse(mode->frequency), QUANTITY_TIME);
+        }
+    }
+    if (modes->modes == 2)
+        put_coupling(summary, text);
+    buffer_put(text, TEXT("\n  rms "));
+    buffer_quantity(text, modes->fit.rms, quantity, 3);
+    put(text, "   offset ", modes->fit.offset, quantity);
+    buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
+}
+
+void reply_modes(const struct fit_summary *summary, struct reply *reply)
+{
+    const struct modes_fit *modes = summary->modes;
+    const enum quantity quantity = summary->subject->series.quantity;
+    reply_array(reply, "modes");
+    for (int k = 0; k < modes->modes; k++) {
+        reply_object(reply, NULL);
+        for (const struct mode_value *v = of_mode; v < of_mode + COUNT_OF(of_mode); v++)
+            reply_measured(reply, v->key, value_of(&modes->mode[k], v), quantity_of(v, quantity));
+        reply_close(reply);
+    }
+    reply_close(reply);
+    if (modes->modes == 2) {
+        reply_measured(reply, "splitting", modes->splitting, QUANTITY_FREQUENCY);
+        reply_measured(reply, "coupling", modes->coupling, QUANTITY_NUMBER);
+    } else {
+        reply_null(reply, "splitting");
+        reply_null(reply, "coupling");
+    }
+    if (isfinite(summary->k.value))
+        reply_measured(reply, "kc", summary->k, QUANTITY_STIFFNESS);
+    else
+        reply_null(reply, "kc");
+}
+
+/* fit_frequency1, fit_gamma1 … and the like: results that expressions can use. */
+static void keep_results(struct session *session, const struct modes_fit *modes,
+                         enum quantity quantity)
+{
+    for (int k = 0; k < modes->modes; k++)
+        for (const struct mode_value *v = of_mode; v < of_mode + COUNT_OF(of_mode); v++) {
+            char name[LIMIT_NAME + 1];
+            snprintf(name, sizeof name, "%s%d", v->result, k + 1);
+            session_set_result(session, name, value_of(&modes->mode[k], v),
+                               quantity_of(v, quantity));
+        }
+    if (modes->modes == 2) {
+        session_set_result(session, "fit_splitting", modes->splitting, QUANTITY_FREQUENCY);
+        session_set_result(session, "fit_coupling", modes->coupling, QUANTITY_NUMBER);
+    }
+    session_set_result(session, "fit_offset", modes->fit.offset, quantity);
+    session_set_result(session, "fit_rms", (struct measured){modes->fit.rms, 0}, quantity);
+}
+
+static int modes_of(const struct arguments *args, struct error *error)
+{
+    const struct argument_value *count = argument_value(args, "COUNT");
+    const double modes = count->count ? count->item->value.value : MODES_USUAL;
+    if (modes >= 1 && modes <= MODES_MAX)
+        return (int)modes;
+    error_at(error, count->where, "fit modes takes 1 to %d of them", MODES_MAX);
+    return 0;
+}
+
+/* kc, where the mass of one oscillator is known. */
+static struct measured coupling_spring(const struct modes_fit *modes, const struct measured *mass)
+{
+    if (!mass || modes->modes != 2)
+        return (struct measured){NAN, NAN};
+    const double kc = mass->value * modes->stiffness.value;
+    return (struct measured){kc, hypot(mass->value * modes->stiffness.uncertainty,
+                                       mass->uncertainty * modes->stiffness.value)};
+}
+
+bool fit_the_modes(const struct fit_request *call, const struct measured *mass, struct error *error)
+{
+    struct modes_fit modes;
+    struct session *session = call->session;
+    struct arena *arena = call->args->arena;
+    const struct series *series = &call->subject->series;
+    const int count = modes_of(call->args, error);
+    if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
+        return false;
+    struct fit_summary summary = {.subject = call->subject,
+                                  .model = "modes",
+                                  .motion = &modes.fit,
+                                  .modes = &modes,
+                                  .k = coupling_spring(&modes, mass)};
+    if (modes.fit.converged) {
+        if (!session_add_curve(call, modes.residual, &modes.fit, error))
+            return false;
+        fits_made(session)->fit_modes = modes.modes;
+        keep_results(session, &modes, series->quantity);
+    }
+    for (int i = 0; i < modes.fit.warnings; i++)
+        fit_add_warning(&summary, "%s", modes.fit.warning[i]);
+    fit_add_window(&summary, WINDOW_LAW_SINE, arena);
+    reply_fit(&summary, arena, call->reply);
+    if (modes.fit.converged)
+        return true;
+    error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations",
+              modes.fit.iterations);
+    return error_hint(error, "choose a window where the motion is regular, or fit fewer modes");
+}

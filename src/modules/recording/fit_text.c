@@ -1,0 +1,337 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A fit as lines and as a record. */
+#include "modules/recording/fit_text.h"
+#include <hooke/base/numeric.h>
+#include <hooke/base/unit.h>
+#include <hooke/command/handler.h>
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#define STRONG 0.95    /* correlation of two parameters from which it is named */
+#define SAME 0.999999  /* from which the data cannot tell them apart */
+#define CORRELATED 0.3 /* of neighbouring residuals */
+/* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+#define EXACT_DIGITS 12
+
+void fit_add_warning(struct fit_summary *summary, const char *format, ...)
+{
+    if (summary->warnings == FIT_WARNINGS)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(summary->warning[summary->warnings++], sizeof summary->warning[0], format, arguments);
+    va_end(arguments);
+}
+
+void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena)
+{
+    struct window_advice advice;
+    if (summary->motion &&
+        series_ends_as_inside(&summary->subject->series, TWO_PI / summary->motion->omega.value))
+        return;
+    advise_window(summary->subject, law, NAN, arena, &advice);
+    if (advice.text[0])
+        fit_add_warning(summary, "%s", advice.text);
+}
+
+void fit_add_residuals(struct fit_summary *summary)
+{
+    const struct curve_fit *curve = summary->curve;
+    if (curve->autocorrelation > CORRELATED)
+        fit_add_warning(summary,
+                        "neighbouring residuals are alike (correlation %.2f): the curve leaves "
+                        "something out, or the "
+                        "recording sways; the uncertainties are widened for it",
+                        curve->autocorrelation);
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(curve->correlation[i][j]) > SAME)
+                fit_add_warning(
+                    summary,
+                    "%s and %s change the curve alike: the data cannot tell them apart, hold one",
+                    summary->name[j], summary->name[i]);
+    for (int j = 0; j < curve->parameters; j++)
+        if (curve->bound[j])
+            fit_add_warning(summary,
+                            "%s lies on the edge of what is allowed: it has no uncertainty",
+                            summary->name[j]);
+}
+
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
+               bool measured)
+{
+    buffer_format(text, "%s = ", name);
+    if (isfinite(value.value))
+        buffer_measured(text, value, quantity,
+                        measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
+    else
+        buffer_put(text, TEXT("unknown"));
+}
+
+void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
+                    enum quantity quantity, bool measured)
+{
+    double least;
+    const struct measured value = measured_reciprocal(top, rate, &least);
+    if (isfinite(least)) {
+        buffer_format(text, "%s > ", name);
+        buffer_quantity(text, least, quantity, 2);
+    } else if (isfinite(value.value)) {
+        put_value(text, name, value, quantity, measured);
+    }
+}
+
+void put_pace(const struct series *series, struct buffer *text)
+{
+    static const double pace_negligible = 1e-5; /* relative */
+    if (series->pace > pace_negligible)
+        buffer_format(text, "\n  (with the sampling rate, which the times give to %.2g %%)",
+                      100 * series->pace);
+}
+
+static void put_head(const struct fit_summary *summary, struct buffer *text)
+{
+    const struct series *series = &summary->subject->series;
+    const size_t used = summary->motion ? summary->motion->used : summary->curve->used;
+    const size_t rejected = summary->motion ? summary->motion->rejected : summary->curve->rejected;
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected",
+                  summary->model, summary->subject->name, series->t[0], series->t[series->n - 1],
+                  used, rejected);
+}
+
+/* ---- an oscillation ---- */
+
+/* A rate with its uncertainty in brackets, in its last two digits: its unit stands in the heading,
+ * so that a row of three fits on 80 columns. */
+static void cell_rate(struct text_table *table, struct measured value)
+{
+    const double u = value.uncertainty;
+    const int decimals = u > 0 && u < 10 ? 1 - (int)floor(log10(u)) : 0;
+    struct buffer cell = {0};
+    if (!isfinite(value.value) || (value.value == 0 && !(u > 0)))
+        buffer_char(&cell, '-');
+    else if (!(u > 0) || decimals > 9)
+        buffer_format(&cell, "%.4g", value.value);
+    else
+        buffer_format(&cell, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
+    cell_take(table, &cell);
+}
+
+/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
+ * metre. */
+const char *fit_rate_unit(const struct fit_summary *summary, int k)
+{
+    const enum quantity quantity = summary->subject->series.quantity;
+    const bool metres = quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY ||
+                        quantity == QUANTITY_ACCELERATION;
+    return metres ? drag_rates[k].unit : drag_rates[k].bare;
+}
+
+/* Which force pulls back, where that was asked. */
+static void put_forces(const struct fit_summary *summary, struct buffer *text)
+{
+    const struct drag_fit *drag = &summary->motion->drag;
+    if (drag->forces == 0)
+        return;
+    const bool decided = drag->forces_remaining == 1u << drag->force;
+    buffer_format(text, "\n  restoring force: %s%s",
+                  decided ? "" : "not distinguishable: ", restoring_name(drag->force));
+    for (int i = 0; i < drag->forces && !decided; i++)
+        if (i != (int)drag->force && drag->forces_remaining >> i & 1)
+            buffer_format(text, " or %s", restoring_name((enum restoring_force)i));
+    buffer_put(text, TEXT(" (BIC"));
+    for (int i = 0; i < drag->forces; i++)
+        if (drag->restoring[i].converged)
+            buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i),
+                          drag->restoring[i].bic);
+    buffer_put(text, TEXT(")"));
+    if (drag->force == RESTORING_CUBIC) {
+        put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, summary->subject->recording);
+        buffer_put(text, TEXT(" (SI)"));
+    }
+    if (drag->force != RESTORING_LINEAR)
+        buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
+}
+
+static void law_cells(const struct drag_candidate *c, struct text_table *table)
+{
+    struct buffer bic = {0};
+    cell_text(table, drag_law_name(c->law));
+    for (int k = 0; k < DRAG_RATES; k++)
+        cell_rate(table, c->rate[k]);
+    if (c->converged && isfinite(c->bic))
+        buffer_format(&bic, "%.1f", c->bic);
+    else
+        buffer_put(&bic, c->converged ? TEXT("-") : TEXT("no fit"));
+    cell_take(table, &bic);
+}
+
+/* Sets rank [candidates] to their places by BIC, the preferred one first. */
+static void rank_laws(const struct fit *fit, int *rank)
+{
+    const struct drag_fit *drag = &fit->drag;
+    for (int i = 0; i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        int at = i;
+        for (; at > 0; at--) {
+            const struct drag_candidate *before = &drag->candidate[rank[at - 1]];
+            const bool first =
+                c->law == fit->preferred || (before->law != fit->preferred && c->bic < before->bic);
+            if (!first)
+                break;
+            rank[at] = rank[at - 1];
+        }
+        rank[at] = i;
+    }
+}
+
+static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
+{
+    static const char *const names[DRAG_RATES] = {"gamma", "b", "f"};
+    const struct drag_fit *drag = &summary->motion->drag;
+    struct text_table table = {.arena = arena, .columns = 2 + DRAG_RATES, .gap = 2, .indent = 2};
+    int rank[COUNT_OF(drag->candidate)];
+    cell_text(&table, "law");
+    for (int k = 0; k < DRAG_RATES; k++) {
+        struct buffer head = {0};
+        buffer_format(&head, "%s [%s]", names[k], fit_rate_unit(summary, k));
+        cell_take(&table, &head);
+    }
+    cell_text(&table, "BIC");
+    rank_laws(summary->motion, rank);
+    for (int i = 0; i < drag->candidates; i++)
+        law_cells(&drag->candidate[rank[i]], &table);
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+    buffer_format(text, "\n  %s", drag->said);
+    put_forces(summary, text);
+}
+
+static void put_motion(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
+{
+    const struct fit *fit = summary->motion;
+    const enum quantity quantity = summary->subject->series.quantity;
+    put_value(text, "\n  T", fit->period, QUANTITY_TIME, summary->subject->recording);
+    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY,
+              summary->subject->recording);
+    if (isfinite(fit->gamma.value)) {
+        put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
+        buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2))\n  "));
+        if (fit->gamma.value + fit->gamma.uncertainty > 0) {
+            put_reciprocal(text, "tau", 2, fit->gamma, QUANTITY_TIME, summary->subject->recording);
+            put_reciprocal(text, "   Q", fit->omega.value, fit->gamma, QUANTITY_NUMBER,
+                           summary->subject->recording);
+        } else {
+            const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
+            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term")
+                                    : TEXT("no decay"));
+        }
+    }
+    put_value(text, "\n  A", fit->amplitude, quantity, summary->subject->recording);
+    put_value(text, "   offset", fit->offset, quantity, summary->subject->recording);
+    put_value(text, "\n  phase", fit->phase, QUANTITY_ANGLE, summary->subject->recording);
+    buffer_format(text, " at t = %.6g s", fit->t0);
+    if (isfinite(summary->k.value))
+        put_value(text, "\n  k", summary->k, QUANTITY_STIFFNESS, summary->subject->recording);
+    buffer_put(text, isfinite(summary->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
+    buffer_quantity(text, fit->rms, quantity, 3);
+    if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
+        put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE,
+                  summary->subject->recording);
+        buffer_put(text, TEXT(" and "));
+        buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
+    }
+    if (fit->drag.candidates > 0)
+        put_laws(summary, arena, text);
+    put_pace(&summary->subject->series, text);
+    inputs_put(&summary->inputs, text);
+    if (!isfinite(summary->k.value) && summary->spring)
+        buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
+}
+
+/* ---- a curve ---- */
+
+static void put_parameters(const struct fit_summary *summary, struct arena *arena,
+                           struct buffer *text)
+{
+    const struct curve_fit *curve = summary->curve;
+    struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};
+    static const char *const heads[] = {"parameter", "value", "95 % interval"};
+    for (size_t i = 0; i < COUNT_OF(heads); i++)
+        cell_text(&table, heads[i]);
+    for (int j = 0; j < curve->parameters; j++) {
+        const double *range = curve->interval[j], half = 0.5 * (range[1] - range[0]);
+        /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
+        const double size = fmax(fabs(range[0]), fabs(range[1]));
+        const int digits = summary->subject->recording && half > 0 && size > half
+                               ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15)
+                               : 6;
+        struct buffer value = {0}, interval = {0};
+        buffer_measured(&value, curve->value[j], summary->quantity[j],
+                        summary->subject->recording ? EXACT_DIGITS : 8);
+        if (curve->bound[j]) {
+            buffer_put(&interval, TEXT("on its bound"));
+        } else if (!curve->determined[j]) {
+            buffer_put(&interval, TEXT("not determined"));
+        } else {
+            buffer_quantity(&interval, range[0], summary->quantity[j], digits);
+            buffer_put(&interval, TEXT(" .. "));
+            buffer_quantity(&interval, range[1], summary->quantity[j], digits);
+        }
+        cell_text(&table, summary->name[j]);
+        cell_take(&table, &value);
+        cell_take(&table, &interval);
+    }
+    buffer_char(text, '\n');
+    text_table_put(&table, text);
+    while (text->len && text->data[text->len - 1] == '\n')
+        text->len--;
+}
+
+bool fit_correlated(const struct curve_fit *curve, int i, int j)
+{
+    return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
+}
+
+static void put_curve(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
+{
+    const struct curve_fit *curve = summary->curve;
+    put_parameters(summary, arena, text);
+    buffer_put(text, TEXT("\n  residuals: standard deviation "));
+    buffer_quantity(text, curve->sigma, summary->subject->series.quantity, 3);
+    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation,
+                  curve->said);
+    if (curve->bootstrapped > 0)
+        buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
+    const char *before = "\n  correlated: ";
+    for (int i = 0; i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (fit_correlated(curve, i, j)) {
+                buffer_format(text, "%s%s and %s %.3f", before, summary->name[j], summary->name[i],
+                              curve->correlation[i][j]);
+                before = ", ";
+            }
+    if (summary->fixed)
+        buffer_format(text, "\n  held: %s", summary->fixed);
+    inputs_put(&summary->inputs, text);
+}
+
+void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply)
+{
+    struct buffer text = {0};
+    put_head(summary, &text);
+    if (summary->modes)
+        put_modes(summary, &text);
+    else
+        (summary->motion ? put_motion : put_curve)(summary, arena, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_fit_record(summary, reply);
+    for (int i = 0; i < summary->warnings; i++)
+        reply_warning(reply, "%s", summary->warning[i]);
+}

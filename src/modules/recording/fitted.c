@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A fit for programs and files. */
+#include "modules/recording/fit_text.h"
+#include <hooke/base/unit.h>
+#include <hooke/command/handler.h>
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+static struct measured parameter(const struct fit_summary *summary, const char *name)
+{
+    for (int j = 0; summary->curve && j < summary->curve->parameters; j++)
+        if (summary->quantity[j] != QUANTITY_OTHER && strcmp(summary->name[j], name) == 0)
+            return summary->curve->value[j];
+    return (struct measured){NAN, NAN};
+}
+
+static void reply_parameters(const struct fit_summary *summary, struct reply *reply)
+{
+    const struct curve_fit *curve = summary->curve;
+    reply_array(reply, "parameters");
+    for (int j = 0; curve && j < curve->parameters; j++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", summary->name[j]);
+        reply_real(reply, "value", curve->value[j].value);
+        reply_real(reply, "uncertainty", curve->value[j].uncertainty);
+        reply_string(reply, "unit",
+                     summary->quantity[j] == QUANTITY_OTHER ? NULL
+                                                            : quantity_unit(summary->quantity[j]));
+        reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
+        reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    reply_array(reply, "correlated");
+    for (int i = 0; curve && i < curve->parameters; i++)
+        for (int j = 0; j < i; j++)
+            if (fit_correlated(curve, i, j)) {
+                reply_object(reply, NULL);
+                reply_string(reply, "a", summary->name[j]);
+                reply_string(reply, "b", summary->name[i]);
+                reply_real(reply, "r", curve->correlation[i][j]);
+                reply_close(reply);
+            }
+    reply_close(reply);
+}
+
+static void reply_rates(const struct fit_summary *summary, const struct drag_candidate *c,
+                        struct reply *reply)
+{
+    for (int k = 0; k < DRAG_RATES; k++)
+        if (c->law >> k & 1)
+            reply_in_unit(reply, drag_rates[k].name, c->rate[k], fit_rate_unit(summary, k));
+}
+
+static void reply_laws(const struct fit_summary *summary, struct reply *reply)
+{
+    const struct drag_fit *drag = summary->motion ? &summary->motion->drag : NULL;
+    reply_array(reply, "laws");
+    for (int i = 0; drag && i < drag->candidates; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        reply_object(reply, NULL);
+        reply_string(reply, "name", drag_law_name(c->law));
+        reply_bool(reply, "converged", c->converged);
+        reply_real(reply, "bic", c->bic);
+        reply_object(reply, "parameters");
+        reply_rates(summary, c, reply);
+        reply_close(reply);
+        reply_real(reply, "rms", c->rms);
+        reply_close(reply);
+    }
+    reply_close(reply);
+    const bool compared = drag && drag->candidates > 0;
+    reply_array(reply, "remaining");
+    for (int i = 0; compared && i < drag->candidates; i++)
+        if (drag->remaining >> i & 1)
+            reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
+    reply_close(reply);
+    const bool known =
+        compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
+    reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
+    if (compared && drag->force == RESTORING_CUBIC)
+        reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
+    else
+        reply_null(reply, "beta");
+    reply_real(reply, "delta", compared ? drag->delta : NAN);
+    reply_real(reply, "p_value", compared ? drag->p_value : NAN);
+}
+
+/* What a record says of any fit. */
+struct fit_record {
+    const struct fit_summary *summary;
+    struct fit fit; /* of a curve what it knows */
+    struct measured k;
+    const char *preferred;
+    double rms;
+    int64_t used, rejected;
+    bool converged;
+};
+
+static void fit_record_init(struct fit_record *record, const struct fit_summary *summary)
+{
+    static const struct measured none = {NAN, NAN};
+    const struct curve_fit *curve = summary->curve;
+    *record = (struct fit_record){.summary = summary,
+                                  .fit = {.period = none,
+                                          .omega = none,
+                                          .amplitude = none,
+                                          .phase = none,
+                                          .gamma = parameter(summary, "gamma"),
+                                          .offset = parameter(summary, "offset"),
+                                          .halves = {none, none}},
+                                  .k = curve            ? parameter(summary, "k")
+                                       : summary->modes ? none
+                                                        : summary->k};
+    if (summary->motion)
+        record->fit = *summary->motion;
+    assert(summary->motion || curve);
+    const struct fit *fit = &record->fit;
+    if (summary->motion && fit->preferred < LAW_UNDECIDED)
+        record->preferred = drag_law_name(fit->preferred);
+    record->rms = summary->motion ? fit->rms : curve->sigma;
+    record->used = (int64_t)(summary->motion ? fit->used : curve->used);
+    record->rejected = (int64_t)(summary->motion ? fit->rejected : curve->rejected);
+    record->converged = summary->motion ? fit->converged : curve->converged;
+}
+
+static const struct fit_summary *told_by(const void *row)
+{
+    return ((const struct fit_record *)row)->summary;
+}
+
+static const char *model_of(const void *row)
+{
+    return told_by(row)->model;
+}
+
+static const char *subject_of(const void *row)
+{
+    return told_by(row)->subject->name;
+}
+
+static enum quantity series_quantity(const void *row)
+{
+    return told_by(row)->subject->series.quantity;
+}
+
+static void put_window(struct reply *reply, const char *key, const void *row)
+{
+    const struct series *series = &told_by(row)->subject->series;
+    reply_array(reply, key);
+    reply_quantity(reply, NULL, series->t[0], "s");
+    reply_quantity(reply, NULL, series->t[series->n - 1], "s");
+    reply_close(reply);
+}
+
+static void put_halves(struct reply *reply, const char *key, const void *row)
+{
+    reply_object(reply, key);
+    reply_array(reply, "gamma");
+    for (int i = 0; i < 2; i++)
+        reply_quantity(reply, NULL, ((const struct fit_record *)row)->fit.halves[i].value, "1/s");
+    reply_close(reply);
+    reply_close(reply);
+}
+
+/* Of a law its rates; of a curve its parameters. */
+static void put_law_or_parameters(struct reply *reply, const char *key, const void *row)
+{
+    const struct fit_summary *summary = told_by(row);
+    if (!summary->motion || summary->motion->drag.candidates == 0) {
+        reply_parameters(summary, reply);
+        return;
+    }
+    reply_object(reply, key);
+    reply_rates(summary, &summary->motion->drag.candidate[summary->motion->drag.best - 1], reply);
+    reply_close(reply);
+    reply_array(reply, "correlated");
+    reply_close(reply);
+}
+
+static void put_candidates(struct reply *reply, const char *key, const void *row)
+{
+    (void)key;
+    reply_laws(told_by(row), reply);
+    if (told_by(row)->modes)
+        reply_modes(told_by(row), reply);
+}
+
+static void put_exact(struct reply *reply, const char *key, const void *row)
+{
+    (void)key;
+    inputs_reply(&told_by(row)->inputs, reply);
+}
+
+static void put_warnings(struct reply *reply, const char *key, const void *row)
+{
+    reply_array(reply, key);
+    for (int i = 0; i < told_by(row)->warnings; i++)
+        reply_string(reply, NULL, told_by(row)->warning[i]);
+    reply_close(reply);
+}
+
+#define AT(member) .at = offsetof(struct fit_record, member)
+#define MEASURED(member, of) .kind = COLUMN_MEASURED, AT(member), .quantity = of
+
+static const struct result_column of_fit[] = {
+    {.name = "model", .kind = COLUMN_NAME, .text = model_of},
+    {.name = "of", .kind = COLUMN_NAME, .text = subject_of},
+    {.name = "period", MEASURED(fit.period, QUANTITY_TIME)},
+    {.name = "omega", MEASURED(fit.omega, QUANTITY_ANGULAR_FREQUENCY)},
+    {.name = "gamma", MEASURED(fit.gamma, QUANTITY_RATE)},
+    {.name = "amplitude",
+     .kind = COLUMN_MEASURED,
+     AT(fit.amplitude),
+     .quantity_of = series_quantity},
+    {.name = "phase", MEASURED(fit.phase, QUANTITY_ANGLE)},
+    {.name = "offset", .kind = COLUMN_MEASURED, AT(fit.offset), .quantity_of = series_quantity},
+    {.name = "k", MEASURED(k, QUANTITY_STIFFNESS)},
+    {.name = "rms", AT(rms), .quantity_of = series_quantity},
+    {.name = "used", .kind = COLUMN_COUNT, AT(used)},
+    {.name = "rejected", .kind = COLUMN_COUNT, AT(rejected)},
+    {.name = "window", .record = put_window},
+    {.name = "halves", .record = put_halves},
+    {.name = "preferred", .kind = COLUMN_NAME, AT(preferred)},
+    {.name = "parameters", .record = put_law_or_parameters},
+    {.name = "laws", .record = put_candidates},
+    {.name = "converged", .kind = COLUMN_BOOL, AT(converged)},
+    {.name = "exact", .record = put_exact},
+    {.name = "warnings", .record = put_warnings},
+};
+
+static const struct result_columns fit_columns = RESULT_COLUMNS(of_fit, struct fit_record);
+
+void reply_fit_record(const struct fit_summary *summary, struct reply *reply)
+{
+    struct fit_record record;
+    fit_record_init(&record, summary);
+    reply_records(reply, "fit", &fit_columns, &record, 1);
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The band of an adopted fit as columns beside those of its run. */
+#include "modules/recording/known/known.h"
+#include "modules/recording/plots.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The run of the table; NULL: there are several. */
+static const struct run *only_run(const struct session *session, const struct argument_value *runs)
+{
+    if (runs->count == 0)
+        return session_run(session);
+    if (runs->count == 1 && runs->item[0].index >= 0)
+        return session->runs.slot[runs->item[0].index]->run;
+    return session->runs.count == 1 ? session->runs.slot[0]->run : NULL;
+}
+
+static struct table_column side_of(const struct table_column *column, const char *side,
+                                   const double *half, double sign, size_t rows,
+                                   struct arena *arena)
+{
+    char name[LIMIT_NAME + 8];
+    double *value = arena_array(arena, rows, sizeof *value);
+    snprintf(name, sizeof name, "%s_%s", column->name, side);
+    for (size_t i = 0; value && i < rows; i++)
+        value[i] = column->value[i] + sign * half[i];
+    return (struct table_column){
+        .name = arena_text(arena, text_of(name)), .unit = column->unit, .value = value};
+}
+
+bool export_band(const struct session *session, const struct argument_value *runs,
+                 struct text where, struct export *export, struct error *error)
+{
+    const struct run *run = only_run(session, runs);
+    struct arena *arena = export->arena;
+    const struct table *table = &export->table;
+    if (!run)
+        return error_at(error, where, "--band is for one run, that of an adopted fit");
+    if (!band_of_run(session, run, where, error))
+        return false;
+    struct table_column *out = arena_array(arena, 3 * (size_t)table->columns, sizeof *out);
+    double *half = arena_array(arena, table->rows + 1, sizeof *half);
+    if (!out || !half)
+        return error_memory(error);
+    int columns = 0, banded = 0;
+    for (int c = 0; c < table->columns; c++) {
+        const struct table_column *column = &table->column[c];
+        const int variable = model_variable(run->system.model, text_of(column->name));
+        out[columns++] = *column;
+        if (variable < 0 || variable >= run->system.n)
+            continue;
+        if (!band_half(session, run, variable, table->column[0].value, table->rows, arena, half,
+                       error))
+            return false;
+        out[columns++] = side_of(column, "low", half, -1, table->rows, arena);
+        out[columns++] = side_of(column, "high", half, 1, table->rows, arena);
+        if (!out[columns - 1].name || !out[columns - 1].value || !out[columns - 2].value)
+            return error_memory(error);
+        banded++;
+    }
+    export->table.column = out;
+    export->table.columns = columns;
+    return banded > 0 ||
+           error_at(error, where, "no column is a variable of the state: only those have a band");
+}

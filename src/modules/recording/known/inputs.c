@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "modules/recording/known/known.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NUDGE 1e-3 /* of a parameter, to see whether the motion depends on it */
+
+void inputs_use(struct inputs *inputs, const char *name, struct measured value)
+{
+    if (!(fabs(value.value) > 0))
+        return;
+    if (value.uncertainty > 0) {
+        inputs->relative = hypot(inputs->relative, value.uncertainty / value.value);
+        return;
+    }
+    for (int i = 0; i < inputs->exacts; i++)
+        if (strcmp(inputs->exact[i], name) == 0)
+            return;
+    if (inputs->exacts < INPUTS_MAX)
+        inputs->exact[inputs->exacts++] = name;
+}
+
+static void use_param(struct inputs *inputs, const struct scene *scene, int index)
+{
+    inputs_use(inputs, param_at(scene, index)->row.name,
+               (struct measured){scene->value[index], scene->uncertainty[index]});
+}
+
+void inputs_use_params(struct inputs *inputs, const struct scene *scene, const char *names)
+{
+    struct text rest = text_of(names), name;
+    while (text_split(&rest, ' ', &name)) {
+        const int index = scene_param_at(scene, name);
+        if (index >= 0)
+            use_param(inputs, scene, index);
+    }
+}
+
+/* Derivatives of all variables at two states, and the start. */
+static bool look(const struct scene *scene, double out[3 * LIMIT_VARIABLES], int *n)
+{
+    struct system system;
+    struct error ignored;
+    double y[LIMIT_VARIABLES];
+    if (!scene_bind_motion(scene, &system, &ignored))
+        return false;
+    *n = system.n;
+    memcpy(out, system.start, (size_t)system.n * sizeof *out);
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < system.n; i++)
+            y[i] = (k ? -0.3 : 0.7) * (i + 1) * system.scale[i];
+        system_derivative(&system, system.t0 + 0.1 * k, y, out + (k + 1) * system.n);
+    }
+    return true;
+}
+
+void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free)
+{
+    double before[3 * LIMIT_VARIABLES], after[3 * LIMIT_VARIABLES];
+    int n, same;
+    if (!look(scene, before, &n))
+        return;
+    for (int i = 0; i < (int)scene_params(scene)->count; i++) {
+        struct scene other = *scene;
+        struct error ignored;
+        const struct measured moved = {scene->value[i] * (1 + NUDGE), 0};
+        if (is_free[i] || scene->value[i] == 0 || !scene_set(&other, i, moved, &ignored) ||
+            !look(&other, after, &same) || same != n)
+            continue;
+        bool differs = false;
+        for (int k = 0; k < 3 * n; k++)
+            differs = differs || fabs(after[k] - before[k]) > 1e-9 * fabs(before[k]);
+        if (differs)
+            use_param(inputs, scene, i);
+    }
+}
+
+struct measured inputs_widen(const struct inputs *inputs, struct measured value)
+{
+    value.uncertainty = hypot(value.uncertainty, value.value * inputs->relative);
+    return value;
+}
+
+void inputs_put(const struct inputs *inputs, struct buffer *text)
+{
+    const int n = inputs->exacts;
+    for (int i = 0; i < n; i++)
+        buffer_format(text, "%s%s",
+                      i == 0      ? "\n  ("
+                      : i + 1 < n ? ", "
+                                  : " and ",
+                      inputs->exact[i]);
+    if (n > 0)
+        buffer_format(text,
+                      " %s taken as exact: '%s = VALUE +- UNCERTAINTY' says how well it is known)",
+                      n > 1 ? "are" : "is", inputs->exact[0]);
+}
+
+void inputs_reply(const struct inputs *inputs, struct reply *reply)
+{
+    reply_array(reply, "exact");
+    for (int i = 0; i < inputs->exacts; i++)
+        reply_string(reply, NULL, inputs->exact[i]);
+    reply_close(reply);
+}
+
+void inputs_keep(const struct inputs *inputs, struct exact_names *names)
+{
+    memset(names, 0, sizeof *names);
+    for (int i = 0; i < inputs->exacts && i < EXACT_NAMES; i++)
+        snprintf(names->name[i], sizeof names->name[i], "%s", inputs->exact[i]);
+}
+
+void inputs_recall(struct inputs *inputs, const struct exact_names *names)
+{
+    for (int i = 0; i < EXACT_NAMES && names->name[i][0]; i++)
+        inputs_use(inputs, names->name[i], (struct measured){1, 0});
+}

@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Which law makes the oscillation die out: the equation of motion under each, integrated
+ * (equation.c) and fitted to all samples (law_fit.c); the averaged envelope is only where the
+ * search begins. Which samples take part is judged by what the most general of the laws leaves, not
+ * by the damped sine; so is whether the baseline wanders.
+ */
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include "modules/recording/law/drag.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { ROUNDS = 4 };
+
+/* samples, from which on a step of ten standard deviations is trusted in the end */
+#define LONG 100000
+#define NEARLY 100.0  /* variances that a step may promise to be taken unseen: in the search, */
+#define FINALLY 1e-3  /* and at the end */
+#define REJECT_AT 5.0 /* robust standard deviations */
+#define CLIPPED 0.2   /* of what was taken for clipped that must be off, or it was not */
+#define BASELINE_PERIODS 3
+/* variance that a baseline of its own takes in each block, over that of the residuals */
+#define WANDERS 2.0
+
+int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
+{
+    int count = FIRST_RATE;
+    index[START] = EQUATION_START;
+    index[SPEED] = EQUATION_SPEED;
+    index[OMEGA] = EQUATION_OMEGA;
+    for (int k = 0; k < DRAG_RATES; k++)
+        if (law >> k & 1)
+            index[count++] = EQUATION_RATE + k;
+    if (force == RESTORING_CUBIC)
+        index[count++] = EQUATION_CUBIC;
+    return count;
+}
+
+/* ---- the fits ---- */
+
+/* The law alone from the rates of the envelope; a sum from the best of what it contains, its
+ * further term at 0. */
+static void begin_law(struct drag_fitting *f, int i)
+{
+    const enum drag_law law = (enum drag_law)(i + 1);
+    struct law_fit *fit = &f->fit[i];
+    int part = -1;
+    for (int j = 0; j < i; j++)
+        if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged &&
+            (part < 0 || f->fit[j].rss < f->fit[part].rss))
+            part = j;
+    *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start,
+                            .omega = f->start.value[EQUATION_OMEGA]};
+    fit->parameters = drag_indices(law, f->start.force, fit->index);
+    for (int k = 0; k < DRAG_RATES && part < 0; k++)
+        fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
+}
+
+/* A few sizes of a single rate: the best is where it begins. */
+static void scan(const struct drag_fitting *f, struct law_fit *fit)
+{
+    static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
+    double *rate = &fit->motion.value[fit->index[FIRST_RATE]], guess = *rate, best = guess,
+           min = HUGE_VAL;
+    for (size_t k = 0; k < COUNT_OF(sizes); k++) {
+        *rate = guess * sizes[k];
+        const double sum = law_squares(&f->samples, fit);
+        if (sum < min) {
+            min = sum;
+            best = *rate;
+        }
+    }
+    *rate = best;
+}
+
+static void fit_law(struct drag_fitting *f, int i, bool again, double trust)
+{
+    struct law_fit *fit = &f->fit[i];
+    const bool begins = !again || !fit->converged;
+    if (begins)
+        begin_law(f, i);
+    if (law_descend(&f->samples, trust, f->rounding, fit) || !begins ||
+        fit->parameters > FIRST_RATE + 1)
+        return;
+    begin_law(f, i);
+    scan(f, fit);
+    law_descend(&f->samples, trust, f->rounding, fit);
+}
+
+static void fit_laws(struct drag_fitting *f, bool again, double trust)
+{
+    for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++)
+        fit_law(f, i, again, trust);
+}
+
+/* The law that comes nearest to the samples, -1: none converged. */
+static int nearest(const struct drag_fitting *f)
+{
+    int best = -1;
+    for (int i = 0; i < DRAG_LAWS; i++)
+        if (f->fit[i].converged && (best < 0 || f->fit[i].rss < f->fit[best].rss))
+            best = i;
+    return best;
+}
+
+/* ---- which samples, which baseline ---- */
+
+static void one_block(struct drag_fitting *f, int terms)
+{
+    struct baseline *baseline = &f->samples.baseline;
+    *baseline = (struct baseline){.blocks = 1, .edge = f->edge, .terms = terms};
+    f->edge[0] = 0;
+    f->edge[1] = f->motion->samples.n;
+}
+
+/* A parabola in every three periods. */
+static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
+{
+    const struct samples *x = &f->motion->samples;
+    const double span = x->t[x->n - 1] - x->t[0], omega = f->start.value[EQUATION_OMEGA];
+    const double count =
+        fmin(floor(omega * span / TWO_PI / BASELINE_PERIODS), (double)(x->n / BASELINE_MIN));
+    struct baseline baseline = {
+        .blocks = (size_t)fmax(count, 1), .edge = edge, .terms = BASELINE_TERMS};
+    edge[0] = 0;
+    for (size_t k = 1; k < baseline.blocks; k++) {
+        const size_t at = samples_index(x, x->t[0] + span * (double)k / (double)baseline.blocks);
+        edge[k] = at > edge[k - 1] ? at : edge[k - 1] + 1;
+    }
+    edge[baseline.blocks] = x->n;
+    return baseline;
+}
+
+/* Whether the residuals of the nearest law ask for a baseline of their own in every block. */
+static bool wanders(struct drag_fitting *f, int at, size_t *edge)
+{
+    struct law_samples local = f->samples;
+    local.baseline = many_blocks(f, edge);
+    struct law_fit trial = f->fit[at];
+    const double before = law_squares(&f->samples, &trial), after = law_squares(&local, &trial);
+    const double more =
+        (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
+    const double left = (double)trial.used - (double)(BASELINE_TERMS * local.baseline.blocks);
+    if (!(more > 0) || !(left > 0) || after < (double)trial.used * INTEGRATED * f->size * f->size)
+        return false;
+    return (before - after) / more > (WANDERS + 3 * sqrt(2 / more)) * after / left;
+}
+
+/* Samples far off the nearest law do not take part; residual of all of them. Returns how many
+ * changed sides. */
+static size_t judge_samples(struct drag_fitting *f, const double *residual)
+{
+    struct motion *m = f->motion;
+    const struct samples *x = &m->samples;
+    size_t changed = 0, off = 0;
+    for (size_t k = 0; k < m->segments; k++) {
+        struct swing_segment *s = &m->segment[k];
+        for (size_t i = s->from; i < s->to; i++)
+            m->scratch[i - s->from] = fabs(residual[i]);
+        s->scale = MAD_TO_SIGMA * values_quantile(m->scratch, s->to - s->from, 0.5);
+    }
+    for (size_t k = 0; k < m->segments; k++)
+        m->scratch[k] = m->segment[k].scale;
+    const double typical =
+        fmax(values_quantile(m->scratch, m->segments, 0.5), m->quantum / sqrt(12.0));
+    for (int twice = 0; twice < 2; twice++) {
+        const bool clips = (double)off > CLIPPED * (double)m->clipped;
+        for (size_t k = 0; k < m->segments; k++) {
+            const double max = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
+            for (size_t i = m->segment[k].from; i < m->segment[k].to; i++) {
+                const bool far = fabs(residual[i]) > max;
+                off += twice == 0 && far && !x->use[i];
+                if (twice == 0 || (m->clipped > 0 && clips && !x->use[i]))
+                    continue;
+                changed += f->use[i] != !far;
+                f->use[i] = !far;
+            }
+        }
+    }
+    return changed;
+}
+
+/*
+ * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long
+ * rest at the end has an answer in every tooth. So what moves comes first, and finds the right one.
+ * False: it does not come to rest.
+ */
+static bool fit_motion_first(struct drag_fitting *f)
+{
+    const struct samples *x = &f->motion->samples;
+    const size_t rest = samples_quiet(x, TWO_PI / f->start.value[EQUATION_OMEGA]);
+    if (rest >= x->n)
+        return false;
+    memset(f->use + rest, 0, x->n - rest);
+    fit_laws(f, false, FINALLY);
+    memcpy(f->use + rest, x->use + rest, x->n - rest);
+    return true;
+}
+
+/* The samples of the fits and the fits themselves, until both agree. False: no law converged. */
+static bool settle(struct drag_fitting *f, size_t *edge)
+{
+    struct motion *m = f->motion;
+    bool local = false, changes = fit_motion_first(f);
+    fit_laws(f, changes, NEARLY);
+    for (int round = 0; round < ROUNDS; round++) {
+        const int at = nearest(f);
+        if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))
+            return false;
+        const size_t changed = judge_samples(f, m->residual);
+        const bool now = !local && wanders(f, at, edge);
+        if (now)
+            f->samples.baseline = many_blocks(f, edge);
+        local = local || now;
+        changes = changes || now || changed > 0;
+        if (!now && (double)changed < 1e-3 * (double)m->samples.n)
+            break;
+        fit_law(f, at, true, NEARLY);
+    }
+    if (changes || m->samples.n < LONG)
+        fit_laws(f, true, m->samples.n < LONG ? FINALLY : NEARLY);
+    return nearest(f) >= 0;
+}
+
+/* ---- the whole ---- */
+
+/* Where the search begins: the damped sine at t0, as a position. */
+static void begin(const struct motion *m, struct drag_fitting *f)
+{
+    const struct harmonic *h = &m->harmonic;
+    const double back = f->t0 - h->origin, e = exp(-0.5 * h->gamma * back);
+    const double c = e * cos(h->omega * back), s = e * sin(h->omega * back);
+    double p = h->a * c + h->b * s, q = h->b * c - h->a * s;
+    const double damping = -0.5 * h->gamma, square = h->omega * h->omega + damping * damping;
+    for (int k = 0; k < f->start.order; k++) { /* integrate exp(damping s) (p cos + q sin) */
+        const double was = p;
+        p = (damping * was - h->omega * q) / square;
+        q = (damping * q + h->omega * was) / square;
+    }
+    f->start.value[EQUATION_START] = p;
+    f->start.value[EQUATION_SPEED] = damping * p + h->omega * q;
+    f->start.value[EQUATION_OMEGA] = sqrt(square);
+}
+
+/* A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 - 2 f/(pi omega): Nayfeh & Mook 1979, 3.3 */
+static void guess_rates(const struct envelope_rates rates[3], double span, struct drag_fitting *f)
+{
+    const double *value = f->start.value, omega = value[EQUATION_OMEGA];
+    const double a = hypot(value[EQUATION_START], value[EQUATION_SPEED] / omega);
+    const double gamma = fmax(rates[0].gamma, 1e-6 * omega);
+    const double mean = a * -expm1(-0.5 * gamma * span) / (0.5 * gamma * span);
+    f->rate[0] = gamma;
+    f->rate[1] = fmax(rates[1].q, 1e-6 * omega) * 3 * PI / (4 * omega * a);
+    f->rate[2] = 0.25 * PI * omega * gamma * mean;
+    f->size = a * pow(omega, f->start.order);
+    f->rounding = INTEGRATED * f->size * f->size;
+}
+
+static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena,
+                    struct drag_fitting *f)
+{
+    const size_t n = m->samples.n;
+    *f = (struct drag_fitting){.motion = m, .t0 = m->samples.t0};
+    f->start.t0 = f->t0;
+    f->start.order = quantity_order(quantity) > 0 ? quantity_order(quantity) : 0;
+    f->use = arena_alloc(arena, n);
+    f->edge = arena_array(arena, 2, sizeof *f->edge);
+    if (!f->use || !f->edge)
+        return false;
+    memcpy(f->use, m->samples.use, n);
+    f->samples = (struct law_samples){.samples = &m->samples,
+                                      .use = f->use,
+                                      .middle = m->harmonic.c,
+                                      .cancel = m->samples.cancel};
+    one_block(f, m->harmonic.drifts ? 2 : 1);
+    begin(m, f);
+    return true;
+}
+
+/* Which force pulls back: the laws of damping are then those under it. */
+static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct drag_fit *drag)
+{
+    const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
+                       quantity == QUANTITY_ANGULAR_ACCELERATION || quantity == QUANTITY_OTHER;
+    struct law_fit best;
+    if (!restoring_choose(f, angle, drag, &best))
+        return false;
+    if (best.motion.force == RESTORING_LINEAR)
+        return true;
+    f->start = best.motion;
+    for (int k = 0; k < DRAG_RATES; k++) {
+        f->start.value[EQUATION_RATE + k] = 0;
+        f->rate[k] = best.motion.value[EQUATION_RATE + k] > 0 ? best.motion.value[EQUATION_RATE + k]
+                                                              : f->rate[k];
+    }
+    return true;
+}
+
+bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
+               const struct envelope_rates rates[3], struct arena *arena, struct fit *out,
+               struct error *error)
+{
+    struct drag_fitting f;
+    size_t *edge = arena_array(arena, m->samples.n / BASELINE_MIN + 2, sizeof *edge);
+    if (!edge || !prepare(m, quantity, arena, &f))
+        return error_memory(error);
+    guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
+    struct drag_fit *drag = &out->drag;
+    *drag = (struct drag_fit){.candidates = DRAG_LAWS};
+    if (forces && !choose_force(&f, quantity, drag))
+        return error_set(error, ERROR_NUMERICAL,
+                         "no restoring force could be fitted: the search did not converge");
+    const bool settled = settle(&f, edge);
+    if (cancelled(m->samples.cancel))
+        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    const int widest = settled ? nearest(&f) : -1;
+    struct drag_factors factors;
+    if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
+        !drag_factors(&f, &f.fit[widest], &factors))
+        return error_set(error, ERROR_NUMERICAL,
+                         "no law of damping could be fitted: the search did not converge");
+    struct law_evidence evidence = {.fit = f.fit};
+    evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
+    drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
+    const bool by_windows = factors.amplitude > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_MIN;
+    evidence.freedom = by_windows ? factors.windows : drag->independent;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        drag_describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);
+        drag->candidate[i].bic = (f.fit[i].parameters - FIRST_RATE) * log(drag->independent) +
+                                 (f.fit[i].rss - f.fit[widest].rss) / evidence.variance;
+    }
+    drag_losses(&f, &f.fit[widest], evidence.loss);
+    const int best = law_choose(&evidence, out);
+    if (!drag_report_offset(&f, &f.fit[best], &factors, arena, out))
+        return error_memory(error);
+    drag_report(&f, best, &factors, out);
+    /* what is said of samples is said of this fit */
+    m->clipped = m->clipped < out->rejected ? m->clipped : 0;
+    m->rejected = out->rejected;
+    memcpy(m->samples.use, f.use, m->samples.n);
+    m->harmonic.drifts = m->harmonic.drifts && f.samples.baseline.blocks == 1;
+    return true;
+}

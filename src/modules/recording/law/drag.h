@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the fit of laws share. */
+#ifndef HOOKE_MODULES_RECORDING_LAW_DRAG_H
+#define HOOKE_MODULES_RECORDING_LAW_DRAG_H
+
+#include "modules/recording/law/law_fit.h"
+
+/* Places among a fit's parameters; windows from which slow changes are read. */
+enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
+
+/* mean square, relative, to which integration is good: no law is better than that */
+#define INTEGRATED 1e-16
+
+#define DELTA_MIN 6.0    /* of BIC, for a claim, and */
+#define CHANCE_MAX 0.001 /* of the F-test, for a further term to be claimed, and */
+#define HIDDEN 0.01      /* to be taken for possible, though not shown */
+/* of the loss, or of the force, that a further term may take (two standard deviations) */
+#define SHARE_MAX 0.2
+/* of a variance: slow changes count, so windows are what is independent */
+#define DRAG_WIDENED 1.05
+
+struct drag_fitting {
+    struct motion *motion;
+    struct law_samples samples;
+    unsigned char *use; /* [n] */
+    size_t *edge;       /* [2 + n/..] of blocks */
+    double rounding;    /* [y^2] of a sum of squares */
+    double size;        /* amplitude, as y */
+    double t0;
+    struct equation start; /* of the linear law */
+    double rate[DRAG_RATES];
+    struct law_fit fit[DRAG_LAWS];
+};
+
+struct drag_factors {
+    double amplitude, phase; /* of variances */
+    double windows;
+    double lag; /* autocorrelation of neighbours */
+    double sigma;
+    double signal; /* rms of the motion alone */
+};
+
+/* Places of the fit's parameters among the equation's; their number. */
+int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS]);
+
+/* ---- drag_report.c ---- */
+
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
+                  struct drag_factors *out);
+void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
+void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out);
+bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
+                        const struct drag_factors *factors, struct arena *arena, struct fit *out);
+void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
+                 struct fit *out);
+
+/* ---- restoring.c ---- */
+
+/*
+ * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by
+ * BIC and F-test: fills drag->restoring, force, forces_remaining, and best. angle: it may be a
+ * pendulum. False: no number.
+ */
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
+                      struct law_fit *best);
+
+#endif

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the fits of the laws are worth, and their values with the names of the damped sine. */
+#include <hooke/base/cancel.h>
+#include "modules/recording/law/drag.h"
+
+#include <stdio.h>
+
+enum { WINDOWS_MAX = 256 };
+
+/* The frequency of the damped oscillation. */
+static double damped(double omega, double gamma)
+{
+    return sqrt(fmax(omega * omega - 0.25 * gamma * gamma, 0));
+}
+
+/* ---- uncertainties ---- */
+
+/* What slow changes leave in one direction of the oscillation, window by window. */
+struct windows {
+    double square, product, expected, before, count;
+};
+
+static void add_window(struct windows *w, double sum, double norm, double variance)
+{
+    const double z = sum / sqrt(norm);
+    w->square += z * z;
+    w->product += z * w->before;
+    w->expected += variance;
+    w->before = z;
+    w->count++;
+}
+
+static double factor_of(const struct windows *w, double lag)
+{
+    if (w->count < DRAG_WINDOWS_MIN || !(w->expected > 0))
+        return autocorrelation_factor(lag);
+    /* up to three parameters of the envelope are fitted */
+    const double left = w->count / fmax(w->count - 3, 1);
+    return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
+}
+
+/*
+ * By how much slow changes of the amplitude (sway) and of the phase make the variance of rates and
+ * of the frequency larger than independent residuals would: the residuals' part in phase with the
+ * motion and with its velocity, window by window of two periods, against their own size, with its
+ * correlation from window to window.
+ */
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struct drag_factors *out)
+{
+    const struct samples *x = &f->motion->samples;
+    const double *residual = f->motion->residual;
+    struct equation turned = fit->motion;
+    turned.order = fit->motion.order == 0 ? 1 : fit->motion.order - 1;
+    struct equation_walk along, across;
+    struct windows w[2] = {{0}};
+    const double span = x->t[x->n - 1] - x->t[0], n = (double)fit->used - fit->parameters;
+    const size_t count =
+        (size_t)fmin(WINDOWS_MAX, 0.5 * fit->motion.value[EQUATION_OMEGA] * span / TWO_PI);
+    double product = 0, square = 0, before = 0, energy = 0, largest = 0;
+    *out = (struct drag_factors){
+        .sigma = sqrt(fit->rss / fmax(n - (double)f->samples.baseline.blocks, 1))};
+    if (!equation_begin(&fit->motion, EQUATION_VALUES, &along) ||
+        !equation_begin(&turned, EQUATION_VALUES, &across))
+        return false;
+    size_t i = 0;
+    for (size_t k = 0; k < (count > 0 ? count : 1); k++) {
+        const double end = x->t[0] + span * (double)(k + 1) / (double)count;
+        double sum[2] = {0}, norm[2] = {0};
+        for (; i < x->n && (x->t[i] <= end || k + 1 >= count); i++) {
+            if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+                return false;
+            double u[2];
+            const double t = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
+            if (!f->use[i])
+                continue;
+            if (!equation_values(&along, &t, 1, &u[0], NULL) ||
+                !equation_values(&across, &t, 1, &u[1], NULL))
+                return false;
+            for (int d = 0; d < 2; d++) {
+                sum[d] += u[d] * residual[i];
+                norm[d] += u[d] * u[d];
+            }
+            product += residual[i] * before;
+            square += residual[i] * residual[i];
+            before = residual[i];
+            energy += u[0] * u[0];
+        }
+        largest = fmax(largest, norm[0]);
+        for (int d = 0; d < 2; d++)
+            if (norm[d] > 0 && norm[0] > 1e-3 * largest)
+                add_window(&w[d], sum[d], norm[d], out->sigma * out->sigma);
+    }
+    out->lag = square > 0 ? product / square : 0;
+    out->amplitude = factor_of(&w[0], out->lag);
+    out->phase = factor_of(&w[1], out->lag);
+    out->windows = w[0].count;
+    out->signal = sqrt(energy / (double)fit->used);
+    return true;
+}
+
+/* Energy per mass that a rate of 1 takes along the motion: the sums of v^2, |v|^3 and |v|. */
+void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
+{
+    enum { POINTS = 4096 };
+    const struct samples *x = &f->motion->samples;
+    struct equation motion = fit->motion;
+    struct equation_walk walk;
+    motion.order = 1;
+    loss[0] = loss[1] = loss[2] = 0;
+    if (!equation_begin(&motion, EQUATION_VALUES, &walk))
+        return;
+    for (size_t k = 0; k < POINTS;
+         k++) { /* spread evenly: the golden ratio keeps them off the period */
+        const double t = f->t0 + (x->t[x->n - 1] - f->t0) *
+                                     ((double)k + fmod(0.6180339887 * (double)k, 1)) / POINTS;
+        double v;
+        if (!equation_values(&walk, &t, 1, &v, NULL))
+            return;
+        loss[0] += v * v;
+        loss[1] += fabs(v) * v * v;
+        loss[2] += fabs(v);
+    }
+}
+
+/* ---- the report ---- */
+
+void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out)
+{
+    *out = (struct drag_candidate){.law = (enum drag_law)(i + 1), .converged = fit->converged};
+    out->rms = sqrt(fit->rss / (double)fit->used);
+    for (int j = FIRST_RATE; j < fit->parameters; j++) {
+        const struct measured value = {fit->motion.value[fit->index[j]],
+                                       deviation * law_formal(fit, j)};
+        if (fit->index[j] < EQUATION_CUBIC)
+            out->rate[fit->index[j] - EQUATION_RATE] = value;
+    }
+}
+
+/* The offset at t0 and its slope, from the baseline. */
+bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
+                        const struct drag_factors *factors, struct arena *arena, struct fit *out)
+{
+    const struct samples *x = &f->motion->samples;
+    const size_t blocks = f->samples.baseline.blocks;
+    double *level = arena_array(arena, blocks, sizeof *level),
+           *slope = arena_array(arena, blocks, sizeof *slope);
+    double sum = 0, square = 0;
+    if (!level || !slope || !law_residuals(&f->samples, fit, f->motion->residual, level, slope))
+        return false;
+    for (size_t k = 0; k < blocks; k++)
+        sum += level[k];
+    const double mean = sum / (double)blocks, middle = 0.5 * (x->t[0] + x->t[x->n - 1]);
+    for (size_t k = 0; k < blocks; k++)
+        square += (level[k] - mean) * (level[k] - mean);
+    const double wander = blocks > 1 ? sqrt(square / (double)(blocks - 1)) : 0;
+    const double still =
+        factors->sigma * sqrt(autocorrelation_factor(factors->lag) / (double)fit->used);
+    const bool line = blocks == 1 && f->samples.baseline.terms > 1;
+    out->drift = (struct measured){line ? slope[0] : 0, 0};
+    out->offset =
+        (struct measured){mean - out->drift.value * (middle - f->t0), hypot(still, wander)};
+    out->drag.wander = wander;
+    return true;
+}
+
+/* Between all that is fitted, as wide as what is reported of each. */
+static void cover(const struct law_fit *fit, const double *deviation, struct fit_covariance *out)
+{
+    *out = (struct fit_covariance){.n = EQUATION_OFFSET};
+    for (int i = 0; i < fit->parameters; i++)
+        for (int j = 0; j < fit->parameters; j++)
+            out->at[fit->index[i]][fit->index[j]] =
+                deviation[i] * deviation[j] * fit->inverse[i][j];
+}
+
+/* The values of a fit that has one law, with the names of the damped sine. */
+void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
+                 struct fit *out)
+{
+    const struct law_fit *fit = &f->fit[i];
+    struct drag_fit *drag = &out->drag;
+    const double widen = factors->sigma * sqrt(factors->amplitude),
+                 across = factors->sigma * sqrt(factors->phase);
+    const double y = fit->motion.value[EQUATION_START], v = fit->motion.value[EQUATION_SPEED];
+    const double gamma = fit->motion.value[EQUATION_RATE],
+                 omega = damped(fit->motion.value[EQUATION_OMEGA], gamma);
+    const int order = fit->motion.order;
+    /* y = A exp(-gamma s/2) cos(omega s + phi), and how each derivative is larger and earlier */
+    const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
+    const double grow = pow(hypot(0.5 * gamma, omega), order),
+                 turn = order * atan2(omega, -0.5 * gamma);
+    const double worse = fmax(widen, across);
+    drag->start = (struct measured){y, law_formal(fit, START) * worse};
+    drag->speed = (struct measured){v, law_formal(fit, SPEED) * worse};
+    const double radial =
+        hypot(y * drag->start.uncertainty, sine * drag->speed.uncertainty / omega) / a;
+    const double turned =
+        hypot(sine * drag->start.uncertainty, y * drag->speed.uncertainty / omega) / a;
+    out->amplitude = (struct measured){a * grow, radial * grow};
+    out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
+    out->omega = (struct measured){omega, law_formal(fit, OMEGA) * across};
+    /* a period that drifts is only as good as half the difference */
+    const struct measured *half = out->half_periods;
+    const double drifts = fabs(half[0].value - half[1].value);
+    if (fit->motion.force == RESTORING_LINEAR &&
+        drifts > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty))
+        out->omega.uncertainty =
+            fmax(out->omega.uncertainty, 0.5 * drifts * omega * omega / TWO_PI);
+    out->period.value = TWO_PI / omega;
+    out->period.uncertainty = out->period.value * out->omega.uncertainty / omega;
+    out->gamma = drag->candidate[i].rate[0];
+    drag->force = fit->motion.force;
+    if (fit->motion.force == RESTORING_CUBIC)
+        drag->cubic = (struct measured){fit->motion.value[EQUATION_CUBIC],
+                                        law_formal(fit, fit->parameters - 1) * worse};
+    double deviation[LAW_PARAMETERS];
+    for (int j = 0; j < fit->parameters; j++)
+        deviation[j] = j < OMEGA                        ? worse
+                       : j == OMEGA                     ? across
+                       : fit->index[j] < EQUATION_CUBIC ? widen
+                                                        : worse;
+    cover(fit, deviation, &out->covariance);
+    fit_covariance_widen(&out->covariance, EQUATION_OMEGA, out->omega.uncertainty);
+    out->rms = drag->candidate[i].rms;
+    out->used = fit->used;
+    out->rejected = f->motion->samples.n - fit->used;
+    out->autocorrelation = factors->lag;
+    out->converged = fit->converged;
+    drag->motion = fit->motion;
+    drag->motion.value[EQUATION_OFFSET] = out->offset.value;
+    drag->signal = factors->signal;
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The motion of a mass under a restoring force and a law of damping,
+ *     y'' + gamma y' + b |y'| y' + f sign(y') + R(y) = 0,  R = omega^2 y, omega^2 y + beta y^3 or
+ * omega^2 sin(y), and its derivatives by everything in it. Between two turning points the sign of
+ * y' is constant and the solution is analytic: Taylor series of it and of its variational equations
+ * (Moore 1966, Interval Analysis, ch. 11), in the time unit 1/omega. At a turning point the
+ * friction jumps; the variations of y' jump with the acceleration (saltation: Aizerman & Gantmakher
+ * 1958). Where the spring is weaker than the friction there, the motion ends.
+ */
+#include "modules/recording/series/internal.h"
+
+#include <hooke/scene.h>
+
+#include <string.h>
+
+enum {
+    ORDER = 18,
+    COLUMNS = EQUATION_COLUMNS,
+    OF_START = 1,
+    OF_SPEED,
+    OF_OMEGA,
+    OF_GAMMA,
+    OF_B,
+    OF_F,
+    OF_CUBIC
+};
+
+#define STEP_MAX 1.2 /* [rad] */
+/* share of the series that its last term may have: what follows is ten times smaller */
+#define ROUNDING 1e-15
+
+_Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
+               "a column for each parameter of the motion");
+
+/* A coefficient of all columns. */
+typedef double row __attribute__((vector_size(COLUMNS * sizeof(double)), aligned(8), may_alias));
+
+/* Coefficients of R/omega^2: of sin(y) or y^2, of R', of y^3. */
+struct restoring {
+    double first[ORDER], slope[ORDER], cube[ORDER];
+};
+
+/* That of order k, from the coefficients y of the motion up to it: c [k + 1][..] from column 0 on.
+ */
+static double restore(const struct equation_walk *s, int k, struct restoring *r)
+{
+    const double(*c)[COLUMNS] = s->c;
+    r->cube[k] = 0;
+    if (s->force == RESTORING_SINE) { /* sin' = cos y', cos' = -sin y' */
+        r->first[k] = k == 0 ? sin(c[0][0]) : 0;
+        r->slope[k] = k == 0 ? cos(c[0][0]) : 0;
+        for (int j = 1; j <= k; j++) {
+            r->first[k] += j * c[j][0] * r->slope[k - j] / k;
+            r->slope[k] -= j * c[j][0] * r->first[k - j] / k;
+        }
+        return r->first[k];
+    }
+    r->first[k] = 0;
+    for (int j = 0; j <= k; j++)
+        r->first[k] += c[j][0] * c[k - j][0];
+    for (int j = 0; j <= k; j++)
+        r->cube[k] += r->first[j] * c[k - j][0];
+    r->slope[k] = 3 * s->cubic * r->first[k] + (k == 0);
+    return c[k][0] + s->cubic * r->cube[k];
+}
+
+static double restoring_at(const struct equation_walk *s, double y)
+{
+    return s->force == RESTORING_LINEAR ? y
+           : s->force == RESTORING_SINE ? sin(y)
+                                        : y + s->cubic * y * y * y;
+}
+
+/* Taylor coefficients from those of orders 0 and 1. */
+static void expand_values(struct equation_walk *s)
+{
+    double rate[ORDER];
+    struct restoring restoring;
+    for (int k = 0; k + 2 <= ORDER; k++) {
+        double product = 0;
+        rate[k] = (k + 1) * s->c[k + 1][0];
+        for (int j = 0; j <= k && s->quadratic; j++)
+            product += rate[j] * rate[k - j];
+        const double pull = s->force == RESTORING_LINEAR ? s->c[k][0] : restore(s, k, &restoring);
+        const double friction = k == 0 ? s->side * s->f : 0;
+        s->c[k + 2][0] =
+            -(pull + s->g * rate[k] + s->side * s->b * product + friction) / ((k + 1) * (k + 2));
+    }
+}
+
+/* The same with the derivatives: each is a motion in the linear equation along the motion, driven
+ * by its parameter. */
+static void expand_slopes(struct equation_walk *s)
+{
+    row rate[ORDER];
+    struct restoring restoring;
+    for (int k = 0; k + 2 <= ORDER; k++) {
+        const row here = *(const row *)s->c[k];
+        row product = {0}, pull = here;
+        rate[k] = (k + 1) * *(const row *)s->c[k + 1];
+        for (int j = 0; j <= k && s->quadratic; j++)
+            product += rate[j][0] * rate[k - j];
+        if (s->force != RESTORING_LINEAR) {
+            const double value = restore(s, k, &restoring);
+            pull -= pull;
+            for (int j = 0; j <= k; j++)
+                pull += restoring.slope[j] * *(const row *)s->c[k - j];
+            pull[0] = value;
+        }
+        const double square = product[0], b = s->side * s->b;
+        row sum = pull + s->g * rate[k] + 2 * b * product;
+        sum[0] -= b * square;
+        sum[OF_OMEGA] += 2 * (s->force == RESTORING_SINE ? pull[0] : here[0]);
+        sum[OF_GAMMA] += rate[k][0];
+        sum[OF_B] += s->side * square;
+        sum[OF_CUBIC] += s->force == RESTORING_CUBIC ? restoring.cube[k] : 0;
+        sum[0] += k == 0 ? s->side * s->f : 0;
+        sum[OF_F] += k == 0 ? s->side : 0;
+        sum *= -1.0 / ((k + 1) * (k + 2));
+        *(row *)s->c[k + 2] = sum;
+    }
+}
+
+static void expand(struct equation_walk *s)
+{
+    if (s->side == 0)
+        memset(s->c[1], 0, sizeof s->c - sizeof s->c[0]);
+    else if (s->slopes)
+        expand_slopes(s);
+    else
+        expand_values(s);
+}
+
+/* Of the first column or of all: the derivative by time of the given order, at x after the start of
+ * the step. */
+static void evaluate(const struct equation_walk *s, double x, int order, int columns, double *out)
+{
+    if (columns == 1) {
+        double sum = 0;
+        for (int k = ORDER; k >= order; k--)
+            sum = sum * x + (order == 0 ? 1 : order == 1 ? k : k * (k - 1)) * s->c[k][0];
+        out[0] = sum;
+        return;
+    }
+    row sum = {0};
+    for (int k = ORDER; k >= order; k--) {
+        const double factor = order == 0 ? 1 : order == 1 ? k : k * (k - 1);
+        sum = sum * x + factor * *(const row *)s->c[k];
+    }
+    *(row *)out = sum;
+}
+
+static double speed(void *walk, double x)
+{
+    double v;
+    evaluate(walk, x, 1, 1, &v);
+    return v;
+}
+
+/* Where the velocity changes its sign in (0, h]. */
+static double turning_time(struct equation_walk *s, double h, double v)
+{
+    double low = 0, at_low = speed(s, 0);
+    if (at_low == 0) { /* just turned: the other side is where it accelerates to */
+        low = 1e-9 * h;
+        at_low = speed(s, low);
+        if (at_low * v > 0)
+            return 0;
+    }
+    return root_between(speed, s, low, at_low, h, v, 1e-15 * h);
+}
+
+/* The direction in which it goes on from v = 0, 0: it sticks. */
+static double direction(const struct equation_walk *s)
+{
+    const double pull = restoring_at(s, s->c[0][0]);
+    return fabs(pull) <= s->f ? 0 : -copysign(1, pull);
+}
+
+static void turn(struct equation_walk *s)
+{
+    const double pull = restoring_at(s, s->c[0][0]), before = -pull - s->side * s->f,
+                 side = direction(s);
+    const double ratio = side == 0 || before == 0 ? 0 : (-pull - side * s->f) / before;
+    for (int i = 0; i < COLUMNS; i++)
+        s->c[1][i] *= ratio;
+    s->c[1][0] = 0;
+    s->side = side;
+}
+
+/* The length of the step that the series allows. */
+static double step_length(const struct equation_walk *s)
+{
+    double size = 0, last = 0;
+    for (int i = 0; i < (s->slopes ? COLUMNS : 1); i++) {
+        const double first = fabs(s->c[0][i]) + fabs(s->c[1][i]),
+                     end = fabs(s->c[ORDER][i]) + fabs(s->c[ORDER - 1][i]);
+        size = first > size ? first : size;
+        last = end > last ? end : last;
+    }
+    return last > 0 ? fmin(STEP_MAX, pow(ROUNDING * size / last, 1.0 / ORDER)) : STEP_MAX;
+}
+
+bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)
+{
+    const double omega = e->value[EQUATION_OMEGA];
+    *s = (struct equation_walk){.force = e->force,
+                                .order = e->order,
+                                .slopes = slopes != EQUATION_VALUES,
+                                .quadratic =
+                                    slopes == EQUATION_SLOPES || e->value[EQUATION_RATE + 1] != 0,
+                                .t0 = e->t0,
+                                .omega = omega,
+                                .offset = e->value[EQUATION_OFFSET],
+                                .g = e->value[EQUATION_RATE] / omega,
+                                .b = e->value[EQUATION_RATE + 1],
+                                .f = e->value[EQUATION_RATE + 2] / (omega * omega),
+                                .cubic = e->value[EQUATION_CUBIC] / (omega * omega)};
+    if (!(omega > 0))
+        return false;
+    s->c[0][0] = e->value[EQUATION_START];
+    s->c[1][0] = e->value[EQUATION_SPEED] / omega;
+    s->c[0][OF_START] = s->c[1][OF_SPEED] = 1;
+    s->side = s->c[1][0] != 0 ? copysign(1, s->c[1][0]) : direction(s);
+    expand(s);
+    return true;
+}
+
+/* Values at the samples [from, ..) that lie within the step; returns the first beyond it, n + 1: no
+ * number. */
+static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t from,
+                          size_t n, double *value, double *derivative)
+{
+    const double over = 1 / s->omega, grow = s->order == 0   ? 1
+                                             : s->order == 1 ? s->omega
+                                                             : s->omega * s->omega;
+    const double unit[COLUMNS] = {1, 1, over, over, over, 1, over * over, over * over};
+    const int columns = derivative ? COLUMNS : 1;
+    double here[COLUMNS];
+    size_t i = from;
+    for (; i < n && (t[i] - s->t0) * s->omega <= s->at + h; i++) {
+        evaluate(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns, here);
+        value[i] = s->offset + grow * here[0];
+        if (!isfinite(value[i]))
+            return n + 1;
+        if (!derivative)
+            continue;
+        double *out = derivative + i * EQUATION_PARAMETERS;
+        for (int k = OF_START; k < COLUMNS; k++)
+            out[k - OF_START] = grow * unit[k] * here[k];
+        out[EQUATION_OFFSET] = 1;
+    }
+    return i;
+}
+
+bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
+                     double *derivative)
+{
+    double left = 1000 + 20 * (n > 0 ? (t[n - 1] - s->t0) * s->omega - s->at : 0);
+    if (n > 0 && !((t[0] - s->t0) * s->omega >= s->at))
+        return false;
+    for (size_t i = 0; i < n; left--) {
+        double h = s->side == 0 ? HUGE_VAL : step_length(s), end[COLUMNS], next[COLUMNS];
+        if (!(h > 1e-6) || left < 0)
+            return false;
+        const double v = s->side == 0 ? 0 : speed(s, h);
+        const bool turns = v * s->side < 0;
+        if (turns)
+            h = turning_time(s, h, v);
+        i = within_step(s, h, t, i, n, value, derivative);
+        if (i >= n)
+            return i == n;
+        const int columns = s->slopes ? COLUMNS : 1;
+        evaluate(s, h, 0, columns, end);
+        evaluate(s, h, 1, columns, next);
+        memcpy(s->c[0], end, (size_t)columns * sizeof *end);
+        memcpy(s->c[1], next, (size_t)columns * sizeof *next);
+        if (turns)
+            turn(s);
+        s->at += h;
+        expand(s);
+    }
+    return true;
+}
+
+bool equation_solve(const struct equation *e, const double *t, size_t n, double *value,
+                    double *derivative)
+{
+    struct equation_walk walk;
+    return equation_begin(e, derivative ? EQUATION_SLOPES : EQUATION_VALUES, &walk) &&
+           equation_values(&walk, t, n, value, derivative);
+}

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Normal equations of an equation of motion, sample after sample, less what a baseline block by
+ * block explains. */
+#include <hooke/base/cancel.h>
+#include "modules/recording/fit/least_squares.h"
+#include "modules/recording/law/law_fit.h"
+
+#include <string.h>
+
+enum {
+    /* derivatives, then the residual */
+    CHUNK = 128,
+    ITERATIONS = 60,
+    COLUMNS = LAW_PARAMETERS + 1
+};
+
+struct normal {
+    double product[COLUMNS][COLUMNS]; /* upper part; the last column is that of the residual */
+};
+
+/* Sums over the samples of a block: of the basis 1, s, s^2 (s in -1 .. 1) and of it with the
+ * columns. */
+struct gram_block {
+    double middle, half; /* [s] */
+    double gram[BASELINE_TERMS][BASELINE_TERMS];
+    double cross[BASELINE_TERMS][COLUMNS];
+};
+
+/* ---- one pass ---- */
+
+static struct gram_block block_of(const struct law_samples *x, size_t k)
+{
+    const double *t = x->samples->t;
+    const double from = t[x->baseline.edge[k]], to = t[x->baseline.edge[k + 1] - 1];
+    return (struct gram_block){.middle = 0.5 * (from + to),
+                               .half = fmax(0.5 * (to - from), 1e-300)};
+}
+
+static double time_of(const struct samples *x, size_t i)
+{
+    return x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
+}
+
+/* The basis at a time. */
+static void basis(const struct gram_block *block, int terms, double t, double out[BASELINE_TERMS])
+{
+    const double s = (t - block->middle) / block->half;
+    out[0] = 1;
+    for (int m = 1; m < terms; m++)
+        out[m] = out[m - 1] * s;
+}
+
+/* A row of columns into the sums. */
+static void add_row(int count, int terms, const double *column, const double *base,
+                    struct gram_block *block, struct normal *normal)
+{
+    for (int k = 0; k < count; k++)
+        for (int j = k; j < count; j++)
+            normal->product[k][j] += column[j] * column[k];
+    for (int m = 0; m < terms; m++) {
+        for (int j = 0; j < count; j++)
+            block->cross[m][j] += base[m] * column[j];
+        for (int k = 0; k <= m; k++)
+            block->gram[m][k] += base[m] * base[k];
+    }
+}
+
+/* As many terms of the baseline as the block's samples hold; their number. */
+static int factor_block(const struct gram_block *block, int terms, double *l)
+{
+    while (terms > 0 && !matrix_cholesky(terms, BASELINE_TERMS, &block->gram[0][0], 1e-14, l))
+        terms--;
+    return terms;
+}
+
+/* Less what the block's baseline explains of every column. */
+static void project(int count, int terms, const struct gram_block *block, struct normal *normal)
+{
+    double l[BASELINE_TERMS * BASELINE_TERMS], part[COLUMNS][BASELINE_TERMS];
+    terms = factor_block(block, terms, l);
+    for (int j = 0; j < count; j++) {
+        for (int m = 0; m < terms; m++)
+            part[j][m] = block->cross[m][j];
+        cholesky_forward(terms, BASELINE_TERMS, l, part[j]);
+        for (int k = 0; k <= j; k++)
+            for (int m = 0; m < terms; m++)
+                normal->product[k][j] -= part[j][m] * part[k][m];
+    }
+}
+
+/* The next samples that take part, from *at up to `end`. */
+static int gather(const struct law_samples *x, size_t *at, size_t end, double *t, double *y)
+{
+    int count = 0;
+    for (; *at < end && count < CHUNK; ++*at) {
+        if (x->use[*at]) {
+            t[count] = time_of(x->samples, *at);
+            y[count++] = x->samples->y[*at] - x->middle;
+        }
+    }
+    return count;
+}
+
+struct law_problem {
+    const struct law_samples *samples;
+    struct law_fit *fit;
+};
+
+static void move(struct law_fit *fit, const double *x)
+{
+    for (int j = 0; j < fit->parameters; j++)
+        fit->motion.value[fit->index[j]] = x[j];
+}
+
+/* Adds all samples, with as many derivatives. Returns false if there is no value. */
+static bool pass(const struct law_samples *x, const struct law_fit *fit, int rows,
+                 struct normal *sums, size_t *used)
+{
+    double t[CHUNK], y[CHUNK], value[CHUNK], derivative[CHUNK * EQUATION_PARAMETERS],
+        column[COLUMNS], base[3];
+    const int terms = x->baseline.terms;
+    enum equation_slopes slopes = rows > 0 ? EQUATION_SLOPES_BUT_B : EQUATION_VALUES;
+    struct equation motion = fit->motion;
+    struct equation_walk walk;
+    for (int j = 0; j < rows; j++)
+        slopes = fit->index[j] == EQUATION_RATE + 1 ? EQUATION_SLOPES : slopes;
+    motion.value[EQUATION_OFFSET] = 0;
+    if (!(fabs(motion.value[EQUATION_OMEGA] - fit->omega) < 0.5 * fit->omega) ||
+        !equation_begin(&motion, slopes, &walk))
+        return false;
+    size_t at = 0;
+    for (size_t k = 0; k < x->baseline.blocks; k++) {
+        struct gram_block block = block_of(x, k);
+        while (at < x->baseline.edge[k + 1]) {
+            if (cancelled(x->cancel))
+                return false;
+            const int count = gather(x, &at, x->baseline.edge[k + 1], t, y);
+            if (!equation_values(&walk, t, (size_t)count, value, rows > 0 ? derivative : NULL))
+                return false;
+            for (int i = 0; i < count; i++) {
+                for (int j = 0; j < rows; j++)
+                    column[j] = derivative[i * EQUATION_PARAMETERS + fit->index[j]];
+                column[rows] = y[i] - value[i];
+                basis(&block, terms, t[i], base);
+                add_row(rows + 1, terms, column, base, &block, sums);
+            }
+            *used += (size_t)count;
+        }
+        project(rows + 1, terms, &block, sums);
+    }
+    return true;
+}
+
+static bool linearise(void *context, const double *x, int columns, struct triangle *t)
+{
+    static const double independent = 1e-14;
+    const struct law_problem *p = context;
+    struct law_fit *fit = p->fit;
+    struct normal sums = {{{0}}};
+    t->rows = 0;
+    if (x)
+        move(fit, x);
+    if (!pass(p->samples, fit, columns, &sums, &t->rows) || t->rows <= (size_t)fit->parameters)
+        return false;
+    triangle_of_products(t, columns, COLUMNS, &sums.product[0][0], independent);
+    fit->used = t->rows;
+    return true;
+}
+
+double law_squares(const struct law_samples *x, struct law_fit *fit)
+{
+    struct law_problem problem = {x, fit};
+    struct triangle t;
+    return linearise(&problem, NULL, 0, &t) ? triangle_squares(&t, 0) : NAN;
+}
+
+bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit)
+{
+    static const double first_damping = 1e-3;
+    struct law_problem problem = {x, fit};
+    struct descent d = {.iterations = 0};
+    /* With friction a minimum may lie where a half swing more begins, in a kink: no step promises
+     * little there. */
+    bool dry = false;
+    for (int j = 0; j < fit->parameters; j++) {
+        d.x[j] = fit->motion.value[fit->index[j]];
+        dry = dry || fit->index[j] == EQUATION_RATE + 2;
+    }
+    const struct least_squares model = {
+        .parameters = fit->parameters, .context = &problem, .linearise = linearise};
+    const struct descent_options options = {.trust = trust,
+                                            .rounding = rounding,
+                                            .damping = first_damping,
+                                            .rescaled = true,
+                                            .kinks = dry,
+                                            .iterations = ITERATIONS,
+                                            .cancel = x->cancel};
+    const bool done = least_squares_descend(&model, &options, &d);
+    move(fit, d.x);
+    fit->rss = done ? d.rss : NAN;
+    fit->converged =
+        done && d.converged && triangle_inverse(&d.triangle, LAW_PARAMETERS, &fit->inverse[0][0]);
+    return fit->converged;
+}
+
+double law_formal(const struct law_fit *fit, int at)
+{
+    return sqrt(fmax(fit->inverse[at][at], 0));
+}
+
+/* ---- what is left ---- */
+
+bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
+                   double *level, double *slope)
+{
+    struct equation_walk walk;
+    double t[CHUNK], base[BASELINE_TERMS], l[BASELINE_TERMS * BASELINE_TERMS];
+    const struct samples *samples = x->samples;
+    if (!equation_begin(&fit->motion, EQUATION_VALUES, &walk))
+        return false;
+    for (size_t k = 0; k < x->baseline.blocks; k++) {
+        const size_t from = x->baseline.edge[k], to = x->baseline.edge[k + 1];
+        struct gram_block block = block_of(x, k);
+        struct normal unused = {{{0}}};
+        for (size_t at = from; at < to; at += CHUNK) {
+            if (cancelled(x->cancel))
+                return false;
+            const size_t count = to - at < CHUNK ? to - at : CHUNK;
+            for (size_t i = 0; i < count; i++)
+                t[i] = time_of(samples, at + i);
+            if (!equation_values(&walk, t, count, residual + at, NULL))
+                return false;
+            for (size_t i = 0; i < count; i++) {
+                residual[at + i] = samples->y[at + i] - x->middle - residual[at + i];
+                basis(&block, x->baseline.terms, t[i], base);
+                if (x->use[at + i])
+                    add_row(1, x->baseline.terms, &residual[at + i], base, &block, &unused);
+            }
+        }
+        const int terms = factor_block(&block, x->baseline.terms, l);
+        double coefficient[BASELINE_TERMS] = {0};
+        for (int m = 0; m < terms; m++)
+            coefficient[m] = block.cross[m][0];
+        cholesky_forward(terms, BASELINE_TERMS, l, coefficient);
+        cholesky_backward(terms, BASELINE_TERMS, l, coefficient);
+        for (size_t i = from; i < to; i++) {
+            basis(&block, terms, time_of(samples, i), base);
+            for (int m = 0; m < terms; m++)
+                residual[i] -= coefficient[m] * base[m];
+        }
+        if (level)
+            level[k] = x->middle + coefficient[0];
+        if (slope)
+            slope[k] = coefficient[1] / block.half;
+    }
+    return true;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Least squares of the equation of motion in one pass over the samples, with a baseline that is
+ * projected out block by block: nothing of the length of the recording is stored.
+ */
+#ifndef HOOKE_MODULES_RECORDING_LAW_LAW_FIT_H
+#define HOOKE_MODULES_RECORDING_LAW_LAW_FIT_H
+
+#include "modules/recording/series/internal.h"
+
+struct cancel;
+
+enum { BASELINE_TERMS = 3, BASELINE_MIN = 24 }; /* samples in a block */
+
+/* What the offset does: within each block of samples a polynomial of its own. */
+struct baseline {
+    size_t blocks;
+    size_t *edge; /* [blocks + 1] samples */
+    int terms;    /* 1: constant, 2: line, 3: parabola */
+};
+
+struct law_samples {
+    const struct samples *samples;
+    const unsigned char *use; /* [n] */
+    struct baseline baseline;
+    double middle; /* near the offset: taken off first, for the rounding */
+    const struct cancel *cancel;
+};
+
+enum { LAW_PARAMETERS = EQUATION_PARAMETERS - 1 }; /* all but the offset */
+
+/* Parameters that are fitted: places among the equation's values. */
+struct law_fit {
+    int parameters;
+    int index[LAW_PARAMETERS];
+    struct equation motion; /* the start, then the answer; without the offset */
+    double omega;           /* of the start: what is far from it is no answer */
+    bool converged;
+    double rss;
+    size_t used;
+    double inverse[LAW_PARAMETERS][LAW_PARAMETERS]; /* (J^T J)^-1 */
+};
+
+/*
+ * To the minimum (Marquardt 1963) from the motion on. trust: a full step that promises less than so
+ * many variances is taken without another look at the samples, and is the last. rounding: [y^2] of
+ * a sum of squares. False: it has not arrived.
+ */
+bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit);
+/* Sum of squares at the motion as it is; NAN: no value there. */
+double law_squares(const struct law_samples *x, struct law_fit *fit);
+/*
+ * y less motion and baseline for all samples [n], whether they take part or not; level [blocks] of
+ * the baseline in the middle of each block, and slope [y/s] there, or NULL.
+ */
+bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
+                   double *level, double *slope);
+/* Standard deviation for residuals of variance 1; at: place among the fit's parameters. */
+double law_formal(const struct law_fit *fit, int at);
+
+#endif

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The laws of damping, and the choice among their fits. A law remains unless another that it does
+ * not contain refutes it by BIC (and an F-test, where that only has further terms); one that
+ * contains the simplest that remains, as long as its further terms may take a share of the energy
+ * lost that counts. Only where a single law remains is it claimed.
+ */
+#include <hooke/base/catalog.h>
+#include "modules/recording/law/drag.h"
+
+#include <gsl/gsl_cdf.h>
+#include <stdio.h>
+
+#define DELTA_MORE 10.0 /* of BIC against a law that has more terms, and does not contain it */
+
+static const struct drag_law_row rows[] = {
+    {{"linear", "", "viscous: the air at small speeds, eddy currents",
+      "y'' + gamma y' + omega0^2 y = 0", NULL},
+     LAW_LINEAR},
+    {{"quadratic", "", "the air at larger speeds, a disk", "y'' + b|y'|y' + omega0^2 y = 0", NULL},
+     LAW_QUADRATIC},
+    {{"linear+quadratic", "", "both", "y'' + gamma y' + b|y'|y' + omega0^2 y = 0", NULL},
+     LAW_LINEAR | LAW_QUADRATIC},
+    {{"dry", "", "Coulomb friction, with sticking", "y'' + f sign(y') + omega0^2 y = 0", NULL},
+     LAW_DRY},
+    {{"linear+dry", "", "a rail with air", "y'' + gamma y' + f sign(y') + omega0^2 y = 0", NULL},
+     LAW_LINEAR | LAW_DRY},
+    {{"quadratic+dry", "", "a disk with a rubbing guide",
+      "y'' + b|y'|y' + f sign(y') + omega0^2 y = 0", NULL},
+     LAW_QUADRATIC | LAW_DRY},
+    {{"linear+quadratic+dry", "", "all three",
+      "y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0", NULL},
+     LAW_LINEAR | LAW_QUADRATIC | LAW_DRY},
+};
+
+_Static_assert(COUNT_OF(rows) == DRAG_LAWS, "every sum of the three terms");
+
+const struct catalog drag_law_catalog = CATALOG("law", rows);
+
+const struct drag_rate drag_rates[DRAG_RATES] = {
+    {"gamma", "1/s", "1/s"}, {"b", "1/m", ""}, {"f", "m/s^2", "1/s^2"}};
+
+const char *drag_law_name(enum drag_law law)
+{
+    return law == LAW_NONE        ? NULL
+           : law >= LAW_UNDECIDED ? "not distinguishable"
+                                  : rows[law - 1].row.name;
+}
+
+static enum drag_law law_at(int i)
+{
+    return rows[i].law;
+}
+
+static int terms(enum drag_law law)
+{
+    return !!(law & LAW_LINEAR) + !!(law & LAW_QUADRATIC) + !!(law & LAW_DRY);
+}
+
+static bool contains(enum drag_law law, enum drag_law part)
+{
+    return (law & part) == part;
+}
+
+static bool physical(const struct drag_candidate *c)
+{
+    for (int k = 0; k < DRAG_RATES; k++)
+        if (c->law >> k & 1 && !(c->rate[k].value > 0))
+            return false;
+    return c->converged;
+}
+
+static double chance(const struct law_evidence *e, int small, int large)
+{
+    const double extra = terms(law_at(large)) - terms(law_at(small));
+    const double gain = fmax(e->fit[small].rss - e->fit[large].rss, 0) / e->variance / extra;
+    return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
+}
+
+/*
+ * The largest share of the loss that the terms which a law has beyond `part` may take: two standard
+ * deviations along the direction in which they grow most. *there, unless NULL: whether no
+ * coefficient is negative at its end; else the edge is a law with fewer terms, which is judged
+ * itself.
+ */
+static double fraction_beyond(const struct law_evidence *e, const struct drag_candidate *c,
+                              enum drag_law part, bool *there)
+{
+    const struct law_fit *fit = &e->fit[c->law - 1];
+    double all = 0, beyond = 0, variance = 0, weight[LAW_PARAMETERS] = {0},
+           along[LAW_PARAMETERS] = {0};
+    for (int k = 0, j = FIRST_RATE; k < DRAG_RATES; k++) {
+        if (!(c->law >> k & 1))
+            continue;
+        weight[j] = part >> k & 1 ? 0 : e->loss[k];
+        all += c->rate[k].value * e->loss[k];
+        beyond += c->rate[k].value * weight[j++];
+    }
+    for (int i = FIRST_RATE; i < fit->parameters; i++) {
+        for (int j = FIRST_RATE; j < fit->parameters; j++)
+            along[i] += fit->inverse[i][j] * weight[j] * e->variance;
+        variance += weight[i] * along[i];
+    }
+    const double deviation = sqrt(fmax(variance, 0));
+    for (int i = FIRST_RATE; i < fit->parameters && there; i++)
+        if (fit->index[i] < EQUATION_CUBIC)
+            *there = (i == FIRST_RATE || *there) &&
+                     fit->motion.value[fit->index[i]] + 2 * along[i] / deviation > 0;
+    return all > 0 ? fmax(beyond + 2 * deviation, 0) / all : 1;
+}
+
+/* By how much BIC must be larger for a law to be refuted by another that it does not contain. */
+static double needed(enum drag_law law, enum drag_law by)
+{
+    return contains(by, law) || terms(law) <= terms(by) ? DELTA_MIN : DELTA_MORE;
+}
+
+/* A law is refuted by one that it does not contain: by BIC, and by the F-test where that has but
+ * further terms. */
+static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, int i)
+{
+    const struct drag_candidate *c = &drag->candidate[i];
+    for (int j = 0; j < DRAG_LAWS; j++) {
+        const struct drag_candidate *by = &drag->candidate[j];
+        if (i != j && physical(by) && !contains(c->law, by->law) &&
+            c->bic - by->bic >= needed(c->law, by->law) &&
+            (!contains(by->law, c->law) || chance(e, i, j) < CHANCE_MAX))
+            return true;
+    }
+    return false;
+}
+
+/* Of the laws that nothing refutes, that with the fewest terms, then the least BIC; -1: all have a
+ * wrong sign. */
+static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
+{
+    int simple = -1;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        if (!physical(c) || refuted(e, drag, i))
+            continue;
+        const int more = simple < 0 ? -1 : terms(c->law) - terms(law_at(simple));
+        if (more < 0 || (more == 0 && c->bic < drag->candidate[simple].bic))
+            simple = i;
+    }
+    return simple;
+}
+
+/*
+ * Whether another law remains beside the simplest. One that contains it is never refuted: it
+ * remains where its further terms may take a share of the loss that counts, or are shown to be
+ * there, if weakly.
+ */
+static bool remains(const struct law_evidence *e, const struct drag_fit *drag, int simple, int i,
+                    bool beside_others)
+{
+    const struct drag_candidate *c = &drag->candidate[i];
+    const enum drag_law law = law_at(simple);
+    if (i == simple || !c->converged)
+        return i == simple;
+    if (!contains(c->law, law))
+        return physical(c) && !refuted(e, drag, i);
+    bool there = false;
+    const double fraction = fraction_beyond(e, c, law, &there);
+    return (physical(c) && chance(e, simple, i) < HIDDEN) ||
+           ((there || beside_others) && fraction > SHARE_MAX * (terms(c->law) - terms(law)));
+}
+
+/* Bit i: candidate i remains. Where several do, so do all that contain the simplest, and what they
+ * are together. */
+static unsigned remaining(const struct law_evidence *e, const struct drag_fit *drag, int simple)
+{
+    unsigned mask = 0, wide = 0, terms_of_all = 0;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        mask |= (unsigned)remains(e, drag, simple, i, false) << i;
+        wide |= (unsigned)remains(e, drag, simple, i, true) << i;
+        terms_of_all |= wide >> i & 1 ? (unsigned)law_at(i) : 0;
+    }
+    return mask == 1u << simple ? mask : wide | 1u << (terms_of_all - 1);
+}
+
+/* ---- in words ---- */
+
+/* The law with the least BIC among `others`, -1: none. */
+static int next_best(const struct drag_fit *drag, int best, bool parts)
+{
+    int next = -1;
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        const bool related = contains(drag->candidate[best].law, c->law);
+        if (i != best && physical(c) && (!parts || related) &&
+            (next < 0 || c->bic < drag->candidate[next].bic))
+            next = i;
+    }
+    return next;
+}
+
+/* The laws that remain, and what keeps them: BIC of one of them, or a further term. */
+static void say_undecided(const struct law_evidence *e, int simple, const struct drag_fit *drag,
+                          struct buffer *text)
+{
+    const enum drag_law law = law_at(simple);
+    double fraction = 0;
+    int rival = -1;
+    buffer_format(text, "not distinguishable: %s", drag_law_name(law));
+    for (int i = 0; i < DRAG_LAWS; i++) {
+        const struct drag_candidate *c = &drag->candidate[i];
+        if (i == simple || !(drag->remaining >> i & 1))
+            continue;
+        buffer_format(text, " or %s", drag_law_name(c->law));
+        if (contains(c->law, law))
+            fraction = fmax(fraction, fraction_beyond(e, c, law, NULL));
+        else if (rival < 0 || c->bic < drag->candidate[rival].bic)
+            rival = i;
+    }
+    if (rival >= 0) {
+        const double over = drag->candidate[rival].bic - drag->candidate[simple].bic;
+        buffer_format(text, " (BIC of %s is %s by only %.3g, %g needed",
+                      drag_law_name(law_at(rival)), over < 0 ? "lower" : "higher", fabs(over),
+                      needed(law_at(rival), law));
+    }
+    if (fraction > 0)
+        buffer_format(text, "%sa further term could take %.0f %% of the loss",
+                      rival < 0 ? " (" : "; ", 100 * fmin(fraction, 1));
+    if (rival >= 0 || fraction > 0)
+        buffer_char(text, ')');
+}
+
+/* What the claim rests on. */
+static void say_claimed(const struct law_evidence *e, int best, const struct drag_fit *drag,
+                        struct buffer *text)
+{
+    const struct drag_candidate *c = &drag->candidate[best];
+    const int next = next_best(drag, best, false), part = next_best(drag, best, true);
+    double fraction = 0;
+    for (int i = 0; i < DRAG_LAWS; i++)
+        if (terms(law_at(i)) == terms(c->law) + 1 && contains(law_at(i), c->law) &&
+            drag->candidate[i].converged)
+            fraction = fmax(fraction, fraction_beyond(e, &drag->candidate[i], c->law, NULL));
+    if (part >= 0)
+        buffer_format(text,
+                      "%s: its last term lowers BIC by %.3g against %s (%g needed), F-test p = "
+                      "%.1g (%g needed)",
+                      drag_law_name(c->law), drag->candidate[part].bic - c->bic,
+                      drag_law_name(law_at(part)), DELTA_MIN, drag->p_value, CHANCE_MAX);
+    else if (next >= 0)
+        buffer_format(text, "%s: BIC is lower by %.3g than that of %s", drag_law_name(c->law),
+                      drag->delta, drag_law_name(law_at(next)));
+    else
+        buffer_format(text, "%s: every other law would have a negative coefficient",
+                      drag_law_name(c->law));
+    if (terms(c->law) < DRAG_RATES)
+        buffer_format(text, "; a further term takes less than %.2g %% of the loss",
+                      fmax(100 * fraction, 0.1));
+}
+
+int law_choose(const struct law_evidence *e, struct fit *out)
+{
+    struct drag_fit *drag = &out->drag;
+    const int simple = simplest(e, drag), best = simple < 0 ? LAW_LINEAR - 1 : simple;
+    const struct drag_candidate *c = &drag->candidate[best];
+    struct buffer text = {0};
+    drag->best = c->law;
+    drag->remaining = simple < 0 ? 1u << best : remaining(e, drag, simple);
+    const int next = next_best(drag, best, false), part = next_best(drag, best, true);
+    drag->delta = next < 0 ? INFINITY : drag->candidate[next].bic - c->bic;
+    drag->p_value = part >= 0                                     ? chance(e, part, best)
+                    : next >= 0 && contains(law_at(next), c->law) ? chance(e, best, next)
+                                                                  : NAN;
+    const bool decided = drag->remaining == 1u << best;
+    out->preferred = decided ? c->law : LAW_UNDECIDED;
+    if (simple < 0)
+        buffer_format(&text, "%s: every law would have a negative coefficient",
+                      drag_law_name(c->law));
+    else if (decided)
+        say_claimed(e, best, drag, &text);
+    else
+        say_undecided(e, best, drag, &text);
+    snprintf(drag->said, sizeof drag->said, "%.*s", (int)text.len, text.data ? text.data : "");
+    buffer_free(&text);
+    return best;
+}

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Which force pulls back: a spring, a hardening or softening one (Duffing 1918), or gravity on a
+ * pendulum. Where the period changes with the amplitude no sine is near the whole recording: each
+ * force is fitted to its first periods, then to twice as many, and so on.
+ */
+#include "modules/recording/law/drag.h"
+
+#include <gsl/gsl_cdf.h>
+#include <string.h>
+
+enum { FIRST_PERIODS = 4, LEAST = 16 };
+
+#define NEARLY 100.0 /* variances that a step may promise to be taken unseen */
+#define FINALLY 1e-2
+/* variances beyond another force, with which a search that did not end is no answer */
+#define FAR 100.0
+
+const char *restoring_name(enum restoring_force force)
+{
+    static const char *const name[RESTORING_FORCES] = {[RESTORING_LINEAR] = "linear",
+                                                       [RESTORING_CUBIC] = "Duffing",
+                                                       [RESTORING_SINE] = "pendulum"};
+    return name[force];
+}
+
+/* The first samples of the whole, with a line for a baseline. */
+struct first_samples {
+    struct samples samples;
+    struct law_samples law;
+    size_t edge[2];
+};
+
+static void take(const struct law_samples *whole, size_t to, struct first_samples *part)
+{
+    part->samples = samples_part(whole->samples, 0, to);
+    part->law = *whole;
+    part->law.samples = &part->samples;
+    part->edge[0] = 0;
+    part->edge[1] = to;
+    part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
+}
+
+/* Where the damped sine of the first periods begins. */
+static void begin(const struct law_samples *x, const struct equation *start, struct law_fit *fit)
+{
+    *fit = (struct law_fit){.motion = *start, .omega = start->value[EQUATION_OMEGA]};
+    fit->parameters = drag_indices(LAW_LINEAR, RESTORING_LINEAR, fit->index);
+    const double t0 = x->samples->t[0];
+    struct harmonic h = {.omega = fit->omega};
+    h.origin = 0.5 * (t0 + x->samples->t[x->samples->n - 1]);
+    if (start->order > 0 || !harmonic_fit(x->samples, FREE_GAMMA, &h, NULL))
+        return;
+    const double back = start->t0 - h.origin, e = exp(-0.5 * h.gamma * back);
+    const double c = e * cos(h.omega * back), s = e * sin(h.omega * back), p = h.a * c + h.b * s,
+                 q = h.b * c - h.a * s;
+    fit->motion.value[EQUATION_START] = p;
+    fit->motion.value[EQUATION_SPEED] = h.omega * q - 0.5 * h.gamma * p;
+    fit->motion.value[EQUATION_OMEGA] = fit->omega = h.omega;
+    fit->motion.value[EQUATION_RATE] = h.gamma;
+}
+
+/* The smaller of the whole and twice as much, that many samples. */
+static size_t next_length(size_t to, size_t n)
+{
+    return to > n / 2 ? n : 2 * to;
+}
+
+/* The force from a first window on; false: not found. */
+static bool grow(const struct law_samples *x, size_t from, const struct law_fit *first,
+                 enum restoring_force force, double rounding, struct law_fit *fit)
+{
+    const size_t n = x->samples->n;
+    *fit = *first;
+    fit->motion.force = force;
+    fit->parameters = drag_indices(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
+    if (force == RESTORING_SINE) { /* T = T0 (1 + A^2/16): Nayfeh & Mook 1979, 2.1 */
+        const double a = hypot(fit->motion.value[EQUATION_START],
+                               fit->motion.value[EQUATION_SPEED] / fit->omega);
+        fit->motion.value[EQUATION_OMEGA] *= 1 + fmin(a * a, 4) / 16;
+    }
+    for (size_t to = from;; to = next_length(to, n)) {
+        struct first_samples part;
+        take(x, to, &part);
+        fit->omega = fit->motion.value[EQUATION_OMEGA];
+        const struct law_fit before = *fit;
+        const bool found =
+            law_descend(to < n ? &part.law : x, to < n ? NEARLY : FINALLY, rounding, fit);
+        if (to == n)
+            return found;
+        if (!found) /* too few periods may not hold every parameter: more of them from where it was
+                     */
+            *fit = before;
+    }
+}
+
+/* What was not found on its own, from another force's answer for the whole. */
+static bool follow(const struct law_samples *x, const struct law_fit *other,
+                   enum restoring_force force, double rounding, struct law_fit *fit)
+{
+    *fit = *other;
+    fit->motion.force = force;
+    fit->motion.value[EQUATION_CUBIC] = 0;
+    fit->omega = fit->motion.value[EQUATION_OMEGA];
+    fit->parameters = drag_indices(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
+    return law_descend(x, FINALLY, rounding, fit);
+}
+
+/* ---- the choice, by the rule of the laws of damping ---- */
+
+/* Fits of each force, and what a BIC between them is worth. */
+struct force_fits {
+    struct law_fit fit[RESTORING_FORCES];
+    double variance, freedom;
+};
+
+static double chance(const struct force_fits *all, int small)
+{
+    const double gain =
+        fmax(all->fit[small].rss - all->fit[RESTORING_CUBIC].rss, 0) / all->variance;
+    return gsl_cdf_fdist_Q(gain, 1, fmax(all->freedom - all->fit[RESTORING_CUBIC].parameters, 1));
+}
+
+/* The Duffing spring contains the spring, and near enough the pendulum: only a force that it does
+ * not contain refutes.
+ */
+static bool refuted(const struct force_fits *all, const struct drag_fit *drag, int i)
+{
+    const struct restoring_candidate *c = drag->restoring;
+    if (!c[i].converged)
+        return true;
+    for (int j = 0; j < RESTORING_FORCES && i != RESTORING_CUBIC; j++)
+        if (j != i && c[j].converged && c[i].bic - c[j].bic >= DELTA_MIN &&
+            (j != RESTORING_CUBIC || chance(all, i) < CHANCE_MAX))
+            return true;
+    return false;
+}
+
+/* Whether beta y^3 may be there beside the simplest force: shown weakly, or a share of a spring's
+ * force that counts. */
+static bool cubic_remains(const struct force_fits *all, const struct drag_fit *drag, int simple)
+{
+    const struct law_fit *fit = &all->fit[RESTORING_CUBIC];
+    if (!drag->restoring[RESTORING_CUBIC].converged || simple == RESTORING_CUBIC)
+        return simple == RESTORING_CUBIC;
+    const double omega = fit->motion.value[EQUATION_OMEGA],
+                 a = hypot(fit->motion.value[EQUATION_START],
+                           fit->motion.value[EQUATION_SPEED] / omega);
+    const double max = fabs(fit->motion.value[EQUATION_CUBIC]) +
+                       2 * sqrt(all->variance) * law_formal(fit, fit->parameters - 1);
+    return chance(all, simple) < HIDDEN ||
+           (simple == RESTORING_LINEAR && max * a * a > SHARE_MAX * omega * omega);
+}
+
+/* Whether the search, though it did not end, came nowhere near what another force leaves. */
+static bool far_off(const struct force_fits *all, int i, int other)
+{
+    return all->fit[i].rss - all->fit[other].rss > FAR * all->variance;
+}
+
+/* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than
+ * Duffing's. */
+static int simplest(const struct force_fits *all, const struct drag_fit *drag)
+{
+    static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};
+    for (size_t i = 0; i < COUNT_OF(order); i++)
+        if (!refuted(all, drag, order[i]))
+            return order[i];
+    return RESTORING_LINEAR;
+}
+
+/* BIC of each with the slow changes of the phase in what the nearest of them leaves; false: no
+ * memory, or no number. */
+static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
+{
+    int widest = -1;
+    struct drag_factors factors;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (drag->restoring[i].converged && (widest < 0 || all->fit[i].rss < all->fit[widest].rss))
+            widest = i;
+    if (widest < 0)
+        return true;
+    if (!law_residuals(&f->samples, &all->fit[widest], f->motion->residual, NULL, NULL) ||
+        !drag_factors(f, &all->fit[widest], &factors))
+        return false;
+    const double independent = fmax((double)all->fit[widest].used / factors.phase, 2);
+    all->variance = factors.phase * fmax(factors.sigma * factors.sigma, f->rounding);
+    all->freedom = factors.phase > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_MIN
+                       ? factors.windows
+                       : independent;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (drag->restoring[i].converged)
+            drag->restoring[i].bic = (all->fit[i].parameters - FIRST_RATE) * log(independent) +
+                                     (all->fit[i].rss - all->fit[widest].rss) / all->variance;
+    return true;
+}
+
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
+                      struct law_fit *best)
+{
+    const struct law_samples *x = &f->samples;
+    const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];
+    const size_t n = x->samples->n, to = samples_index(x->samples, x->samples->t[0] + first_span);
+    const size_t from = to < LEAST ? (n < LEAST ? n : LEAST) : to < n ? to : n;
+    struct law_fit first;
+    struct force_fits all = {.variance = 1, .freedom = 1};
+    struct first_samples part;
+    unsigned every = 0;
+    take(x, from, &part);
+    begin(&part.law, &f->start, &first);
+    law_descend(&part.law, NEARLY, f->rounding, &first);
+    for (int i = 0; i < RESTORING_FORCES; i++) {
+        const bool tried = i != RESTORING_SINE || angle;
+        every |= (unsigned)tried << i;
+        drag->restoring[i] = (struct restoring_candidate){.bic = NAN};
+        drag->restoring[i].converged =
+            tried && grow(x, from, &first, (enum restoring_force)i, f->rounding, &all.fit[i]);
+    }
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        for (int j = 0; j < RESTORING_FORCES && every >> i & 1 && !drag->restoring[i].converged;
+             j++)
+            drag->restoring[i].converged =
+                drag->restoring[j].converged &&
+                follow(x, &all.fit[j], (enum restoring_force)i, f->rounding, &all.fit[i]);
+    if (!weigh(f, &all, drag))
+        return false;
+    const int chosen = simplest(&all, drag);
+    drag->forces = RESTORING_FORCES;
+    drag->force = (enum restoring_force)chosen;
+    drag->forces_remaining = 1u << chosen;
+    for (int i = 0; i < RESTORING_FORCES; i++) /* of what was not found nothing is known */
+        drag->forces_remaining |=
+            drag->restoring[i].converged || far_off(&all, i, chosen) ? 0 : every & 1u << i;
+    for (int i = 0; i < RESTORING_FORCES; i++)
+        if (i != chosen && drag->restoring[chosen].converged &&
+            (i == RESTORING_CUBIC ? cubic_remains(&all, drag, chosen)
+                                  : chosen != RESTORING_CUBIC && !refuted(&all, drag, i)))
+            drag->forces_remaining |= 1u << i;
+    *best =
+        drag->restoring[chosen].converged ? all.fit[chosen] : (struct law_fit){.motion = f->start};
+    return true;
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The same quantity of several recordings, or of several windows: what their scatter says of the
+ * uncertainties. */
+#include <hooke/base/unit.h>
+#include <hooke/command/handler.h>
+#include "modules/recording/measuring.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* chance of such a scatter from which on stated uncertainties are called too small */
+#define SURPRISING 0.01
+#define MIN_SAMPLES 8
+
+struct repeated {
+    enum measurable what;
+    enum quantity unit;
+    int count, capacity;
+    struct measured *value;
+    char (*name)[LIMIT_NAME + 40];
+};
+
+/* ---- one value ---- */
+
+static bool value_of(struct measuring *m, const struct recording *recording, enum measurable what,
+                     const struct series *series, struct arena *arena, struct measured *value)
+{
+    struct period p;
+    struct decay d;
+    struct reading a;
+    if (what == MEASURE_AMPLITUDE) {
+        const double middle = 0.5 * (series->t[0] + series->t[series->n - 1]);
+        const bool ok = series_amplitudes(series, arena, &middle, 1, 0, &a, m->error);
+        *value = a.amplitude;
+        return ok;
+    }
+    if (what == MEASURE_DECAY) {
+        const bool ok = series_decay(series, arena, NULL, 0, &d, m->error);
+        *value = d.gamma;
+        return ok;
+    }
+    if (!series_period(series, arena, &p, m->error))
+        return false;
+    const double T = p.period.value, u = p.period.uncertainty;
+    *value = p.period;
+    if (what == MEASURE_FREQUENCY)
+        *value = (struct measured){1 / T, u / (T * T)};
+    if (what != MEASURE_K)
+        return true;
+    /* k = 4 pi^2 m/T^2: the mass is the same each time, so that it adds nothing to the scatter. */
+    const struct scene *scene = &m->session->setup.scene;
+    const double own = recording->mass.value, mass = own > 0 ? own : param_value(scene, "m");
+    *value = (struct measured){4 * M_PI * M_PI * mass / (T * T), 0};
+    value->uncertainty = 2 * value->value * u / T;
+    return isfinite(mass) || error_set(m->error, ERROR_COMMAND, "k needs a mass: data mass 200 g");
+}
+
+static bool add(struct measuring *m, struct repeated *r, const struct recording *recording,
+                const struct series *series, const char *name)
+{
+    struct arena scratch = {0}; /* of each: all of them at once would take long to be given back */
+    const bool ok = value_of(m, recording, r->what, series, &scratch, &r->value[r->count]);
+    arena_reset(&scratch);
+    if (!ok) {
+        struct error why = *m->error;
+        return error_set(m->error, why.code, "%s: %s", name, why.text);
+    }
+    snprintf(r->name[r->count], sizeof r->name[0], "%s", name);
+    r->count++;
+    return true;
+}
+
+static enum quantity unit_of(enum measurable what, enum quantity of_series)
+{
+    return what == MEASURE_PERIOD      ? QUANTITY_TIME
+           : what == MEASURE_FREQUENCY ? QUANTITY_FREQUENCY
+           : what == MEASURE_DECAY     ? QUANTITY_RATE
+           : what == MEASURE_K         ? QUANTITY_STIFFNESS
+                                       : of_series;
+}
+
+/* ---- all of them ---- */
+
+/* One recording, as a whole or in so many windows. */
+static bool add_recording(struct measuring *m, struct repeated *r, struct recording *recording,
+                          int windows)
+{
+    struct series series;
+    if (!recording_series(recording, m->args->arena, MIN_SAMPLES, &series, m->error))
+        return false;
+    const enum quantity unit = unit_of(r->what, series.quantity);
+    if (r->count > 0 && unit != r->unit)
+        return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s",
+                         recording->name, r->name[0]);
+    r->unit = unit;
+    struct subject subject = {.series = series, .recording = recording};
+    struct window_advice advice;
+    advise_window(&subject, WINDOW_LAW_SINE, NAN, m->args->arena, &advice);
+    if (advice.text[0])
+        reply_warning(m->reply, "%s: %s", recording->name, advice.text);
+    if (windows == 1)
+        return add(m, r, recording, &series, recording->name);
+    const double from = series.t[0], width = (series.t[series.n - 1] - from) / windows;
+    for (int i = 0; i < windows; i++) {
+        char name[LIMIT_NAME + 40];
+        const struct series part = series_window(series, from + i * width, from + (i + 1) * width);
+        snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, from + i * width,
+                 from + (i + 1) * width);
+        if (part.n < MIN_SAMPLES)
+            return error_set(m->error, ERROR_COMMAND, "%s: fewer than %d samples", name,
+                             MIN_SAMPLES);
+        if (!add(m, r, recording, &part, name))
+            return false;
+    }
+    return true;
+}
+
+/* Those named; without a name every one, or the current one where windows were asked for. */
+static int chosen(const struct measuring *m, bool windows, int *index)
+{
+    const struct session *session = m->session;
+    const struct argument_value *named = argument_value(m->args, "RECORDING"),
+                                *data = argument_value(m->args, "data");
+    const struct argument_value *from = named->count ? named : data;
+    int count = 0;
+    for (int i = 0; i < from->count; i++)
+        index[count++] = from->item[i].index;
+    if (count > 0 || session->recordings == 0)
+        return count;
+    if (windows) {
+        index[0] = session->current_recording;
+        return 1;
+    }
+    for (; count < session->recordings; count++)
+        index[count] = count;
+    return count;
+}
+
+static bool collect(struct measuring *m, struct repeated *r)
+{
+    const struct argument_value *windows = argument_value(m->args, "windows"),
+                                *what = argument_value(m->args, "what");
+    const int parts = windows->count ? (int)windows->item->value.value : 1;
+    int *index = arena_array(m->args->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *index);
+    r->what = what->count ? (enum measurable)what->item->index : MEASURE_PERIOD;
+    if (r->what > MEASURE_DECAY && r->what != MEASURE_K)
+        return error_at(m->error, what->where, "what= is period, frequency, amplitude, decay or k");
+    const int recordings = index ? chosen(m, windows->count > 0, index) : 0;
+    r->capacity = recordings * parts;
+    if (index && (r->capacity < 2 || parts > LIMIT_TOKENS)) {
+        error_set(m->error, ERROR_COMMAND,
+                  "repeat compares at least two recordings, or windows of one");
+        return error_hint(m->error,
+                          "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
+    }
+    r->value = arena_array(m->args->arena, (size_t)r->capacity + 1, sizeof *r->value);
+    r->name = arena_array(m->args->arena, (size_t)r->capacity + 1, sizeof *r->name);
+    if (!index || !r->value || !r->name)
+        return error_memory(m->error);
+    for (int i = 0; i < recordings; i++)
+        if (!add_recording(m, r, m->session->recording[index[i]]->recording, parts))
+            return false;
+    return true;
+}
+
+/* ---- what is said ---- */
+
+static void put_scatter(const struct repeated *r, const struct repeat *repeat, struct buffer *text)
+{
+    put_measured(text, "\nmean", repeat->mean, r->unit);
+    buffer_put(text, TEXT("   scatter of one "));
+    buffer_quantity(text, repeat->scatter, r->unit, 2);
+    put_measured(text, "\nweighted mean", repeat->weighted, r->unit);
+    if (isfinite(repeat->birge)) {
+        buffer_format(text, "   Birge ratio %.*f", repeat->birge < 10 ? 1 : 0, repeat->birge);
+        buffer_format(text, repeat->chance < 0.0001 ? " (chance < 0.0001)" : " (chance %.2g)",
+                      repeat->chance);
+    }
+    put_measured(text, "\nquote", repeat->quote, r->unit);
+    buffer_put(text, TEXT("   95 %: +- "));
+    buffer_quantity(text, repeat->interval, r->unit, 2);
+}
+
+static void put_verdict(const struct repeat *repeat, struct reply *reply)
+{
+    if (repeat->chance < SURPRISING)
+        reply_warning(reply,
+                      "the values scatter %.*f times as much as they state: the stated "
+                      "uncertainties are too small, "
+                      "or something changed between them",
+                      repeat->birge < 10 ? 1 : 0, repeat->birge);
+    else if (repeat->chance > 1 - SURPRISING)
+        reply_warning(
+            reply,
+            "the values scatter %.2g times what they state: the stated uncertainties are too large",
+            repeat->birge);
+}
+
+static void reply_repeat(struct measuring *m, const struct repeated *r, const struct repeat *repeat)
+{
+    measure_begin(m, m->quantity, repeat->quote, r->unit, NAN);
+    reply_string(m->reply, "what", catalog_row(&quantity_catalog, (size_t)r->what)->name);
+    reply_real(m->reply, "scatter", repeat->scatter);
+    reply_real(m->reply, "birge", repeat->birge);
+    reply_int(m->reply, "n", repeat->n);
+    reply_real(m->reply, "interval", repeat->interval);
+    reply_real(m->reply, "chance", repeat->chance);
+    reply_measured(m->reply, "mean", repeat->mean, r->unit);
+    reply_measured(m->reply, "weighted", repeat->weighted, r->unit);
+    reply_array(m->reply, "values");
+    for (int i = 0; i < r->count; i++) {
+        reply_object(m->reply, NULL);
+        reply_string(m->reply, "name", r->name[i]);
+        reply_real(m->reply, "value", r->value[i].value);
+        reply_real(m->reply, "uncertainty", r->value[i].uncertainty);
+        reply_close(m->reply);
+    }
+    reply_close(m->reply);
+    reply_end(m->reply);
+}
+
+bool measure_repeat(struct measuring *m)
+{
+    struct repeated r = {.count = 0};
+    struct repeat repeat;
+    struct buffer text = {0};
+    if (!collect(m, &r))
+        return false;
+    repeat_values(r.value, r.count, &repeat);
+    const char *what = catalog_row(&quantity_catalog, (size_t)r.what)->name;
+    snprintf(m->subject.name, sizeof m->subject.name, "%d values", r.count);
+    if (!session_add_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
+                                 m->error))
+        return false;
+    for (int i = 0; i < r.count; i++) {
+        buffer_format(&text, "%s%-24s ", i ? "\n" : "", r.name[i]);
+        put_measured(&text, what, r.value[i], r.unit);
+    }
+    put_scatter(&r, &repeat, &text);
+    reply_text(m->reply, buffer_text(&text));
+    buffer_free(&text);
+    reply_repeat(m, &r, &repeat);
+    put_verdict(&repeat, m->reply);
+    return true;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sums of damped sines: y = c + d s + sum of exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s =
+ * t - origin. */
+#ifndef HOOKE_MODULES_RECORDING_MODES_MODES_H
+#define HOOKE_MODULES_RECORDING_MODES_MODES_H
+
+#include "modules/recording/series/internal.h"
+
+struct cancel;
+
+enum {
+    /* places of c, d, and of the first mode's parameters */
+    MODES_OFFSET,
+    MODES_SLOPE,
+    MODES_FIRST
+};
+enum { MODE_OMEGA, MODE_GAMMA, MODE_A, MODE_B, MODE_PARAMETERS };
+
+struct mode_curve {
+    int modes;
+    double origin; /* [s] */
+    const struct cancel *cancel;
+    struct fit_curve curve;
+    bool linear[CURVE_PARAMETERS];
+};
+
+/* The curve's context is the structure, which has to stay where it is. */
+void mode_curve_init(struct mode_curve *curve, int modes, const struct series *series);
+
+/* What a search for so many modes leaves. */
+struct mode_start {
+    double value[CURVE_PARAMETERS];
+    double rss;
+    double autocorrelation; /* lag 1 of the residuals */
+};
+
+/*
+ * Looks for as many modes as `modes`, one after the other, in `x` or in averages of its neighbours
+ * where there are many samples: start[k] [modes + 1] is the best that was found with k of them,
+ * start[0] the straight line; *samples: how many were looked at. quick: only whether there are
+ * several, where these are most of what moves. Returns how many could be found, -1: no memory, or
+ * cancelled.
+ */
+int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
+                 struct mode_start *start, double *samples);
+/*
+ * By how much BIC prefers k modes to k - 1, the frequency being the best of n/2 (Bonferroni).
+ * Residuals that hang together count as fewer: those with all that were found, since a mode that is
+ * still missing makes them hang together, too.
+ */
+double modes_evidence(const struct mode_start *start, int k, int found, double samples);
+
+#endif

@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Where a fit of several modes begins. One mode after the other: the next is looked for at the
+ * lines of what is left, and by splitting each that was found, since lines nearer than the width of
+ * the window have one peak together. Linear parameters are always solved for (variable projection).
+ */
+#include <hooke/base/cancel.h>
+#include "modules/recording/modes/modes.h"
+#include "modules/recording/fit/curve_problem.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    THIN = 2048,
+    THIN_QUICK = 400,
+    LINES = 4,
+    TRIED = 3,
+    ITERATIONS = 25,
+    ITERATIONS_QUICK = 10
+};
+
+/* of the sum of squares: what one mode leaves at most, where a quick look goes on */
+#define QUICK_LEFT 0.8
+
+#define A_PERIOD 8 /* samples that averaging leaves of the fastest line, at least */
+
+static bool evaluate(void *context, const double *x, const double *t, size_t n, double *value,
+                     double *derivative)
+{
+    const struct mode_curve *c = context;
+    for (size_t i = 0; i < n; i++) {
+        const double s = t[i] - c->origin;
+        double *d = derivative ? derivative + i * (size_t)c->curve.parameters : NULL, sum;
+        sum = x[MODES_OFFSET] + x[MODES_SLOPE] * s;
+        if (d) {
+            d[MODES_OFFSET] = 1;
+            d[MODES_SLOPE] = s;
+        }
+        for (int k = 0; k < c->modes; k++) {
+            const double *mode = x + MODES_FIRST + k * MODE_PARAMETERS,
+                         angle = mode[MODE_OMEGA] * s;
+            const double decay = exp(-0.5 * mode[MODE_GAMMA] * s), u = decay * cos(angle),
+                         v = decay * sin(angle);
+            const double here = mode[MODE_A] * u + mode[MODE_B] * v;
+            sum += here;
+            if (!d)
+                continue;
+            double *slope = d + MODES_FIRST + k * MODE_PARAMETERS;
+            slope[MODE_OMEGA] = s * (mode[MODE_B] * u - mode[MODE_A] * v);
+            slope[MODE_GAMMA] = -0.5 * s * here;
+            slope[MODE_A] = u;
+            slope[MODE_B] = v;
+        }
+        value[i] = sum;
+        if (!isfinite(sum) || cancelled_at(c->cancel, i))
+            return false;
+    }
+    return true;
+}
+
+void mode_curve_init(struct mode_curve *c, int modes, const struct series *series)
+{
+    static const char *const names[CURVE_PARAMETERS] = {
+        "offset", "slope", "omega1", "gamma1", "a1", "b1", "omega2", "gamma2",
+        "a2",     "b2",    "omega3", "gamma3", "a3", "b3", "omega4", "gamma4",
+        "a4",     "b4",    "omega5", "gamma5", "a5", "b5"};
+    *c = (struct mode_curve){.modes = modes, .origin = series->t[0], .cancel = series->cancel};
+    c->curve = (struct fit_curve){MODES_FIRST + modes * MODE_PARAMETERS, names, c, evaluate};
+    for (int j = 0; j < c->curve.parameters; j++)
+        c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
+}
+
+#define ROUNDING 1e-20 /* of a sum of squares: less says nothing */
+
+/* ---- fewer samples ---- */
+
+/* [Hz] of the fastest line that stands out, 0: none. */
+static double fastest(const struct samples *x, struct arena *arena)
+{
+    const struct series series = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
+    struct spectrum_peak peak[LINES];
+    bool memory;
+    double omega[LINES], max = 0;
+    const int peaks = series_peaks(&series, arena, peak, LINES);
+    const int candidates = spectrum_candidates(x, omega, LINES, &memory);
+    for (int i = 0; i < peaks; i++)
+        max = fmax(max, peak[i].frequency.value);
+    for (int i = 0; i < candidates; i++)
+        max = fmax(max, omega[i] / TWO_PI);
+    return max;
+}
+
+/* Means of so many neighbours that are used; false: no memory. */
+static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena,
+                     struct series *thin)
+{
+    const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
+    size_t each = x->n / wanted;
+    const double max = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
+    each = each < 1 || !(max >= 2) ? 1 : (double)each < max ? each : (size_t)max;
+    return samples_average(x, each, arena, thin);
+}
+
+/* ---- trials ---- */
+
+struct rates {
+    double omega, gamma; /* [rad/s] [1/s] */
+};
+
+struct modes_trial {
+    struct rates rates[MODES_MAX];
+    double rss;
+};
+
+struct modes_search {
+    struct series series;
+    double span;
+    struct arena *arena;
+    const struct cancel *cancel;
+    bool quick;
+    int modes; /* of a trial */
+    struct mode_curve curve;
+    struct curve_problem problem;
+    struct modes_trial best[TRIED];
+    int count;
+};
+
+static void put_rates(const struct modes_search *s, const struct rates *rates, double *x)
+{
+    for (int k = 0; k < s->modes; k++) {
+        x[MODES_FIRST + k * MODE_PARAMETERS + MODE_OMEGA] = rates[k].omega;
+        x[MODES_FIRST + k * MODE_PARAMETERS + MODE_GAMMA] = rates[k].gamma;
+    }
+}
+
+/* Keeps it among the best, with each of a few damping rates for those from `fresh` on. */
+static void try_rates(struct modes_search *s, const struct rates *rates, int fresh)
+{
+    const double damping[] = {0, 4, 16};
+    for (size_t i = 0; i < COUNT_OF(damping); i++) {
+        struct modes_trial trial;
+        double x[CURVE_PARAMETERS];
+        memcpy(trial.rates, rates, sizeof trial.rates);
+        for (int k = fresh; k < s->modes; k++)
+            trial.rates[k].gamma = damping[i] / s->span;
+        put_rates(s, trial.rates, x);
+        trial.rss = curve_solve_linears(&s->problem, x);
+        if (!isfinite(trial.rss))
+            continue;
+        int at = s->count < TRIED ? s->count++ : TRIED;
+        for (; at > 0 && trial.rss < s->best[at - 1].rss; at--)
+            if (at < TRIED)
+                s->best[at] = s->best[at - 1];
+        if (at < TRIED)
+            s->best[at] = trial;
+    }
+}
+
+static void try_lines(struct modes_search *s, const struct rates *known, const double *residual)
+{
+    const struct series left = {.t = s->series.t, .y = residual, .n = s->series.n};
+    struct samples x;
+    struct rates rates[MODES_MAX];
+    double omega[LINES];
+    bool memory;
+    if (!samples_init(&x, &left, s->arena))
+        return;
+    const int lines = spectrum_candidates(&x, omega, LINES, &memory);
+    memcpy(rates, known, sizeof rates);
+    for (int i = 0; i < lines; i++) {
+        rates[s->modes - 1].omega = omega[i];
+        try_rates(s, rates, s->modes - 1);
+    }
+}
+
+/* Each that is known as two, so many line widths 1/span apart. */
+static void try_splits(struct modes_search *s, const struct rates *known)
+{
+    static const double apart[] = {0.8, 1.6};
+    for (int k = 0; k + 1 < s->modes; k++) {
+        for (size_t i = 0; i < COUNT_OF(apart); i++) {
+            struct rates rates[MODES_MAX];
+            const double shift = PI * apart[i] / s->span;
+            memcpy(rates, known, sizeof rates);
+            rates[s->modes - 1] = (struct rates){known[k].omega + shift, known[k].gamma};
+            rates[k].omega -= shift;
+            if (rates[k].omega > 0)
+                try_rates(s, rates, s->modes);
+        }
+    }
+}
+
+static void keep_start(const struct modes_search *s, const struct curve_fit *fit,
+                       struct mode_start *start, double *residual)
+{
+    for (int j = 0; j < fit->parameters; j++)
+        start->value[j] = fit->value[j].value;
+    start->rss = fit->rss;
+    start->autocorrelation = fit->autocorrelation;
+    memcpy(residual, fit->residual, s->series.n * sizeof *residual);
+}
+
+/* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled.
+ */
+static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
+{
+    const struct curve_options options = {.rough = true,
+                                          .linear = s->curve.linear,
+                                          .iterations = s->quick ? ITERATIONS_QUICK : ITERATIONS,
+                                          .cancel = s->cancel};
+    bool found = false;
+    for (int i = 0; i < s->count && i < (s->quick ? 1 : TRIED); i++) {
+        double x[CURVE_PARAMETERS] = {0};
+        struct curve_fit fit;
+        struct error ignored = {0};
+        put_rates(s, s->best[i].rates, x);
+        if (!curve_fit(&s->curve.curve, &s->series, x, &options, s->arena, &fit, &ignored))
+            continue;
+        bool sound = true;
+        for (int k = 0; k < s->modes; k++)
+            sound = sound && fit.value[MODES_FIRST + k * MODE_PARAMETERS + MODE_OMEGA].value > 0;
+        if (sound && !(found && !(fit.rss < start->rss))) {
+            found = true;
+            keep_start(s, &fit, start, residual);
+        }
+    }
+    return found;
+}
+
+/* One mode more than in `start`, whose residuals are replaced. */
+static bool add_mode(struct modes_search *s, const struct mode_start *start,
+                     struct mode_start *next, double *residual)
+{
+    struct rates known[MODES_MAX] = {{0, 0}};
+    for (int k = 0; k < s->modes; k++) {
+        const double *mode = start->value + MODES_FIRST + k * MODE_PARAMETERS;
+        known[k] = (struct rates){mode[MODE_OMEGA], mode[MODE_GAMMA]};
+    }
+    s->modes++;
+    s->count = 0;
+    mode_curve_init(&s->curve, s->modes, &s->series);
+    if (!curve_problem_init(&s->problem, &s->curve.curve, s->curve.linear, &s->series, s->arena))
+        return false;
+    try_lines(s, known, residual);
+    try_splits(s, known);
+    return refine(s, next, residual);
+}
+
+static bool straight_line(struct modes_search *s, struct mode_start *start, double *residual)
+{
+    struct curve_fit fit;
+    struct error ignored = {0};
+    const struct curve_options options = {.rough = true, .cancel = s->cancel};
+    const double x[MODES_FIRST] = {0, 0};
+    mode_curve_init(&s->curve, 0, &s->series);
+    if (!curve_fit(&s->curve.curve, &s->series, x, &options, s->arena, &fit, &ignored))
+        return false;
+    keep_start(s, &fit, start, residual);
+    return true;
+}
+
+int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
+                 struct mode_start *start, double *samples)
+{
+    struct arena arena = {0};
+    struct modes_search s = {
+        .arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
+    int found = -1;
+    double *residual = NULL;
+    if (thin_out(x, quick ? THIN_QUICK : THIN, &arena, &s.series) &&
+        curve_part(&s.series, &arena, &s.series) && s.series.n > MODES_FIRST)
+        residual = arena_array(&arena, s.series.n, sizeof *residual);
+    if (residual && straight_line(&s, start, residual))
+        found = 0;
+    *samples = (double)s.series.n;
+    while (found >= 0 && found < modes &&
+           s.series.n > (size_t)(MODES_FIRST + (found + 1) * MODE_PARAMETERS) &&
+           (!quick || found != 1 || start[1].rss < QUICK_LEFT * start[0].rss) &&
+           add_mode(&s, &start[found], &start[found + 1], residual))
+        found++;
+    arena_reset(&arena);
+    return cancelled(cancel) ? -1 : found;
+}
+
+double modes_evidence(const struct mode_start *start, int k, int found, double samples)
+{
+    const double n = samples / autocorrelation_factor(start[found].autocorrelation);
+    const double rounding = ROUNDING * start[0].rss;
+    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) -
+           MODE_PARAMETERS * log(n) - 2 * log(n / 2);
+}

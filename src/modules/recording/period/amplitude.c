@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Amplitudes read at single times: local harmonic fits. */
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+
+bool local_amplitude(const struct motion *m, size_t from, size_t to, struct reading *reading)
+{
+    struct samples part = samples_part(&m->samples, from, to);
+    if (part.n < 5) {
+        return false;
+    }
+    struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
+    h.origin = reading->t = 0.5 * (part.t[0] + part.t[part.n - 1]);
+    double *residual = m->scratch + from;
+    if (!harmonic_fit(&part, FREE_LINEAR, &h, residual)) {
+        return false;
+    }
+    double amplitude = hypot(h.a, h.b),
+           sigma = fmax(harmonic_sigma(&h, FREE_LINEAR), m->overview.noise);
+    double variance = h.a * h.a * h.inverse[LINEAR_A][LINEAR_A] +
+                      h.b * h.b * h.inverse[LINEAR_B][LINEAR_B] +
+                      2 * h.a * h.b * h.inverse[LINEAR_A][LINEAR_B];
+    double widen = autocorrelation_factor(residual_autocorrelation(&part, residual));
+    reading->amplitude.value = amplitude;
+    reading->amplitude.uncertainty =
+        amplitude > 0 ? sigma * sqrt(widen * variance) / amplitude : sigma;
+    return true;
+}
+
+/* The logarithm of the amplitude of one window. Returns false if too few samples are in it, or its
+ * amplitude is lost in the noise. */
+static bool log_amplitude(const struct motion *m, double from, double width, double *t,
+                          struct measured *log_a)
+{
+    const struct samples *x = &m->samples;
+    struct reading reading;
+    if (from < x->t[0] - 1e-9 * width || from + width > x->t[x->n - 1] + 1e-9 * width ||
+        !local_amplitude(m, samples_index(x, from - 1e-9 * width),
+                         samples_index(x, from + width * (1 + 1e-9)), &reading) ||
+        !(reading.amplitude.value > 2 * reading.amplitude.uncertainty))
+        return false;
+    *t = reading.t;
+    *log_a = (struct measured){log(reading.amplitude.value),
+                               reading.amplitude.uncertainty / reading.amplitude.value};
+    return true;
+}
+
+/*
+ * Carries the amplitude of the window [from, from + width] to the time `at` beyond its middle. The
+ * damping of the whole does so where the next windows inside agree with it; else the line, or the
+ * parabola, through the logarithms of two or three windows, as where drag grows with speed.
+ */
+static void carry_amplitude(const struct motion *m, double from, double width, double at,
+                            struct measured *amplitude)
+{
+    double t[3], relative = amplitude->uncertainty / amplitude->value;
+    struct measured log_a[3];
+    int windows = 0;
+    const double rate = -0.5 * m->harmonic.gamma, middle = from + 0.5 * width,
+                 inside = at < middle ? width : -width;
+    while (windows < 3 &&
+           log_amplitude(m, from + windows * inside, width, &t[windows], &log_a[windows]))
+        windows++;
+    double change = rate * (at - middle);
+    if (windows >= 2) {
+        const double ahead = (at - t[0]) / (t[1] - t[0]),
+                     local = ahead * (log_a[1].value - log_a[0].value),
+                     doubt = fabs(ahead) * hypot(log_a[0].uncertainty, log_a[1].uncertainty);
+        double bend = 0, bend_doubt = 0;
+        if (windows == 3) {
+            const double factor = 0.5 * ahead * (ahead - 1);
+            bend = factor * (log_a[0].value - 2 * log_a[1].value + log_a[2].value);
+            bend_doubt = fabs(factor) * hypot(hypot(log_a[0].uncertainty, log_a[2].uncertainty),
+                                              2 * log_a[1].uncertainty);
+        }
+        const bool bends = fabs(bend) > 2 * bend_doubt;
+        if (bends || fabs(local - change) > doubt) {
+            change = local + (bends ? bend : 0);
+            relative = hypot((1 - ahead) * log_a[0].uncertainty, ahead * log_a[1].uncertainty);
+            relative = hypot(relative, bend); /* what the next order may add */
+        } else {
+            relative = hypot(relative, local - change);
+        }
+    }
+    amplitude->value *= exp(change);
+    amplitude->uncertainty = amplitude->value * relative;
+}
+
+/*
+ * Adds by how much the amplitude of half the window differs: where the envelope bends within the
+ * window, what is read is its mean, which is off by 4/3 of that.
+ */
+static void widen_by_bend(const struct motion *m, double from, double width,
+                          const struct reading *whole, struct measured *amplitude)
+{
+    static const double chance = 2; /* standard deviations */
+    const struct samples *x = &m->samples;
+    struct reading half;
+    if (!local_amplitude(m, samples_index(x, from + (0.25 - 1e-9) * width),
+                         samples_index(x, from + (0.75 + 1e-9) * width), &half))
+        return;
+    const double bend = fabs(half.amplitude.value / whole->amplitude.value - 1),
+                 noise = half.amplitude.uncertainty / half.amplitude.value;
+    if (bend > chance * noise)
+        amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
+}
+
+bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
+                       int count, double width, struct reading *out, struct error *error)
+{
+    struct motion m;
+    if (!motion_require(&m, series, arena, NULL, error)) {
+        return false;
+    }
+    const struct samples *x = &m.samples;
+    double first = x->t[0], last = x->t[x->n - 1], w = width > 0 ? width : 2 * m.overview.period;
+    w = fmin(w, last - first);
+    for (int i = 0; i < count; i++) {
+        if (!(at[i] >= first - 0.5 * x->dt && at[i] <= last + 0.5 * x->dt)) {
+            return error_set(error, ERROR_COMMAND, "no amplitude at %g s: the window is %g..%g s",
+                             at[i], first, last);
+        }
+        /* At the ends the window is moved inside. */
+        double from = fmin(fmax(at[i] - 0.5 * w, first), last - w);
+        size_t low = samples_index(x, from - 1e-9 * w),
+               high = samples_index(x, from + w * (1 + 1e-9));
+        if (!local_amplitude(&m, low, high, &out[i])) {
+            return error_set(error, ERROR_COMMAND,
+                             "too few samples for an amplitude within %g s around %g s", w, at[i]);
+        }
+        const struct reading whole = out[i];
+        carry_amplitude(&m, from, w, at[i], &out[i].amplitude);
+        widen_by_bend(&m, from, w, &whole, &out[i].amplitude);
+        out[i].t = at[i];
+    }
+    return true;
+}

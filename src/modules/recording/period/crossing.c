@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Crossings of a level. */
+#include "modules/recording/series/internal.h"
+
+#include <hooke/scene.h>
+
+#include <float.h>
+#include <math.h>
+
+#define HALF_WIDTH 0.1  /* [periods] samples on each side of a crossing that place it */
+#define SHAPE 0.01      /* of the swing in the window: what decay and drift do to its shape */
+#define NOISE_FREE 1e-6 /* of the amplitude: below, interpolation is better than averaging */
+
+struct context {
+    const struct series *series;
+    double level, mean, noise;
+    double omega; /* [rad/s] 0: unknown */
+    double half;  /* [s] samples used on each side */
+    bool exact;
+};
+
+bool overview_is_exact(const struct overview *o)
+{
+    return o->noise <= NOISE_FREE * 0.5 * (o->high - o->low);
+}
+
+/* Value at t of the polynomial through the `count` samples from `from` on (Neville). */
+static double interpolate(const struct series *s, size_t from, size_t count, double t)
+{
+    double p[6] = {0};
+    for (size_t i = 0; i < count; i++) {
+        p[i] = s->y[from + i];
+    }
+    for (size_t k = 1; k < count; k++) {
+        for (size_t i = 0; i + k < count; i++) {
+            double a = s->t[from + i], b = s->t[from + i + k];
+            p[i] = ((t - b) * p[i] + (a - t) * p[i + 1]) / (a - b);
+        }
+    }
+    return p[0];
+}
+
+struct polynomial {
+    const struct context *of;
+    size_t from, count;
+};
+
+static double above_level(void *context, double t)
+{
+    const struct polynomial *p = context;
+    return interpolate(p->of->series, p->from, p->count, t) - p->of->level;
+}
+
+/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i]. */
+static bool place_exact(const struct context *c, size_t i, struct crossing *out)
+{
+    const struct series *s = c->series;
+    const size_t count = s->n < 6 ? s->n : 6, from = i < 3 ? 0 : i - 3;
+    struct polynomial p = {c, from + count > s->n ? s->n - count : from, count};
+    const double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level;
+    out->t = root_between(above_level, &p, a, fa, b, fb, 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)));
+    out->uncertainty = fabs(c->noise / ((fb - fa) / (b - a)));
+    return isfinite(out->t);
+}
+
+/*
+ * Two-parameter fit y - mean = p cos(omega s) + q sin(omega s)/omega, s = t - centre, to the
+ * samples within `half` of the centre: a line that knows how a sine bends (a plain line where omega
+ * is unknown), so the window may be wide. Samples five sigma off (missed echoes) are left out in
+ * the end.
+ */
+static bool place_fit(const struct context *c, double centre, struct crossing *out)
+{
+    const struct series *s = c->series;
+    double p = 0, q = 0, target = c->level - c->mean;
+    bool fitted = false;
+    for (int pass = 0; pass < 4; pass++) {
+        struct samples all = {.t = s->t, .n = s->n};
+        size_t from = samples_index(&all, centre - c->half), used = 0;
+        double cc = 0, cs = 0, ss = 0, cy = 0, sy = 0;
+        for (size_t i = from; i < s->n && s->t[i] <= centre + c->half; i++) {
+            double x = s->t[i] - centre, u = cos(c->omega * x),
+                   v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
+            double y = s->y[i] - c->mean;
+            if (fitted && pass > 1 &&
+                fabs(y - p * u - q * v) > 5 * c->noise + SHAPE * fabs(q) * c->half) {
+                continue;
+            }
+            cc += u * u;
+            cs += u * v;
+            ss += v * v;
+            cy += u * y;
+            sy += v * y;
+            used++;
+        }
+        double det = cc * ss - cs * cs;
+        if (used < 3 || !(det > 1e-12 * cc * ss)) {
+            return false;
+        }
+        p = (ss * cy - cs * sy) / det;
+        q = (cc * sy - cs * cy) / det;
+        double x = 0;
+        for (int k = 0; k < 5; k++) {
+            double u = cos(c->omega * x), v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
+            x -= (p * u + q * v - target) / (q * u - p * c->omega * c->omega * v);
+        }
+        if (!(fabs(x) <= c->half)) {
+            return false;
+        }
+        centre += x;
+        out->uncertainty = c->noise * sqrt(ss / det) / fabs(q);
+        /* p, q move with the centre: as seen from the new one the value is the target and the slope
+         * q' */
+        double slope = q * cos(c->omega * x) - p * c->omega * sin(c->omega * x);
+        p = target;
+        q = slope;
+        fitted = true;
+    }
+    out->t = centre;
+    return true;
+}
+
+size_t series_crossings(const struct series *s, const struct overview *o, double level,
+                        struct crossing *out, size_t capacity)
+{
+    double amplitude = 0.5 * (o->high - o->low), hysteresis = fmax(4 * o->noise, 0.05 * amplitude);
+    struct context c = {.series = s, .level = level, .mean = level, .noise = o->noise};
+    if (s->n < 4 || !(amplitude > 0)) {
+        return 0;
+    }
+    double dt = (s->t[s->n - 1] - s->t[0]) / (double)(s->n - 1);
+    c.exact = o->noise <= NOISE_FREE * amplitude;
+    c.half = 5 * dt;
+    if (o->oscillates) {
+        c.omega = TWO_PI / o->period;
+        c.mean = o->mean;
+        c.half = fmax(HALF_WIDTH * o->period, 2 * dt);
+    }
+    size_t count = 0, since = 0; /* since: last sample clearly on the old side */
+    int side = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        double above = s->y[i] - level;
+        int now = above > hysteresis ? 1 : above < -hysteresis ? -1 : 0;
+        if (now == 0) {
+            continue;
+        }
+        if (side == -now) {
+            /* Noise may cross the level several times in between: start from the middle of first
+             * and last. */
+            size_t first = 0, last = 0;
+            for (size_t k = since + 1; k <= i; k++) {
+                if ((s->y[k] >= level) != (s->y[k - 1] >= level)) {
+                    first = first ? first : k;
+                    last = k;
+                }
+            }
+            struct crossing crossing = {.up = now > 0};
+            double centre = 0.25 * (s->t[first - 1] + s->t[first] + s->t[last - 1] + s->t[last]);
+            if (c.exact ? place_exact(&c, last, &crossing) : place_fit(&c, centre, &crossing)) {
+                if (count < capacity) {
+                    out[count] = crossing;
+                }
+                count++;
+            }
+        }
+        side = now;
+        since = i;
+    }
+    return count;
+}

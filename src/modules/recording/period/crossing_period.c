@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The period from crossings of a level: the line through their times against their number. */
+#include "modules/recording/period/cycle.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
+
+/* Samples a period from which on a quintic places crossings to rounding. */
+static const double smooth_samples = 20;
+
+/*
+ * Adds half the difference between the period of the rising and of the falling edges: where the
+ * amplitude changes, a level is passed later and later on one of them, and earlier on the other.
+ */
+static void widen_by_falling_edges(const struct crossing *all, size_t count, struct period *period)
+{
+    double first = NAN, last = NAN; /* [s] how long the level is passed for */
+    for (size_t i = 1; i < count; i++) {
+        if (all[i].up || !all[i - 1].up)
+            continue;
+        last = all[i].t - all[i - 1].t;
+        first = isnan(first) ? last : first;
+    }
+    if (isfinite(first) && period->periods >= 1)
+        period->period.uncertainty =
+            hypot(period->period.uncertainty, 0.5 * (last - first) / period->periods);
+}
+
+/* Copies the rising crossings, perhaps into the same array. Returns how many. */
+static size_t keep_rising(const struct crossing *all, size_t count, struct crossing *rising)
+{
+    size_t up = 0;
+    for (size_t i = 0; i < count; i++)
+        if (all[i].up)
+            rising[up++] = all[i];
+    return up;
+}
+
+/* Finds the up-crossings of a level, the first `capacity` of them. Returns how many. */
+static size_t up_crossings(const struct series *series, const struct overview *o, double level,
+                           struct crossing *crossing, size_t capacity)
+{
+    const size_t count = series_crossings(series, o, level, crossing, capacity);
+    return keep_rising(crossing, count < capacity ? count : capacity, crossing);
+}
+
+/*
+ * Returns the uncertainty of a crossing [s] that lies in an edge: somewhere between two samples, as
+ * much of the swing is passed between them, or only a step of the sensor. 0 if the series passes
+ * the level smoothly.
+ */
+static double edge_uncertainty(const struct series *s, const struct overview *o, double quantum,
+                               double t)
+{
+    static const double edge_share = 0.3;
+    const struct samples all = {.t = s->t, .n = s->n};
+    const size_t after = samples_index(&all, t);
+    if (after == 0 || after >= s->n)
+        return 0;
+    const double jump = fabs(s->y[after] - s->y[after - 1]),
+                 width = (s->t[after] - s->t[after - 1]) / sqrt(12);
+    if (jump > edge_share * (o->high - o->low))
+        return width;
+    return quantum > 0 ? width * fmin(quantum / jump, 1) : 0; /* jump may be 0 */
+}
+
+/* Adds what equal errors of all edges do to the period, as they do not show in their scatter. */
+static void widen_by_edges(const struct series *s, const struct overview *o, struct period *period)
+{
+    const double quantum = samples_quantum(&(struct samples){.y = s->y, .n = s->n}),
+                 edge = edge_uncertainty(s, o, quantum, period->first);
+    period->period.uncertainty =
+        hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
+}
+
+/*
+ * Crossings of a series without noise are as good as the interpolation between its samples, which
+ * two or three of them do not show by their scatter. With every second sample the period is off by
+ * 2^6 as much: the interpolation is of the fifth degree. NAN where these samples are too few.
+ */
+static double interpolation_error(const struct series *series, const struct overview *o,
+                                  struct arena *arena, double period)
+{
+    struct crossing crossing[8];
+    const size_t n = (series->n + 1) / 2;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    for (size_t i = 0; t && y && i < n; i++) {
+        t[i] = series->t[2 * i];
+        y[i] = series->y[2 * i];
+    }
+    const struct series half = {.t = t, .y = y, .n = t && y ? n : 0};
+    struct period coarse;
+    size_t used;
+    const size_t up = up_crossings(&half, o, o->mean, crossing, COUNT_OF(crossing));
+    return up >= 2 && crossings_period(crossing, up, period, true, arena, &coarse, &used)
+               ? fabs(coarse.period.value - period) / 63
+               : NAN;
+}
+
+bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
+                     struct period *period, struct error *error)
+{
+    size_t capacity = 4 * (size_t)o->periods + 16, used;
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing),
+                    *edge = arena_array(arena, capacity, sizeof *edge);
+    if (!crossing || !edge)
+        return error_memory(error);
+    const size_t all = series_crossings(series, o, o->mean, edge, capacity),
+                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
+    *period = (struct period){.level = o->mean, .how = "up-crossings"};
+    if (up >= 2 &&
+        crossings_period(crossing, up, o->period, overview_is_exact(o), arena, period, &used)) {
+        widen_by_edges(series, o, period);
+        if (overview_is_exact(o))
+            widen_by_falling_edges(edge, edges, period);
+        if (up < 4 && overview_is_exact(o))
+            period->period.uncertainty =
+                hypot(period->period.uncertainty,
+                      interpolation_error(series, o, arena, period->period.value));
+        return true;
+    }
+    error_set(error, ERROR_COMMAND,
+              "no period: fewer than two up-crossings of %g stand out of the noise", o->mean);
+    return error_hint(error, "'measure spectrum' lists the lines of such a signal");
+}
+
+/* Returns true if the times between crossings repeat after `pattern` of them, to a part of the time
+ * between two: a longer pattern may not hide what one of its crossings is off. */
+static bool repeats_after(const struct crossing *up, size_t count, size_t pattern, double regular)
+{
+    if (count < 2 * pattern + 1)
+        return false;
+    for (size_t i = 1; i + pattern < count; i++) {
+        const double cycle = up[i + pattern].t - up[i].t,
+                     change = cycle - (up[i - 1 + pattern].t - up[i - 1].t);
+        if (!(fabs(change) <= regular * cycle / (double)pattern))
+            return false;
+    }
+    return true;
+}
+
+/* The regularity that times between crossings need to be a pattern. */
+struct regularity {
+    double difference; /* relative, at most */
+    size_t longest;    /* crossings in a pattern: noise crosses, too, and many repeat by chance */
+    size_t crossings_min;
+    bool may_settle; /* later crossings may show it alone */
+};
+
+static const struct regularity regularities[] = {
+    [WAVE_EXACT] = {.difference = 0.01, .longest = PATTERN_MAX, .may_settle = true},
+    [WAVE_NOISY] = {.difference = 1e-4, .longest = 1, .crossings_min = 7},
+    [WAVE_FEW] = {.difference = 1e-4, .longest = 1}};
+
+/* Returns after how many crossings their times repeat, 0 if after none. */
+static size_t crossing_pattern(const struct crossing *up, size_t count, const struct regularity *r)
+{
+    for (size_t pattern = 1; pattern <= r->longest && count >= r->crossings_min; pattern++)
+        if (repeats_after(up, count, pattern, r->difference))
+            return pattern;
+    return 0;
+}
+
+/*
+ * Reads the period from the up-crossings of a level (NAN: the middle between the extremes) whose
+ * times repeat, from the first crossing on or, if it may settle, from a later one.
+ */
+static bool regular_period(const struct series *series, double level, const struct regularity *r,
+                           size_t capacity, struct arena *arena, struct period *period)
+{
+    struct crossing *crossing = arena_array(arena, capacity, sizeof *crossing),
+                    *edge = arena_array(arena, capacity, sizeof *edge);
+    double *scratch = arena_array(arena, capacity, sizeof *scratch);
+    struct overview o = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    size_t first = 0, used;
+    if (!crossing || !edge || !scratch)
+        return false;
+    for (size_t i = 0; i < series->n; i++) {
+        o.low = series->y[i] < o.low ? series->y[i] : o.low;
+        o.high = series->y[i] > o.high ? series->y[i] : o.high;
+    }
+    o.mean = isnan(level) ? o.low + (o.high - o.low) / 2 : level;
+    const size_t all = series_crossings(series, &o, o.mean, edge, capacity),
+                 edges = all < capacity ? all : capacity, up = keep_rising(edge, edges, crossing);
+    size_t pattern = crossing_pattern(crossing, up, r);
+    while (r->may_settle && pattern == 0 && up > first + SETTLED_MIN + 1) {
+        first++;
+        pattern = crossing_pattern(crossing + first, up - first, r);
+        pattern = up - first > 2 * pattern + SETTLED_MIN ? pattern : 0;
+    }
+    if (pattern == 0)
+        return false;
+    size_t cycles = 0;
+    for (size_t i = first; i < up; i += pattern)
+        crossing[cycles++] = crossing[i];
+    for (size_t i = 1; i < cycles; i++)
+        scratch[i - 1] = crossing[i].t - crossing[i - 1].t;
+    const double cycle = values_quantile(scratch, cycles - 1, 0.5);
+    *period = (struct period){.level = o.mean, .how = "up-crossings"};
+    if (!crossings_period(crossing, cycles, cycle, true, arena, period, &used))
+        return false;
+    widen_by_edges(series, &o, period);
+    widen_by_falling_edges(edge, edges, period);
+    if (first > 0)
+        snprintf(period->warning, sizeof period->warning,
+                 "the period settles: it is read from t = %.6g s on, where it repeats to 1 %%",
+                 crossing[0].t);
+    return true;
+}
+
+bool wave_period(const struct series *series, enum wave_kind kind, struct arena *arena,
+                 struct period *period)
+{
+    return regular_period(series, NAN, &regularities[kind], WAVE_CROSSINGS, arena, period);
+}
+
+bool series_clean_period(const struct series *series, double centre, struct arena *arena,
+                         struct period *period)
+{
+    struct regularity whole = regularities[WAVE_EXACT];
+    whole.may_settle = false;
+    return regular_period(series, centre, &whole, series->n / 2 + 1, arena, period) &&
+           period->period.value * (double)(series->n - 1) >=
+               smooth_samples * (series->t[series->n - 1] - series->t[0]);
+}

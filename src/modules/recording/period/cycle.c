@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The times of whole cycles, each placed against the mean of all (Woody, Med. Biol. Eng. 5 (1967)
+ * 539). */
+#include <hooke/base/cancel.h>
+#include "modules/recording/period/cycle.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    BINS_MIN = 16, /* of the mean cycle */
+    BINS_MAX = 256,
+    ALIGN_PASSES = 4,
+};
+
+/* Returns the index of the first sample at or after t, looking from a sample nearby. */
+static size_t index_near(const struct samples *x, double t, size_t near)
+{
+    while (near > 0 && x->t[near - 1] >= t)
+        near--;
+    while (near < x->n && x->t[near] < t)
+        near++;
+    return near;
+}
+
+/* Least squares of one cycle against the mean cycle, begun at t, near the sample *from, which
+ * becomes its first one. Returns the correlation. */
+static double fit_cycle(const struct cycles *c, double t, size_t *from, struct cycle *out)
+{
+    const struct samples *x = c->samples;
+    const double end = t + c->period, bins = (double)c->bins / c->period;
+    double n = 0, f = 0, y = 0, ff = 0, fy = 0, yy = 0, slope = 0;
+    *from = index_near(x, t, *from);
+    const double y0 = x->y[*from < x->n ? *from : 0];
+    for (size_t i = *from; i < x->n && x->t[i] < end; i++) {
+        if (!x->use[i])
+            continue;
+        const double place = (x->t[i] - t) * bins;
+        const size_t bin = (size_t)place < c->bins ? (size_t)place : c->bins - 1;
+        const double *shape = c->shape + bin, part = place - (double)bin;
+        const double rise = shape[1] - shape[0], value = shape[0] + part * rise,
+                     before = shape[0] - shape[-1], after = shape[2] - shape[1],
+                     d = before + rise + part * (after - before), v = x->y[i] - y0;
+        n++;
+        f += value;
+        y += v;
+        ff += value * value;
+        fy += value * v;
+        yy += v * v;
+        slope += d * d;
+    }
+    const double sff = ff - f * f / n, sfy = fy - f * y / n, syy = yy - y * y / n;
+    if (n < BINS_MIN / 2 || !(sff > 0) || !(syy > 0))
+        return -1;
+    slope *= 0.25 * bins * bins;
+    *out = (struct cycle){
+        .t = t, .height = sfy / sff, .square = syy, .rows = n, .power = sff, .slope = slope};
+    out->mean = y0 + (y - out->height * f) / n;
+    out->left = fmax(syy - sfy * sfy / sff, 0);
+    out->left /= n - 3;
+    out->square /= n - 1;
+    out->sigma = sqrt(out->left / slope) / fabs(out->height);
+    return sfy / sqrt(sff * syy);
+}
+
+/* Places one cycle within `reach` periods of the time where it is expected. Returns false if none
+ * is like the mean cycle. */
+static bool place_cycle(const struct cycles *c, double expected, double reach, struct cycle *out)
+{
+    enum { PLACES = 2 * (BINS_MAX / 8) + 3 };
+    const double step = c->period / (double)c->bins;
+    const int most = (int)ceil(reach * (double)c->bins);
+    double r[PLACES] = {0}, *top = NULL, t = expected;
+    struct cycle trial;
+    size_t from = samples_index(c->samples, expected);
+    for (int k = 0; k <= 2 * most + 2; k++)
+        r[k] = fit_cycle(c, expected + (k - most - 1) * step, &from, &trial);
+    for (int k = 1; k <= 2 * most + 1; k++)
+        top = r[k] > (top ? *top : 0) ? r + k : top;
+    if (!top)
+        return false;
+    const double bend = top[-1] - 2 * top[0] + top[1];
+    t += (double)(top - r - most - 1) * step;
+    if (bend < 0)
+        t += step * fmin(fmax(0.5 * (top[-1] - top[1]) / bend, -0.5), 0.5);
+    return fit_cycle(c, t, &from, out) > 0 && out->height > 0;
+}
+
+/* Sets the shape to the mean over cycles [from, to), each less its mean and over its height. */
+static bool mean_shape(struct cycles *c, size_t from, size_t to)
+{
+    const struct samples *x = c->samples;
+    double sum = 0, used = 0;
+    memset(c->shape, 0, c->bins * sizeof *c->shape);
+    memset(c->weight, 0, c->bins * sizeof *c->weight);
+    for (size_t k = from; k < to; k++) {
+        const struct cycle *cycle = &c->cycle[k];
+        for (size_t i = samples_index(x, cycle->t); i < x->n && cycle->height > 0; i++) {
+            const double phase = (x->t[i] - cycle->t) / c->period;
+            if (phase >= 1)
+                break;
+            const double at = phase * (double)c->bins, part = at - floor(at),
+                         value = x->use[i] ? (x->y[i] - cycle->mean) / cycle->height : 0;
+            const size_t bin = (size_t)at % c->bins, next = (bin + 1) % c->bins;
+            const double w = x->use[i] * cycle->height * cycle->height;
+            c->shape[bin] += w * (1 - part) * value;
+            c->shape[next] += w * part * value;
+            c->weight[bin] += w * (1 - part);
+            c->weight[next] += w * part;
+        }
+    }
+    for (size_t k = 0; k < c->bins; k++) {
+        if (!(c->weight[k] > 0))
+            return false;
+        c->shape[k] /= c->weight[k];
+        sum += c->shape[k];
+    }
+    for (size_t k = 0; k < c->bins; k++) {
+        c->shape[k] -= sum / (double)c->bins;
+        used += c->shape[k] * c->shape[k];
+    }
+    c->shape[-1] = c->shape[c->bins - 1];
+    c->shape[c->bins] = c->shape[0];
+    c->shape[c->bins + 1] = c->shape[1];
+    return used > 0;
+}
+
+/* Places all cycles, from the middle one outwards, each where those before it lead. */
+static bool place_cycles(struct cycles *c, double reach)
+{
+    const size_t middle = c->count / 2;
+    for (size_t k = middle; k < c->count; k++) {
+        const double expected = k > middle ? c->cycle[k - 1].t + c->period : c->cycle[k].t;
+        if (cancelled(c->samples->cancel))
+            return false;
+        if (!place_cycle(c, expected, reach, &c->cycle[k]))
+            c->cycle[k] = (struct cycle){.t = expected};
+    }
+    for (size_t k = middle; k-- > 0;) {
+        const double expected = c->cycle[k + 1].t - c->period;
+        if (cancelled(c->samples->cancel))
+            return false;
+        if (!place_cycle(c, expected, reach, &c->cycle[k]))
+            c->cycle[k] = (struct cycle){.t = expected};
+    }
+    return true;
+}
+
+/* Chooses where the first cycle begins [periods after the first sample], up to `spare`: where the
+ * series changes least, so that no pulse is cut in two. Sets *much to how much more it changes
+ * there than where it does least of all. */
+static double quiet_begin(const struct samples *x, double period, double spare, double *much)
+{
+    enum { PLACES = 16 };
+    double change[PLACES] = {0}, least = HUGE_VAL, within = HUGE_VAL, begin = 0.5 * spare;
+    for (size_t i = 1; i < x->n; i++) {
+        const double phase = (x->t[i] - x->t[0]) / period;
+        change[(size_t)(PLACES * (phase - floor(phase))) % PLACES] +=
+            (x->y[i] - x->y[i - 1]) * (x->y[i] - x->y[i - 1]);
+    }
+    for (size_t k = 0; k < PLACES; k++) {
+        const double place = (double)k / PLACES,
+                     here = change[k] + change[(k + PLACES - 1) % PLACES];
+        least = fmin(least, here);
+        if (place <= spare && here < within) {
+            within = here;
+            begin = place;
+        }
+    }
+    *much = within / least;
+    return begin;
+}
+
+static bool cycles_init(struct cycles *c, const struct samples *x, double guess,
+                        struct arena *arena)
+{
+    const double span = x->t[x->n - 1] - x->t[0], samples = guess / (span / (double)(x->n - 1));
+    /* A cut that changes by more than this, against the quietest, is worth the loss of a cycle,
+     * where more than so many are left. */
+    static const double change_max = 2;
+    enum { CYCLES_LEFT_MIN = 5 };
+    *c = (struct cycles){.samples = x, .period = guess, .count = (size_t)(span / guess + 0.02)};
+    c->bins = (size_t)fmin(fmax(samples, BINS_MIN), BINS_MAX);
+    if (c->count < CYCLES_MIN || samples < BINS_MIN / 2)
+        return false;
+    c->cycle = arena_array(arena, c->count, sizeof *c->cycle);
+    c->weight = arena_array(arena, c->bins, sizeof *c->weight);
+    double *shape = arena_array(arena, c->bins + 3, sizeof *c->shape);
+    if (!c->cycle || !shape || !c->weight)
+        return false;
+    c->shape = shape + 1;
+    double much, begin = quiet_begin(x, guess, fmax(span / guess - (double)c->count, 0), &much);
+    if (much > change_max && c->count > CYCLES_LEFT_MIN) {
+        c->count--;
+        begin = quiet_begin(x, guess, 1, &much);
+    }
+    const double first = x->t[0] + begin * guess;
+    for (size_t k = 0; k < c->count; k++)
+        c->cycle[k] = (struct cycle){.t = first + (double)k * guess, .height = 1};
+    return true;
+}
+
+double cycles_explained_share(const struct cycles *c)
+{
+    const double others = (double)c->count / (double)(c->count - 1);
+    double square = 0, left = 0;
+    for (size_t k = 0; k < c->count; k++) {
+        const struct cycle *cycle = &c->cycle[k];
+        square += cycle->square;
+        left +=
+            cycle->height > 0 ? fmin(cycle->left * others * others, cycle->square) : cycle->square;
+    }
+    return square > 0 ? 1 - left / square : 0;
+}
+
+double cycles_share_needed(size_t cycles)
+{
+    static const struct {
+        size_t cycles;
+        double share;
+    } needed[] = {{20, 0.3}, {10, 0.4}, {6, 0.6}, {4, 0.8}};
+    for (size_t k = 0; k < COUNT_OF(needed); k++)
+        if (cycles >= needed[k].cycles)
+            return needed[k].share;
+    return 0.9;
+}
+
+bool cycles_find(struct cycles *c, const struct samples *x, double guess, double share_min,
+                 struct arena *arena)
+{
+    static const double hopeless = 0.75; /* of share_min: better places do not make up for it */
+    static const double gain_min = 1e-3;
+    double before = 0;
+    if (!cycles_init(c, x, guess, arena))
+        return false;
+    const size_t middle = c->count / 2, few = c->count < 8 ? c->count : 8;
+    if (!mean_shape(c, middle - few / 2, middle - few / 2 + few))
+        return false;
+    for (int pass = 0; pass < ALIGN_PASSES; pass++) {
+        if (!place_cycles(c, pass == 0 ? 0.1 : 0.04))
+            return false;
+        const double share = cycles_explained_share(c);
+        if (!mean_shape(c, 0, c->count))
+            return false;
+        if (share < hopeless * share_min || fabs(share - before) < gain_min)
+            break;
+        before = share;
+    }
+    return true;
+}
+
+bool cycle_period(const struct series *series, double guess, struct arena *arena,
+                  struct period *period)
+{
+    struct samples x;
+    struct cycles c;
+    size_t used = 0, placed = 0;
+    double level = 0;
+    if (!samples_init(&x, series, arena) || !cycles_find(&c, &x, guess, 0, arena) ||
+        cycles_explained_share(&c) < cycles_share_needed(c.count))
+        return false;
+    struct crossing *begin = arena_array(arena, c.count, sizeof *begin);
+    if (!begin)
+        return false;
+    for (size_t k = 0; k < c.count; k++)
+        if (c.cycle[k].height > 0) {
+            begin[placed++] = (struct crossing){c.cycle[k].t, c.cycle[k].sigma, true};
+            level += c.cycle[k].mean;
+        }
+    *period = (struct period){.how = "cycles"};
+    if (placed < CYCLES_MIN ||
+        !crossings_period(begin, placed, guess, false, arena, period, &used) ||
+        5 * used < 4 * c.count)
+        return false;
+    period->level = level / (double)placed;
+    return true;
+}

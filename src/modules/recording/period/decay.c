@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Decay from a few readings: the weighted line through their logarithms, as one does by hand. */
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+
+enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
+
+#define FLOOR_WRONG 0.15 /* part of it, of recordings that are rounded */
+#define SHARED 3.0       /* scatter of the noise's own energy, in units of it */
+
+/* Fits the line through the logarithms of the readings against the time after t0. Readings that are
+ * not positive have no logarithm, and are left out, as those that are little but noise. */
+static bool fit_logarithms(const struct reading *reading, int count, double t0,
+                           struct line_fit *line)
+{
+    static const double relative_max = 0.3, rounding = 1e-12;
+    double t[COUNT_OF(((struct decay *)0)->reading)];
+    struct measured log_a[COUNT_OF(t)];
+    int used = 0;
+    for (int i = 0; i < count; i++) {
+        const struct measured *a = &reading[i].amplitude;
+        const double relative = a->uncertainty / a->value;
+        if (!(a->value > 0 && relative < relative_max))
+            continue;
+        t[used] = reading[i].t - t0;
+        log_a[used++] = (struct measured){log(a->value), fmax(relative, rounding)};
+    }
+    return line_fit(t, log_a, used, line);
+}
+
+/*
+ * Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion
+ * cancels, an exponential keeps its rate. What the noise adds is taken off; its own scatter goes on
+ * over some samples, because velocities share them.
+ */
+static void local_mean(const struct samples *x, size_t from, size_t to,
+                       const struct energy_noise *noise, struct reading *reading)
+{
+    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[from],
+           width = x->t[to - 1] - begin;
+    for (size_t i = from; i < to; i++) {
+        double s = sin(PI * (x->t[i] - begin) / width);
+        sum += s * s * x->y[i];
+        moment += s * s * x->t[i];
+        weight += s * s;
+        square += s * s * s * s;
+    }
+    const double value = sum / weight - noise->floor, alone = SHARED * noise->floor;
+    const double scatter = noise->spread * noise->spread * fmax(value, 0) + alone * alone;
+    reading->t = moment / weight;
+    reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};
+}
+
+/* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma
+ * times half the width. */
+static double mean_gain(double x)
+{
+    return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
+}
+
+static int read_energy(const struct samples *x, int count, const struct energy_noise *noise,
+                       struct reading *out)
+{
+    for (int k = 0; k < count; k++) {
+        size_t from = x->n * (size_t)k / (size_t)count, to = x->n * (size_t)(k + 1) / (size_t)count;
+        local_mean(x, from, to, noise, &out[k]);
+    }
+    return count;
+}
+
+/* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share
+ * of the energy. */
+static double floor_fraction(const struct decay *decay, const struct energy_noise *noise)
+{
+    double sum = 0;
+    for (int k = 0; k < decay->readings; k++)
+        sum += FLOOR_WRONG * noise->floor / fmax(decay->reading[k].amplitude.value, noise->floor);
+    return sum / decay->readings;
+}
+
+static int read_amplitudes(const struct motion *m, int count, struct reading *out)
+{
+    const struct samples *x = &m->samples;
+    double width = fmin(2 * m->overview.period, (x->t[x->n - 1] - x->t[0]) / count);
+    double first = x->t[0], last = x->t[x->n - 1] - width;
+    int read = 0;
+    for (int k = 0; k < count; k++) {
+        double from = first + (last - first) * k / (count - 1);
+        size_t low = samples_index(x, from - 1e-9 * width),
+               high = samples_index(x, from + width * (1 + 1e-9));
+        read += local_amplitude(m, low, high, &out[read]);
+    }
+    return read;
+}
+
+struct measured measured_reciprocal(double top, struct measured rate, double *least)
+{
+    static const double doubt = 2; /* standard deviations */
+    const double margin = doubt * rate.uncertainty;
+    *least = NAN;
+    if (rate.value > margin)
+        return (struct measured){top / rate.value,
+                                 top / (rate.value * rate.value) * rate.uncertainty};
+    if (rate.value + margin > 0)
+        *least = top / (fmax(rate.value, 0) + margin);
+    return (struct measured){NAN, NAN};
+}
+
+bool series_decay(const struct series *series, struct arena *arena,
+                  const struct energy_noise *energy, int readings, struct decay *decay,
+                  struct error *error)
+{
+    struct motion m;
+    *decay = (struct decay){.halves = {NAN, NAN}};
+    int count = readings > 0 ? readings : READINGS_DEFAULT;
+    if (count < READINGS_MIN || count > (int)COUNT_OF(decay->reading)) {
+        return error_set(error, ERROR_COMMAND, "a decay is read at %d to %d times, not at %d",
+                         READINGS_MIN, (int)COUNT_OF(decay->reading), count);
+    }
+    double omega = NAN, rate = energy ? -1 : -2; /* gamma = rate * slope */
+    if (energy) {
+        if (!samples_init(&m.samples, series, arena)) {
+            return error_memory(error);
+        }
+        if (series->n < 4 * (size_t)count || !(m.samples.dt > 0)) {
+            return error_set(error, ERROR_COMMAND, "too few samples for %d readings of the energy",
+                             count);
+        }
+        decay->readings = read_energy(&m.samples, count, energy, decay->reading);
+    } else {
+        if (!motion_require(&m, series, arena, NULL, error)) {
+            return false;
+        }
+        if (readings <= 0) { /* no more windows than the record holds */
+            count = (int)fmin(count, fmax(READINGS_MIN, floor(m.overview.periods)));
+        }
+        omega = m.harmonic.omega;
+        decay->readings = read_amplitudes(&m, count, decay->reading);
+    }
+    struct line_fit line, half;
+    double t0 = series->t[0];
+    if (!fit_logarithms(decay->reading, decay->readings, t0, &line)) {
+        return error_set(error, ERROR_COMMAND,
+                         "no decay: fewer than two readings stand out of the noise");
+    }
+    decay->gamma = (struct measured){rate * line.slope.value, fabs(rate) * line.slope.uncertainty};
+    if (energy)
+        decay->gamma.uncertainty =
+            hypot(decay->gamma.uncertainty, floor_fraction(decay, energy) * decay->gamma.value);
+    const double span = series->t[series->n - 1] - t0;
+    const double initial = exp(line.intercept.value) /
+                           (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
+    decay->initial = (struct measured){initial, initial * line.intercept.uncertainty};
+    double least;
+    decay->tau = measured_reciprocal(2, decay->gamma, &least);
+    decay->quality = measured_reciprocal(omega, decay->gamma, &least);
+    decay->decrement =
+        (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};
+    int middle = decay->readings / 2;
+    for (int i = 0; i < 2; i++) {
+        const struct reading *from = decay->reading + (i ? middle : 0);
+        if (fit_logarithms(from, i ? decay->readings - middle : middle, t0, &half)) {
+            decay->halves[i] = rate * half.slope.value;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the cycles of a period leave open, one by one: whether they differ in turn, and how far
+ * their times scatter. */
+#include "modules/recording/period/cycle.h"
+
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CYCLES_USED = 128 };
+
+/* Returns the chance that values that follow a straight line or a parabola differ in turn, one in
+ * `turns`, as much as these do by their uncertainties, or by their scatter where it is larger. */
+static double turns_chance(const struct measured *x, size_t n, size_t turns)
+{
+    enum { COLUMNS = 5, WIDTH = COLUMNS + 1, PARABOLA_MIN = 8 };
+    static const double scatter_chance = 0.05;
+    const int smooth = n < PARABOLA_MIN ? 2 : 3, columns = smooth + (int)turns - 1;
+    double a[WIDTH * WIDTH] = {0}, square = 0, gained = 0;
+    if (n < (size_t)columns)
+        return 1;
+    for (size_t k = 0; k < n; k++) {
+        const double u = 2 * (double)k / (double)(n - 1) - 1;
+        double column[WIDTH] = {1, u, u * u};
+        for (int j = smooth; j < columns; j++)
+            column[j] = k % turns == (size_t)(j - smooth);
+        column[columns] = x[k].value - x[0].value;
+        for (int i = 0; i <= columns; i++)
+            for (int j = 0; j <= i; j++)
+                a[WIDTH * i + j] += column[i] * column[j] / (x[k].uncertainty * x[k].uncertainty);
+    }
+    double *r = a + WIDTH * columns;
+    square = r[columns];
+    if (!matrix_cholesky(columns, WIDTH, a, 1e-10, a))
+        return 1;
+    cholesky_forward(columns, WIDTH, a, r);
+    for (int j = 0; j < columns; j++) {
+        square -= r[j] * r[j];
+        gained += j < smooth ? 0 : r[j] * r[j];
+    }
+    const double ways = (double)turns - 1, freedom = (double)n - columns,
+                 chance = gsl_cdf_chisq_Q(gained, ways);
+    if (freedom < 1 || gsl_cdf_chisq_Q(square, freedom) > scatter_chance)
+        return chance;
+    return fmax(chance, gsl_cdf_fdist_Q(gained / ways / (square / freedom), ways, freedom));
+}
+
+/* What is read of every cycle that may tell it from its neighbours. */
+enum { CYCLE_HEIGHT, CYCLE_MEAN, CYCLE_TIME, CYCLE_VALUES };
+
+/* Sets [count] values of one kind, whose uncertainties come of a variance of the rows and of how
+ * far [y] the mean cycle may be off all along a cycle. */
+static void cycle_values(const struct cycles *c, int kind, double variance, double off,
+                         struct measured *value)
+{
+    double height = 0;
+    for (size_t k = 0; k < c->count; k++)
+        height += c->cycle[k].height / (double)c->count;
+    for (size_t k = 0; k < c->count; k++) {
+        const struct cycle *y = &c->cycle[k];
+        const double row = variance + off * off * y->rows, relative = sqrt(row / y->power) / height;
+        if (kind == CYCLE_HEIGHT)
+            value[k] = (struct measured){log(y->height), relative * height / y->height};
+        else if (kind == CYCLE_MEAN)
+            value[k] = (struct measured){y->mean, sqrt(row / y->rows)};
+        else
+            value[k] = (struct measured){y->t - c->cycle[0].t - (double)k * c->period,
+                                         sqrt(row / y->slope) / y->height};
+    }
+}
+
+/* Returns the mean square of the rows about the mean of their cycle. */
+static double cycles_square(const struct cycles *c)
+{
+    double square = 0;
+    for (size_t k = 0; k < c->count; k++)
+        square += c->cycle[k].square / (double)c->count;
+    return square;
+}
+
+/* Returns how far the mean cycle is off the rows. Where the times of the samples repeat after so
+ * many cycles, it may be off by the same in each of these: by what noise does not explain and what
+ * straight lines between its bins miss. A step of the sensor and a small part of the size stay. */
+static double template_error(const struct cycles *c, size_t turns, double left, double noise)
+{
+    static const double small = 1e-3, coherent = 0.3, all_noise = 1.5, rounding = 0.3;
+    const struct samples *x = c->samples;
+    const double samples = c->period / (x->t[x->n - 1] - x->t[0]) * (double)(x->n - 1),
+                 drift = fabs(remainder((double)turns * samples, 1)) * (double)c->count,
+                 angle = TWO_PI / fmin(samples, (double)c->bins), size = sqrt(cycles_square(c)),
+                 least = hypot(small * size, rounding * samples_quantum(x)),
+                 missed = coherent * sqrt(fmax(left - all_noise * noise * noise, 0));
+    if (turns > 0 && !(drift < 2))
+        return least;
+    return hypot(hypot(least, missed), turns > 0 ? size * angle * angle / 8 : 0);
+}
+
+/* Returns the variance of the rows that the mean cycle leaves, or -1 if it is like none of some. */
+static double cycles_left(const struct cycles *c)
+{
+    static const double least = 0.2; /* of the mean height */
+    double left = 0, height = 0;
+    for (size_t k = 0; k < c->count; k++)
+        height += c->cycle[k].height / (double)c->count;
+    for (size_t k = 0; k < c->count; k++) {
+        if (!(c->cycle[k].height > least * height))
+            return -1;
+        left += c->cycle[k].left / (double)(c->count - 1);
+    }
+    return left;
+}
+
+/* Returns the least chance that the cycles differ in turn by what is read of them; NAN if not all
+ * are like their mean. */
+static double cycles_chance(const struct cycles *c, size_t turns, double noise,
+                            struct measured *value)
+{
+    const double left = cycles_left(c), off = template_error(c, turns, left, noise);
+    double least = 1;
+    if (left < 0)
+        return NAN;
+    for (int kind = 0; kind < CYCLE_VALUES; kind++) {
+        cycle_values(c, kind, left, off, value);
+        least = fmin(least, turns_chance(value, c->count, turns));
+    }
+    return least;
+}
+
+/* The posterior of times of cycles that scatter beyond their uncertainties. */
+struct times_model {
+    double scatter, walk;   /* [s^2] variances of each, and of what each adds to all later ones */
+    double likelihood;      /* its logarithm */
+    struct measured period; /* [s] */
+};
+
+/* Follows the times less multiples of a period (a Kalman filter of time and period). */
+static void follow_times(const struct measured *time, size_t n, double spread,
+                         struct times_model *m)
+{
+    static const double unknown = 1e6;
+    double x = 0, d = 0, xx = unknown * spread, xd = 0, dd = unknown * spread;
+    m->likelihood = 0;
+    for (size_t k = 0; k < n; k++) {
+        const double f = xx + m->scatter + time[k].uncertainty * time[k].uncertainty,
+                     off = time[k].value - x, gain_x = xx / f, gain_d = xd / f;
+        m->likelihood -= 0.5 * (log(f) + off * off / f);
+        x += gain_x * off;
+        d += gain_d * off;
+        dd -= gain_d * xd;
+        xd -= gain_d * xx;
+        xx -= gain_x * xx;
+        m->period = (struct measured){d, sqrt(fmax(dd, 0))};
+        x += d;
+        xx += 2 * xd + dd + m->walk;
+        xd += dd;
+    }
+}
+
+/*
+ * Reads from the times of cycles by how much the period is off the one that they are less multiples
+ * of [s]. Each may come some random time off its place, or off the cycle before: the mean over
+ * both, by how likely they make the times. *beyond: by how much that makes the variance
+ * larger than noise alone does, which is that share of the variances of the times.
+ */
+static struct measured period_of_times(const struct measured *time, size_t n, double noise_share,
+                                       bool *surprising, double *beyond)
+{
+    enum { STEPS = 6 };
+    static const double step = 4, first_scatter = 1.0 / 64, first_walk = 1.0 / 16;
+    /* For more than noise, over that for noise alone: it is up to 4 where neither is likelier. */
+    static const double evidence_min = 4, evidence_sure = 20;
+    struct line_fit line;
+    double place[CYCLES_USED], spread = 0, weight = 0, value = 0, square = 0, variance = 0;
+    struct times_model model[STEPS + 1][STEPS + 1], *none = &model[0][0];
+    for (size_t k = 0; k < n; k++)
+        place[k] = (double)k;
+    *beyond = 0;
+    *surprising = false;
+    if (!line_fit(place, time, (int)n, &line))
+        return (struct measured){0, HUGE_VAL};
+    for (size_t k = 0; k < n; k++) {
+        const double off = time[k].value - line.intercept.value - line.slope.value * place[k];
+        spread += (off * off + time[k].uncertainty * time[k].uncertainty) / (double)n;
+    }
+    for (int i = 0; i <= STEPS; i++)
+        for (int j = 0; j <= STEPS; j++) {
+            struct times_model *m = &model[i][j];
+            *m = (struct times_model){
+                .scatter = i == 0 ? 0 : spread * first_scatter * pow(step, i - 1),
+                .walk = j == 0 ? 0 : spread * first_walk / (double)n * pow(step, j - 1)};
+            follow_times(time, n, spread, m);
+            const double prior = (i == 0 ? 1 : 1.0 / STEPS) * (j == 0 ? 1 : 1.0 / STEPS),
+                         w = prior * exp(fmin(m->likelihood - none->likelihood, 600));
+            weight += w;
+            value += w * m->period.value;
+            square += w * m->period.value * m->period.value;
+            variance += w * m->period.uncertainty * m->period.uncertainty;
+        }
+    value /= weight;
+    variance = variance / weight + fmax(square / weight - value * value, 0);
+    const double noise = none->period.uncertainty * none->period.uncertainty;
+    *surprising = weight > evidence_sure;
+    *beyond = (weight > evidence_min ? variance : noise) - noise_share * noise;
+    return (struct measured){value, sqrt(variance)};
+}
+
+/* Takes the rows that the cycles are judged by. */
+static bool doubt_rows(const struct series *series, const struct period *p, struct arena *arena,
+                       struct series *rows)
+{
+    enum { ROWS_A_CYCLE = 64, ROWS_MIN = 16 };
+    /* so many rows in all tell of few cycles how they differ, and of many no less */
+    static const double whole = 0.8, rows_max = 3072;
+    struct series part = *series;
+    if (p->last > p->first && p->last - p->first < whole * (part.t[part.n - 1] - part.t[0]))
+        part = series_window(*series, p->first - p->period.value, p->last + p->period.value);
+    part = series_longest_stretch(&part, p->period.value);
+    if (part.n < 2)
+        return false;
+    const double cycles = (part.t[part.n - 1] - part.t[0]) / p->period.value,
+                 each = (double)part.n / cycles,
+                 wanted = fmin(ROWS_A_CYCLE, rows_max / fmin(cycles, CYCLES_USED)),
+                 by = floor(fmax(each / wanted, 1)),
+                 used = fmin(each / by * (CYCLES_USED - 1), (double)part.n);
+    return cycles >= CYCLES_MIN &&
+           series_lively_part(&part, (size_t)by, (size_t)used, arena, rows) && rows->n >= ROWS_MIN;
+}
+
+/* Widens a period by what the times of its cycles leave open, and warns where that is most of it.
+ */
+static void widen_by_times(const struct cycles *c, double noise, struct measured *value,
+                           struct period *period)
+{
+    static const double contradicts = 3, share_min = 0.8, most = 2;
+    double beyond;
+    bool surprising;
+    const double left = cycles_left(c), error = template_error(c, 0, left, noise),
+                 left_share = left / (left + error * error * c->cycle[0].rows);
+    const bool same = strcmp(period->how, "cycles") == 0; /* the same times */
+    cycle_values(c, CYCLE_TIME, left, error, value);
+    const struct measured off =
+        period_of_times(value, c->count, same ? left_share : 1, &surprising, &beyond);
+    const double share = fmin((double)c->count / fmax(period->periods, 1), 1),
+                 more = sqrt(fmax(share * beyond, 0)), stated = period->period.uncertainty;
+    period->period.uncertainty = fmax(stated, more);
+    if (share > share_min &&
+        fabs(off.value) > contradicts * hypot(off.uncertainty, period->period.uncertainty))
+        period->period.uncertainty = hypot(period->period.uncertainty, off.value);
+    if (surprising && period->period.uncertainty > most * stated && !period->warning[0])
+        snprintf(period->warning, sizeof period->warning,
+                 "the cycles come off their places, or off those before, by more than the noise: T "
+                 "is their mean, and known the less the fewer they are");
+}
+
+/* Warns that a period may be a multiple, or takes the multiple where there is no doubt. Returns
+ * true if it took one. */
+static bool heed_turns(const struct cycles *c, double noise, struct measured *value,
+                       struct period *period)
+{
+    static const double chance_min = 2e-3, chance_sure = 1e-7;
+    enum { MULTIPLES = 3 };
+    const double T = period->period.value;
+    for (size_t n = 2; n <= MULTIPLES; n++) {
+        const double chance = cycles_chance(c, n, noise, value), times = (double)n;
+        if (chance < chance_sure && c->count >= 2 * n) {
+            period->period = (struct measured){times * T, times * period->period.uncertainty};
+            period->periods = floor(period->periods / times);
+            snprintf(period->warning, sizeof period->warning,
+                     "cycles of %.5g s are not alike: they differ in turn, and repeat after %zu of "
+                     "them",
+                     T, n);
+            return true;
+        }
+        if (chance < chance_min) {
+            if (!period->warning[0])
+                snprintf(period->warning, sizeof period->warning,
+                         "the period may be %zu times as long: one cycle in %zu differs from the "
+                         "others by more than the noise",
+                         n, n);
+            return false;
+        }
+    }
+    return false;
+}
+
+void period_doubt(const struct series *series, struct arena *arena, struct period *period)
+{
+    static const double noise_max = 0.05;
+    enum { DOUBLINGS = 3 };
+    struct series rows;
+    struct samples x;
+    struct cycles c;
+    struct measured value[CYCLES_USED];
+    if (series_is_uneven(series) || !doubt_rows(series, period, arena, &rows) ||
+        !samples_init(&x, &rows, arena))
+        return;
+    double *scratch = arena_array(arena, x.n, sizeof *scratch);
+    if (!scratch)
+        return;
+    const double noise = samples_noise(&x, scratch);
+    bool longer = true;
+    for (int pass = 0; pass <= DOUBLINGS && longer; pass++) {
+        longer = false;
+        if (!cycles_find(&c, &x, period->period.value, 0, arena))
+            return;
+        if (c.count > CYCLES_USED)
+            break;
+        const bool alike =
+            cycles_left(&c) >= 0 && cycles_explained_share(&c) >= cycles_share_needed(c.count);
+        if (alike && pass == 0)
+            widen_by_times(&c, noise, value, period);
+        if (alike)
+            longer = heed_turns(&c, noise, value, period);
+        else if (noise * noise < noise_max * cycles_square(&c) && !period->warning[0])
+            snprintf(period->warning, sizeof period->warning,
+                     "cycles of this length are not all alike: T may not be their period");
+    }
+}

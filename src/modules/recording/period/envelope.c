@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The envelope, where the search for the laws of damping begins, and what sways about it. Averaging
+ * y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2) / (1 + q
+ * phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase is unaffected
+ * (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear: q = 0; quadratic: gamma = 0, A = A0/(1
+ * + q s).
+ */
+#include "modules/recording/series/internal.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_multifit_nlinear.h>
+#include <math.h>
+
+enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
+
+/* mean square to which averaging over a period is good: no law is better than that */
+#define AVERAGED 1e-10
+
+struct envelope {
+    size_t count;
+    double s[WINDOWS_MAX]; /* time since the start over the span: 0 … 1 */
+    double a[WINDOWS_MAX]; /* amplitude over the largest one */
+    double noise;          /* mean variance of the readings */
+    bool gamma, quadratic; /* which terms the law has */
+};
+
+/* Returns the amplitude at s >= 0 since the start, relative to that at the start, and sets its
+ * derivatives by gamma and q. */
+static double envelope_value(const struct envelope_rates *rates, double s, double by[2])
+{
+    /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
+    double h = 0.5 * rates->gamma, hs = h * s, phi, slope;
+    if (fabs(hs) < 1e-3) {
+        phi = s * (1 - hs / 2 * (1 - hs / 3));
+        slope = s * s * (-0.5 + hs / 3);
+    } else {
+        phi = -expm1(-hs) / h;
+        slope = (s * exp(-hs) - phi) / h;
+    }
+    double under = 1 + rates->q * phi, value = exp(-hs) / under;
+    by[0] = 0.5 * value * (-s - rates->q * slope / under);
+    by[1] = -value * phi / under;
+    return value;
+}
+
+/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln
+ * A0, gamma, q. */
+static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
+{
+    struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
+                                   .q = e->quadratic ? gsl_vector_get(x, e->gamma ? 2 : 1) : 0};
+    double by[2], a0 = exp(gsl_vector_get(x, 0)), value = a0 * envelope_value(&rates, s, by);
+    d[0] = value;
+    d[1] = a0 * by[0];
+    d[2] = a0 * by[1];
+    return value;
+}
+
+static int law_residual(const gsl_vector *x, void *context, gsl_vector *f)
+{
+    const struct envelope *e = context;
+    double d[3];
+    for (size_t i = 0; i < e->count; i++) {
+        gsl_vector_set(f, i, law_value(e, x, e->s[i], d) - e->a[i]);
+    }
+    return GSL_SUCCESS;
+}
+
+static int law_jacobian(const gsl_vector *x, void *context, gsl_matrix *jacobian)
+{
+    const struct envelope *e = context;
+    double d[3];
+    for (size_t i = 0; i < e->count; i++) {
+        size_t column = 0;
+        law_value(e, x, e->s[i], d);
+        gsl_matrix_set(jacobian, i, column++, d[0]);
+        if (e->gamma) {
+            gsl_matrix_set(jacobian, i, column++, d[1]);
+        }
+        if (e->quadratic) {
+            gsl_matrix_set(jacobian, i, column++, d[2]);
+        }
+    }
+    return GSL_SUCCESS;
+}
+
+struct envelope_fit {
+    double mean_square, gamma, q;
+    bool found;
+};
+
+static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start,
+                    struct envelope_fit *result)
+{
+    size_t p = 1 + (size_t)gamma + (size_t)quadratic;
+    double x0[3] = {log(e->a[0]), gamma ? (quadratic ? 0.5 : 1) * start : start / 2, start / 4};
+    e->gamma = gamma;
+    e->quadratic = quadratic;
+    gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+    parameters.trs = gsl_multifit_nlinear_trs_lmaccel;
+    gsl_multifit_nlinear_fdf fdf = {
+        .f = law_residual, .df = law_jacobian, .n = e->count, .p = p, .params = e};
+    gsl_multifit_nlinear_workspace *work =
+        gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, e->count, p);
+    gsl_vector_view x = gsl_vector_view_array(x0, p);
+    int info = 0;
+    *result = (struct envelope_fit){0};
+    if (!work) {
+        return false;
+    }
+    if (gsl_multifit_nlinear_init(&x.vector, &fdf, work) == GSL_SUCCESS) {
+        int status = gsl_multifit_nlinear_driver(100, 1e-8, 1e-10, 0, NULL, NULL, &info, work);
+        /* GSL_ENOPROG: the minimum to the last digit */
+        result->found = status == GSL_SUCCESS || status == GSL_ENOPROG;
+        const gsl_vector *f = gsl_multifit_nlinear_residual(work),
+                         *at = gsl_multifit_nlinear_position(work);
+        double square = 0;
+        for (size_t i = 0; i < e->count; i++) {
+            square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
+        }
+        result->mean_square = fmax(square / (double)e->count, AVERAGED);
+        result->gamma = gamma ? gsl_vector_get(at, 1) : 0;
+        result->q = quadratic ? gsl_vector_get(at, p - 1) : 0;
+        result->found = result->found && isfinite(square);
+    }
+    gsl_multifit_nlinear_free(work);
+    return true;
+}
+
+/*
+ * Amplitudes of successive windows of whole periods (part of one would alternate with the shape of
+ * the oscillation), where they stand out of their noise.
+ */
+static void read_envelope(const struct motion *m, struct envelope *e)
+{
+    const struct samples *x = &m->samples;
+    double span = x->t[x->n - 1] - x->t[0], largest = 0, noise = 0;
+    double whole = fmax(1, ceil(m->overview.periods / WINDOWS_MAX)),
+           width = whole * m->overview.period;
+    size_t windows = (size_t)(span / width * (1 + 1e-9));
+    for (size_t k = 0; k < windows && e->count < WINDOWS_MAX; k++) {
+        struct reading reading;
+        size_t from = samples_index(x, x->t[0] + width * (double)k);
+        size_t to = samples_index(x, x->t[0] + width * (double)(k + 1));
+        if (!local_amplitude(m, from, to, &reading) ||
+            !(reading.amplitude.uncertainty < 0.3 * reading.amplitude.value)) {
+            continue;
+        }
+        e->s[e->count] = (reading.t - x->t[0]) / span;
+        e->a[e->count++] = reading.amplitude.value;
+        largest = fmax(largest, reading.amplitude.value);
+        noise += reading.amplitude.uncertainty * reading.amplitude.uncertainty;
+    }
+    for (size_t k = 0; k < e->count; k++) {
+        e->a[k] /= largest;
+    }
+    e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
+}
+
+bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates rates[3])
+{
+    static const struct {
+        bool gamma, quadratic;
+    } laws[] = {{true, false}, {false, true}, {true, true}};
+    struct envelope_fit law[COUNT_OF(laws)];
+    struct envelope readings = {0}, *e = &readings;
+    *sway = NAN;
+    read_envelope(m, e);
+    if (e->count < WINDOWS_MIN) {
+        return true;
+    }
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           start = m->harmonic.gamma * span;
+    for (size_t i = 0; i < COUNT_OF(laws); i++) {
+        if (!fit_law(e, laws[i].gamma, laws[i].quadratic, start, &law[i])) {
+            return false;
+        }
+        if (!law[i].found) {
+            return true;
+        }
+        rates[i] = (struct envelope_rates){.gamma = law[i].gamma / span, .q = law[i].q / span};
+    }
+    double square = 0;
+    for (size_t k = 0; k < e->count; k++) {
+        square += e->a[k] * e->a[k];
+    }
+    double scatter = fmin(fmin(law[0].mean_square, law[1].mean_square), law[2].mean_square);
+    *sway = scatter > 10 * e->noise ? sqrt(scatter / (square / (double)e->count)) : 0;
+    return true;
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The shift at which a series is most like itself: the shortest one at which the normalised
+ * correlation is as high as anywhere (McLeod & Wyvill, A smarter way to find pitch, ICMC 2005).
+ */
+#include "modules/recording/period/cycle.h"
+
+#include <math.h>
+
+enum {
+    LAG_SHORTEST = 4,   /* samples */
+    MULTIPLES_MAX = 12, /* periods after which a wave may be more like itself */
+};
+
+/* Correlations that differ by less are equal: what interpolation between shifts leaves of pulses of
+ * two samples. */
+static const double correlation_resolution = 0.02;
+/* Chance differences [standard deviations]. */
+static const double correlation_sigmas = 4;
+/* Many periods that are more alike than one are beats or sway, unless one is not alike at all. */
+static const double alike_min = 0.8;
+static const int few_multiples = 3;
+
+/* Weights [2 SINC_REACH] of the samples from SINC_REACH - 1 before on, for a value `part` after one
+ * (Lanczos's window on the sine integral's kernel). */
+static void sinc_weights(double part, double *weight)
+{
+    double sum = 0;
+    for (int j = 0; j < 2 * SINC_REACH; j++) {
+        const double x = 0.5 * TWO_PI * (part + SINC_REACH - 1 - j);
+        weight[j] = fabs(x) < 1e-9 ? 1 : sin(x) * sin(x / SINC_REACH) * SINC_REACH / (x * x);
+        sum += weight[j];
+    }
+    for (int j = 0; j < 2 * SINC_REACH; j++)
+        weight[j] /= sum;
+}
+
+/*
+ * Returns true if a series is much less like itself a few samples later than at its best: pulses of
+ * few samples, some way apart. Where they lie between samples then matters more than whether they
+ * are alike.
+ */
+static bool is_narrow(const double *correlation, size_t n)
+{
+    enum { NEAR = 4, FAR = 16 };
+    static const double near_max = 0.4, early_max = 0.5;
+    double early = 0, best = 0;
+    for (size_t k = NEAR; k < n / 2; k++)
+        if (k < FAR)
+            early = fmax(early, correlation[k]);
+        else
+            best = fmax(best, correlation[k]);
+    return correlation[NEAR] < near_max * best && early < early_max * best;
+}
+
+/* Sets out [n] to means of seven neighbours each, of which the middle one counts most. */
+static void smooth(const double *y, size_t n, double *out)
+{
+    enum { REACH = 3 };
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0, weight = 0;
+        for (size_t k = i < REACH ? 0 : i - REACH; k <= i + REACH && k < n; k++) {
+            const double w = (double)(REACH + 1) - fabs((double)k - (double)i);
+            sum += w * y[k];
+            weight += w;
+        }
+        out[i] = sum / weight;
+    }
+}
+
+bool lags_init(const struct series *whole, double period, struct arena *arena, struct lags *lags)
+{
+    enum { ROWS = 4096, ROWS_A_PERIOD = 128, PERIODS = 32 };
+    const struct series all = period > 0 ? series_longest_stretch(whole, period) : *whole;
+    struct series part = all;
+    const double span = all.n > 0 ? all.t[all.n - 1] - all.t[0] : 0;
+    if (period > 0 && all.n > ROWS) {
+        const double samples = period * (double)(all.n - 1) / span;
+        const double each = floor(fmin(fmax(samples / ROWS_A_PERIOD, 1), (double)all.n / ROWS)),
+                     rows = fmax(fmin(PERIODS * samples / each, (double)all.n), ROWS);
+        if (!series_lively_part(&all, (size_t)each, (size_t)rows, arena, &part))
+            return false;
+    }
+    *lags = (struct lags){.n = part.n};
+    if (part.n < 4 * LAG_SHORTEST || !(span > 0))
+        return false;
+    lags->dt = (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1);
+    for (int i = 0; i < SINC_PLACES; i++)
+        sinc_weights((i + 1.0) / (SINC_PLACES + 1), lags->weight[i]);
+    lags->correlation = series_correlations(&part, arena, &lags->y);
+    if (lags->correlation && is_narrow(lags->correlation, part.n)) {
+        double *y = arena_array(arena, part.n, sizeof *y);
+        if (!y)
+            return false;
+        smooth(part.y, part.n, y);
+        part.y = y;
+        lags->correlation = series_correlations(&part, arena, &lags->y);
+    }
+    return lags->correlation;
+}
+
+/* Returns how much two correlations about r differ by chance and resolution. */
+static double correlation_band(const struct lags *l, double r)
+{
+    return correlation_resolution +
+           correlation_sigmas * (1 - fmin(r, 1)) * sqrt(3.0 / (double)l->n);
+}
+
+/* Returns the least correlation that chance does not bring. */
+static double correlation_least(const struct lags *l)
+{
+    return 0.15 + 5 / sqrt((double)l->n);
+}
+
+static bool is_peak(const struct lags *l, size_t k)
+{
+    const double *r = l->correlation + k;
+    return r[0] > 0 && r[0] > r[-1] && r[0] >= r[1];
+}
+
+static double sinc_value(const double *y, const double *weight)
+{
+    double sum = 0;
+    for (int j = 0; j < 2 * SINC_REACH; j++)
+        sum += weight[j] * y[j - (SINC_REACH - 1)];
+    return sum;
+}
+
+/* Returns the highest correlation between the samples beside a peak, or -1 near the ends. */
+static double sinc_top(const struct lags *l, size_t k)
+{
+    double top = -1;
+    if (k <= SINC_REACH || k + SINC_REACH + 1 >= l->n)
+        return top;
+    for (int i = 0; i < SINC_PLACES; i++) {
+        top = fmax(top, sinc_value(l->correlation + k - 1, l->weight[i]));
+        top = fmax(top, sinc_value(l->correlation + k, l->weight[i]));
+    }
+    return top;
+}
+
+/* A peak of the correlation between two shifts: its top is that of the parabola or, of pulses of
+ * few samples, of a band-limited curve; but of a wave with edges that of the two lines through its
+ * flanks. */
+struct lag_peak {
+    double shift; /* [s] */
+    double parabola, flanks;
+};
+
+static struct lag_peak read_peak(const struct lags *l, size_t k)
+{
+    const double *r = l->correlation + k, bend = r[-1] - 2 * r[0] + r[1],
+                 slope = 0.5 * (r[1] - r[-1]);
+    const double off = bend < 0 ? -slope / bend : 0;
+    struct lag_peak peak = {((double)k + off) * l->dt, r[0] + 0.5 * slope * off, r[0]};
+    /* the top lies on the side of the higher neighbour */
+    const int side = r[1] > r[-1] ? 1 : -1;
+    if (k >= 2 && k + 2 < l->n) {
+        const double rise = r[0] - r[-side], fall = r[side] - r[2 * side];
+        if (rise > 0 && fall > 0)
+            peak.flanks = r[0] + rise * (r[side] + fall - r[0]) / (rise + fall);
+    }
+    peak.parabola = fmin(fmax(peak.parabola, sinc_top(l, k)), 1);
+    peak.flanks = fmin(fmax(peak.flanks, peak.parabola), 1);
+    return peak;
+}
+
+/* Finds the highest peak within a reach of a shift [s]. Returns false if there is none. */
+static bool peak_near(const struct lags *l, double shift, double reach, struct lag_peak *peak)
+{
+    const size_t low = (size_t)fmax((shift - reach) / l->dt, 1),
+                 high = (size_t)fmin((shift + reach) / l->dt + 1, (double)l->n - 2);
+    *peak = (struct lag_peak){NAN, -1, -1};
+    for (size_t k = low; k <= high; k++) {
+        const struct lag_peak here = is_peak(l, k) ? read_peak(l, k) : (struct lag_peak){0, -1, -1};
+        if (here.parabola > peak->parabola)
+            *peak = here;
+    }
+    return isfinite(peak->shift);
+}
+
+double lags_period(const struct lags *l)
+{
+    const size_t half = l->n / 2;
+    size_t first = 1;
+    double highest = 0;
+    while (first < half && l->correlation[first] > 0)
+        first++;
+    first = first < LAG_SHORTEST ? LAG_SHORTEST : first;
+    for (size_t k = first; k < half; k++)
+        highest = is_peak(l, k) ? fmax(highest, read_peak(l, k).parabola) : highest;
+    for (size_t k = first; k < half && highest > correlation_least(l); k++) {
+        if (!is_peak(l, k))
+            continue;
+        const struct lag_peak peak = read_peak(l, k);
+        if (peak.flanks >= highest - correlation_band(l, highest))
+            return peak.shift;
+    }
+    return NAN;
+}
+
+/* Returns the correlation of `count` values from index i on with those some samples later, or, by
+ * weights, between that sample and the next. */
+static double window_correlation(const double *y, size_t i, size_t count, size_t shift,
+                                 const double *weight)
+{
+    double a = 0, b = 0, aa = 0, ab = 0, bb = 0;
+    for (size_t k = i; k < i + count; k++) {
+        const double u = y[k], v = weight ? sinc_value(y + k + shift, weight) : y[k + shift];
+        a += u;
+        b += v;
+        aa += u * u;
+        ab += u * v;
+        bb += v * v;
+    }
+    const double n = (double)count, saa = aa - a * a / n, sbb = bb - b * b / n;
+    return saa > 0 && sbb > 0 ? (ab - a * b / n) / sqrt(saa * sbb) : 0;
+}
+
+/* The same for a shift between two samples: the best of that and those at the two. */
+static double shifted_correlation(const struct lags *l, size_t i, size_t count, double shift)
+{
+    const size_t low = (size_t)(shift / l->dt);
+    double weight[2 * SINC_REACH], best = fmax(window_correlation(l->y, i, count, low, NULL),
+                                               window_correlation(l->y, i, count, low + 1, NULL));
+    if (i + low >= SINC_REACH && i + count + low + SINC_REACH < l->n) {
+        sinc_weights(shift / l->dt - (double)low, weight);
+        best = fmax(best, window_correlation(l->y, i, count, low, weight));
+    }
+    return best;
+}
+
+/* Returns true if most parts of the series are more like themselves after n periods than after one:
+ * what is loud for a time does not decide. */
+static bool most_prefer(const struct lags *l, double period, int n)
+{
+    const size_t count = (size_t)(n * period / l->dt);
+    size_t prefer = 0, all = 0;
+    for (size_t i = 0; i + 2 * count + 2 < l->n; i += count) {
+        const double once = shifted_correlation(l, i, count, period),
+                     often = shifted_correlation(l, i, count, n * period);
+        if (fmax(once, often) > 0.5) { /* the others show no wave at all */
+            prefer += often > once + 0.5 * correlation_resolution;
+            all++;
+        }
+    }
+    return 3 * prefer > 2 * all;
+}
+
+/* Returns one over the whole number of waves that a period holds. */
+static double lags_part(const struct lags *l, double period, double reach, double once)
+{
+    struct lag_peak peak;
+    for (int n = few_multiples; n >= 2; n--)
+        if (period / n > LAG_SHORTEST * l->dt && peak_near(l, period / n, reach / n, &peak) &&
+            peak.parabola >= once - 0.5 * correlation_resolution)
+            return 1.0 / n;
+    return 1;
+}
+
+/* Returns how far a shift lies from the nearest whole number of samples, from 0 to 0.5. */
+static double between_samples(const struct lags *l, double shift)
+{
+    return fabs(remainder(shift / l->dt, 1));
+}
+
+/* Compares multiples of n periods with others that lie no farther between samples, so that what
+ * sampling takes from narrow pulses favours the others. Returns true if they are still less alike.
+ */
+static bool fairly_better(const struct lags *l, double period, int n)
+{
+    const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;
+    double other = -1, off = 1;
+    struct lag_peak peak;
+    for (int k = 1; k <= MULTIPLES_MAX && k * period < 0.6 * span; k++)
+        if (k % n != 0 && between_samples(l, k * period) < off &&
+            peak_near(l, k * period, reach, &peak)) {
+            off = between_samples(l, k * period);
+            other = peak.parabola;
+        }
+    for (int k = n; k <= MULTIPLES_MAX && k * period < 0.6 * span && other > 0; k += n)
+        if (between_samples(l, k * period) >= off && peak_near(l, k * period, reach, &peak) &&
+            peak.parabola > other + correlation_band(l, peak.parabola))
+            return true;
+    return false;
+}
+
+double lags_multiple(const struct lags *l, double period)
+{
+    const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;
+    struct lag_peak once, peak;
+    double best = 0;
+    peak_near(l, period, reach, &once);
+    for (int n = 2; n <= MULTIPLES_MAX && n * period < 0.55 * span; n++)
+        if ((n <= few_multiples || once.flanks < alike_min) &&
+            peak_near(l, n * period, n * reach, &peak))
+            best = fmax(best, peak.parabola);
+    if (best < correlation_least(l) || best <= once.parabola + correlation_band(l, best))
+        return once.parabola > correlation_least(l) ? lags_part(l, period, reach, once.parabola)
+                                                    : 1;
+    for (int n = 2; n <= MULTIPLES_MAX && n * period < 0.55 * span; n++)
+        if (peak_near(l, n * period, n * reach, &peak) &&
+            peak.flanks >= best - correlation_band(l, best) &&
+            (best > once.flanks + correlation_band(l, best) || fairly_better(l, period, n)))
+            return most_prefer(l, period, n) ? n : 1;
+    return 1;
+}
+
+bool lags_support(const struct lags *l, double period)
+{
+    struct lag_peak peak;
+    return peak_near(l, period, 0.1 * period + 0.5 * l->dt, &peak) &&
+           peak.parabola > fmax(0.5, correlation_least(l));
+}

@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The period of a series: from the phases of sines window by window, from one damped sine, or from
+ * its crossings. */
+#include "modules/recording/period/cycle.h"
+#include "modules/recording/period/track.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    CYCLES_SURE = 6,
+    COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
+};
+
+#define WANES 0.7      /* amplitude between two maxima from which on it is looked for beats */
+#define CHANCE 3.0     /* standard deviations of an amplitude */
+#define POOR 2.0       /* what a damped sine leaves, over the noise, */
+#define CORRELATED 0.5 /* and hangs together */
+#define SHARP 1e-6     /* of the period: nothing better is looked for */
+/* relative difference of readings of one period */
+#define SAME_PERIOD 0.05
+/* what is followed window by window and a damped sine in a part of it differ by more only if one of
+ * them is wrong: the sine is what leaves nothing but noise */
+#define OTHER_PERIOD_LOG 0.2
+/* of two periods that are so near, the sum waxes and wanes */
+#define BEATS_RATIO_LOG 0.4
+/* standard deviations from which on the phases of sines contradict whole cycles */
+#define CONTRADICTS 3.0
+/* an edge: of the range, between two samples */
+#define EDGE 0.4
+#define BEATS_SHARE 0.9  /* of the power about the highest line */
+#define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
+
+/* Of one damped sine, where there are too few windows for a line through their phases. */
+static bool whole_period(const struct motion *m, struct period *period)
+{
+    const struct harmonic *h = &m->harmonic;
+    const struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
+    const double widen = residual_widening(&m->samples, m->residual, &o, 2).phase;
+    const double sigma =
+        harmonic_sigma(h, FREE_GAMMA) * sqrt(widen * h->inverse[RATE_OMEGA][RATE_OMEGA]);
+    const struct samples *x = &m->samples;
+    if (m->tracked || !h->converged || !isfinite(sigma)) {
+        return false;
+    }
+    /* what rests has no periods */
+    const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1];
+    *period = (struct period){
+        .period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
+        .first = x->t[0],
+        .last = last,
+        .periods = floor(fmin(m->overview.periods, (last - x->t[0]) * h->omega / TWO_PI + 0.01)),
+        .level = m->overview.mean,
+        .how = "one damped sine"};
+    return true;
+}
+
+/* At least that, where the window shows an oscillation at all. */
+static double sure_amplitude(const struct track_window *w)
+{
+    return w->clear ? w->amplitude * fmax(1 - CHANCE * w->sigma, 0) : 0;
+}
+
+/* The amplitude of the windows between two that are larger: the smallest share that is not chance.
+ */
+static double deepest_wane(const struct track *track, struct arena *arena)
+{
+    double *after = arena_array(arena, track->windows + 1, sizeof *after), before = 0, deepest = 1;
+    for (size_t k = track->windows; after && k-- > 0;) {
+        after[k] =
+            k + 1 < track->windows ? fmax(after[k + 1], sure_amplitude(&track->window[k + 1])) : 0;
+    }
+    for (size_t k = 0; after && k < track->windows; k++) {
+        const struct track_window *w = &track->window[k];
+        const double around = fmin(before, after[k]),
+                     here = w->amplitude * (1 + CHANCE * fmin(w->sigma, 1));
+        deepest = around > 0 && w->used > 0 ? fmin(deepest, here / around) : deepest;
+        before = fmax(before, sure_amplitude(w));
+    }
+    return deepest;
+}
+
+/* Warns of two frequencies, or whatever else makes the amplitude wax and wane. */
+static void warn_beats(const struct track *track, struct arena *arena, struct period *period)
+{
+    const double deepest = deepest_wane(track, arena);
+    if (deepest < WANES) {
+        snprintf(period->warning, sizeof period->warning,
+                 "the amplitude falls to %.0f %% and rises again: two frequencies ('measure "
+                 "spectrum' lists them), sway or a drive",
+                 100 * deepest);
+    }
+}
+
+/* Returns true if one damped sine leaves more than noise: then the interval is wide, and rests on a
+ * model that is not true. */
+static bool is_poor(const struct motion *m)
+{
+    return harmonic_sigma(&m->harmonic, FREE_GAMMA) > POOR * m->overview.noise &&
+           m->autocorrelation > CORRELATED;
+}
+
+/* Returns true if the amplitude changes and one damped sine explains nearly all: what it leaves is
+ * an envelope that is not exponential. */
+static bool is_decaying(const struct motion *m)
+{
+    static const double left_max = 0.02; /* power that the fit may leave, as a share */
+    static const double decay_min = 0.1; /* least change of ln A */
+    const struct harmonic *h = &m->harmonic;
+    const double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
+    double power = 0;
+    if (!h->converged || !(0.5 * fabs(h->gamma) * span > decay_min))
+        return false;
+    for (size_t i = 0; i < m->samples.n; i++)
+        power += m->samples.use[i] * (m->samples.y[i] - h->c) * (m->samples.y[i] - h->c);
+    return h->rss < left_max * power;
+}
+
+/* Noisy samples, window by window. False: too few windows, or no memory. */
+static bool phase_period(struct motion *m, struct arena *arena, struct period *period)
+{
+    struct track track;
+    if (m->tracked) {
+        memset(m->samples.use, 1, m->samples.n);
+        samples_flag_spikes(&m->samples, m->scratch);
+    }
+    for (int periods = 2; periods <= 32; periods *= 2) {
+        if (!track_follow(&m->samples, TWO_PI / m->overview.period, periods, arena, &track)) {
+            return false;
+        }
+        if (track_is_oscillation(&track)) {
+            const bool found = track_period(&track, arena, period);
+            if (found) {
+                warn_beats(&track, arena, period);
+            }
+            return found;
+        }
+    }
+    return false;
+}
+
+/* Reads the period where a damped sine describes the series, or sines do window by window. */
+static bool sine_period(const struct series *series, struct motion *m, struct arena *arena,
+                        struct period *period)
+{
+    struct error ignored;
+    if (overview_is_exact(&m->overview))
+        return crossing_period(series, &m->overview, arena, period, &ignored);
+    return phase_period(m, arena, period) ||
+           ((!is_poor(m) || is_decaying(m)) && whole_period(m, period));
+}
+
+/* Reads the period of the part of a series that swings. */
+static bool part_period(const struct series *series, const struct swing *swing, struct arena *arena,
+                        struct period *period)
+{
+    struct motion m;
+    const struct series part = series_window(*series, swing->window[0], swing->window[1]);
+    if (!motion_init(&m, &part, arena, NULL) || !m.overview.oscillates ||
+        !(sine_period(&part, &m, arena, period) || whole_period(&m, period)))
+        return false;
+    snprintf(period->warning, sizeof period->warning,
+             "only a part of it is an oscillation: T is that from t = %.6g to %.6g s",
+             swing->window[0], swing->window[1]);
+    return true;
+}
+
+static bool swing_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct swing swing;
+    return find_swing(series, &swing) && part_period(series, &swing, arena, period);
+}
+
+static bool is_same(const struct period *period, double value)
+{
+    return fabs(period->period.value / value - 1) < SAME_PERIOD;
+}
+
+/* Tests the period of a sine against its multiples and parts, and takes that at which the series
+ * repeats. */
+static void take_multiple(const struct series *series, bool exact, const struct lags *lags,
+                          struct arena *arena, struct period *period)
+{
+    struct period other;
+    const enum wave_kind kind = exact ? WAVE_EXACT : WAVE_NOISY;
+    const double multiple = lags_multiple(lags, period->period.value),
+                 guess = multiple * period->period.value;
+    if (multiple == 1) {
+        /* A wave that is no sine is placed better by its crossings than by phases of sines. */
+        if (period->period.uncertainty > SHARP * period->period.value &&
+            wave_period(series, kind, arena, &other) && is_same(&other, guess) &&
+            other.period.uncertainty < period->period.uncertainty / 10)
+            *period = other;
+        return;
+    }
+    if (cycle_period(series, guess, arena, &other) ||
+        (swing_period(series, arena, &other) && is_same(&other, guess))) {
+        const double T = period->period.value;
+        *period = other;
+        if (multiple > 1 && lags_support(lags, T) && !period->warning[0])
+            snprintf(period->warning, sizeof period->warning,
+                     "cycles of %.5g s are not alike: T is %g of them, after which it is most like "
+                     "itself",
+                     T, multiple);
+        return;
+    }
+    snprintf(period->warning, sizeof period->warning,
+             "it is more like itself after %.4g s, %.3g of these periods: this may be a harmonic",
+             guess, multiple);
+}
+
+/* Reads the period of what no sine describes. rows: the series, or means of its neighbours. */
+static bool other_period(const struct series *series, const struct series *rows, struct motion *m,
+                         const struct lags *lags, struct arena *arena, struct period *period,
+                         struct error *error)
+{
+    struct mode_pair pair;
+    struct swing swing;
+    const bool exact = overview_is_exact(&m->overview);
+    if (wave_period(series, exact ? WAVE_EXACT : WAVE_NOISY, arena, period))
+        return true;
+    const double guess = lags->correlation ? lags_period(lags) : NAN,
+                 multiple = isfinite(guess) ? lags_multiple(lags, guess) : 1;
+    /* Two lines, and nothing else, that are so near that their sum waxes and wanes, have no part
+     * that swings alone, and no cycles. */
+    const bool lines = two_lines(&m->samples, &pair),
+               beats = lines && pair.left < BEATS_LEAVE &&
+                       fabs(log(pair.period[0] / pair.period[1])) < BEATS_RATIO_LOG &&
+                       power_share_of_peaks(&m->samples, 1, BEATS_RATIO_LOG, arena) > BEATS_SHARE,
+               swings = !beats && find_swing(rows, &swing);
+    if ((swings && part_period(rows, &swing, arena, period)) ||
+        (!beats && isfinite(guess) && cycle_period(rows, multiple * guess, arena, period)) ||
+        (!exact && wave_period(series, WAVE_FEW, arena, period)))
+        return true;
+    if (!m->overview.oscillates)
+        return (!lines && !swings && waves_period(series, arena, period)) ||
+               motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
+    if ((exact || !whole_period(m, period)) &&
+        !crossing_period(exact ? series : rows, &m->overview, arena, period, error))
+        return false;
+    snprintf(period->warning, sizeof period->warning,
+             "neither one damped sine nor its cycles describe it (several frequencies?): T is that "
+             "which is nearest");
+    return true;
+}
+
+/*
+ * A wave that is no sine shifts the phases of sines by what its harmonics bring into each window:
+ * where whole cycles contradict them, these are right.
+ */
+static void prefer_cycles(const struct series *series, struct arena *arena, struct period *period)
+{
+    struct period other;
+    const double span = series->t[series->n - 1] - series->t[0];
+    if ((double)series->n * period->period.value < COARSE_PERIOD * span &&
+        cycle_period(series, period->period.value, arena, &other) &&
+        is_same(period, other.period.value) && series_has_harmonics(series, period->period.value) &&
+        fabs(other.period.value - period->period.value) >
+            CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
+        /* of few cycles it is not sure which of the two is wrong */
+        if (other.periods < CYCLES_SURE)
+            other.period.uncertainty =
+                hypot(other.period.uncertainty, 0.5 * (other.period.value - period->period.value));
+        memcpy(other.warning, period->warning, sizeof other.warning);
+        *period = other;
+    }
+}
+
+/* Edges between two samples are known to one step, and all by the same part of it where a period
+ * is nearly a whole number of steps. */
+static void widen_by_edges(const struct series *series, struct period *period)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, edges = 0;
+    for (size_t i = 0; i < series->n; i++) {
+        low = fmin(low, series->y[i]);
+        high = fmax(high, series->y[i]);
+    }
+    for (size_t i = 1; i < series->n; i++)
+        edges += fabs(series->y[i] - series->y[i - 1]) > EDGE * (high - low);
+    if (period->periods >= 1 && edges >= period->periods) {
+        const double dt = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
+        period->period.uncertainty =
+            hypot(period->period.uncertainty, dt / sqrt(12) / period->periods);
+    }
+}
+
+/* *pace: relative standard uncertainty that all times have in common. */
+static bool find_period(const struct series *series, struct arena *arena, struct period *period,
+                        double *pace, struct error *error)
+{
+    struct motion m;
+    struct lags lags;
+    struct series rows;
+    struct period part;
+    /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
+    if (series_is_uneven(series) && wave_period(series, WAVE_EXACT, arena, period))
+        return true;
+    if (!series_thin(series, NULL, THIN_KEEPS_LINES, arena, &rows))
+        return error_memory(error);
+    if (!motion_find(&m, &rows, arena, NULL, error))
+        return false;
+    const bool exact = overview_is_exact(&m.overview),
+               found = m.overview.oscillates && sine_period(series, &m, arena, period);
+    *pace = fmax(*pace, m.samples.pace);
+    if (!found && (overview_is_constant(&m.overview) || m.buried))
+        return motion_refuse_known(&m, NULL, NULL, error);
+    const bool has_lags = lags_init(&rows, found ? period->period.value : NAN, arena, &lags);
+    if (!found) {
+        if (!other_period(series, &rows, &m, &lags, arena, period, error))
+            return false;
+        if (!exact)
+            widen_by_edges(series, period);
+        return true;
+    }
+    const bool supported = has_lags && lags_support(&lags, period->period.value);
+    if (m.tracked && !exact && !supported && swing_period(&rows, arena, &part) &&
+        fabs(log(part.period.value / period->period.value)) > OTHER_PERIOD_LOG)
+        *period = part;
+    else if (has_lags)
+        take_multiple(series, exact, &lags, arena, period);
+    if (!exact && (m.tracked || is_poor(&m))) {
+        prefer_cycles(series, arena, period);
+        widen_by_edges(series, period);
+    }
+    return true;
+}
+
+bool series_period(const struct series *series, struct arena *arena, struct period *period,
+                   struct error *error)
+{
+    double pace = series->pace;
+    /* A subharmonic would move every second crossing of a smooth series. */
+    const bool smooth = smooth_period(series, arena, period);
+    if (!smooth && !find_period(series, arena, period, &pace, error))
+        return false;
+    if (!smooth) {
+        period_check_waves(series, arena, period);
+        period_doubt(series, arena, period);
+    }
+    period->period = measured_at_pace(period->period, pace);
+    return true;
+}

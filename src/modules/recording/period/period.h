@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a series shows: crossings, period, amplitude, decay, spectrum, rates, lines. */
+#ifndef HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
+#define HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
+
+#include <hooke/data.h>
+
+void series_overview(const struct series *series, struct arena *arena, struct overview *overview);
+/* Sets use [n] to 0 for the samples that the fit of a damped sine leaves out. Returns false where
+ * no damped sine describes the series, if it is too long to be fitted for that, or if out of
+ * memory.
+ */
+bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use);
+/* Whether it is two damped sines, of which one alone is far from it: their beats are no start and
+ * no end. */
+bool series_beats(const struct series *series, struct arena *arena);
+
+/* ---- crossings and period ---- */
+
+/*
+ * Crossings of `level` with hysteresis (4 sigma of the noise or 5 % of the amplitude, whichever is
+ * more), each placed by a line fit to the samples around it (+-5 samples of noisy data, as many as
+ * the curvature allows; cubic interpolation for noise-free series). Writes up to `capacity`,
+ * returns how many there are.
+ */
+size_t series_crossings(const struct series *series, const struct overview *overview, double level,
+                        struct crossing *out, size_t capacity);
+
+/* A time or a rate, with what all times have in common [relative] added to its uncertainty. */
+struct measured measured_at_pace(struct measured time, double pace);
+/*
+ * Noisy samples: from the line through the phases of sines fitted window by window, each on its own
+ * parabola. Others, and fewer than four windows: from the line through the up-crossing times
+ * against their number. The period is tested against its multiples and parts by how much the series
+ * is like itself after them; where another one is right, or no sine describes it, from the times of
+ * whole cycles. A step or a knock beside the oscillation is left out, with a warning. Refused with
+ * a reason where it does not oscillate.
+ */
+bool series_period(const struct series *series, struct arena *arena, struct period *period,
+                   struct error *error);
+/*
+ * The same of a simulation, which has no noise, about a centre that is known: from the crossings
+ * alone, at a small part of the cost. False: they are not regular, or too few, or there are less
+ * than 20 samples a period.
+ */
+bool series_clean_period(const struct series *series, double centre, struct arena *arena,
+                         struct period *period);
+
+struct period_reading {
+    double from, to, t;        /* [s] the window, and its middle */
+    struct measured amplitude; /* half the swing; of a simulation with its overtones */
+    struct measured period;    /* [s] */
+    double periods;
+};
+
+/* Of so many equal windows, one after the other. */
+bool series_period_readings(const struct series *series, int windows, struct arena *arena,
+                            struct period_reading *reading, struct error *error);
+
+/* ---- amplitude and decay ---- */
+
+struct reading {
+    double t; /* [s] centre of the window */
+    /* half the swing about the local offset: local harmonic fit over one or more periods */
+    struct measured amplitude;
+};
+
+/* Amplitude at the given times (each from a window of `width` [s], 0: two periods). */
+bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
+                       int count, double width, struct reading *out, struct error *error);
+
+struct decay {
+    struct measured gamma; /* [1/s] from the weighted line through ln(amplitude) */
+    /* tau and quality as measured_reciprocal() */
+    struct measured tau;       /* [s] 1/e time of the amplitude: 2/gamma */
+    struct measured decrement; /* ln of the ratio of successive amplitudes = gamma T / 2 */
+    struct measured quality;   /* Q = omega/gamma */
+    struct measured initial;   /* amplitude at the start of the window */
+    double halves[2];          /* gamma of the first and second half */
+    int readings;
+    struct reading reading[64]; /* what the line was fitted to */
+};
+
+/*
+ * Returns top/rate (tau = 2/gamma, Q = omega/gamma) where the rate is positive by more than two
+ * standard deviations. Else its value is NAN, and *least is what top/rate exceeds with 97.5 %
+ * confidence; NAN where the rate is negative beyond doubt.
+ */
+struct measured measured_reciprocal(double top, struct measured rate, double *least);
+
+/* Mean and spread over time (trapezoids), so that uneven samples count by how long they stand. */
+struct measured series_mean(const struct series *series);
+
+/* energy: the series is an energy with this noise (falls as exp(-gamma t) without crossing zero;
+ * the line is fitted to its local means, less what the noise adds); NULL: it is a motion. */
+bool series_decay(const struct series *series, struct arena *arena,
+                  const struct energy_noise *energy, int readings, struct decay *decay,
+                  struct error *error);
+
+/* ---- spectrum ---- */
+
+/* Hann window, zero padding, log-parabolic peak; uneven sampling by Lomb–Scargle. Peak angular
+ * frequency [rad/s], NAN if none stands out. */
+double series_peak_frequency(const struct series *series, struct arena *arena);
+/* Amplitude spectrum on `bins` frequencies [Hz] from 0 to the Nyquist frequency; arrays from arena.
+ */
+bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
+                     const double **amplitude, size_t *bins);
+
+/*
+ * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares
+ * sines (damped ones where these describe the series better) with their uncertainty in the noise
+ * around the line. The amplitude is that of the best steady sine.
+ */
+int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
+                 int max);
+
+/* ---- rates ---- */
+
+struct derivative {
+    double *value; /* [n] beside the series, from the arena; NAN next to gaps */
+    size_t known;  /* of them */
+    double gain;   /* [1/s] standard deviation for samples with independent noise of 1 */
+    double step;   /* [s] median */
+    int points;
+    enum quantity quantity; /* of the values */
+};
+
+#define DERIVATIVE_POINTS 5
+
+/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least),
+ * at any times. */
+bool series_derivative(const struct series *series, int points, struct arena *arena,
+                       struct derivative *derivative, struct error *error);
+/* By which part the velocities of an oscillation come out too small, because the parabola smooths.
+ */
+double derivative_loss(const struct derivative *derivative, double omega);
+
+/*
+ * The period from the shifts at which the series is most like itself, near the multiples of the
+ * known one: a cross-check; of a long recording from parts all along it. False: it does not
+ * oscillate long enough, or no memory.
+ */
+bool series_correlation_period(const struct series *series, const struct period *known,
+                               struct arena *arena, struct measured *period);
+
+/* ---- straight lines ---- */
+
+struct line_fit {
+    struct measured slope, intercept;
+    double covariance; /* of both */
+    double chi2;       /* sum of squares over the uncertainties */
+    int freedom;       /* points less two */
+};
+
+/* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter
+ * more. False: fewer than two different x. */
+bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit);
+
+#endif

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The period against the amplitude, window by window. */
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+
+#define CLEAN 1e-4 /* noise over amplitude of a simulation */
+
+/* Mean height of the extremes over the middle between neighbours of either kind, each the top of a
+ * parabola; NAN: fewer than two. */
+static double mean_swing(const struct series *s)
+{
+    double before = NAN, sum = 0, count = 0;
+    for (size_t i = 1; i + 1 < s->n; i++) {
+        const double l = s->y[i - 1], m = s->y[i], r = s->y[i + 1];
+        if ((m > l) != (m >= r) || m == l)
+            continue;
+        const double curvature = l - 2 * m + r, top = m - (l - r) * (l - r) / (8 * curvature);
+        if (isfinite(before)) {
+            sum += 0.5 * fabs(top - before);
+            count++;
+        }
+        before = top;
+    }
+    return count > 0 ? sum / count : NAN;
+}
+
+static bool read_window(const struct series *part, double middle, double width, struct arena *arena,
+                        struct period_reading *reading, struct error *error)
+{
+    struct period p;
+    struct reading a;
+    struct overview overview;
+    if (!series_period(part, arena, &p, error) ||
+        !series_amplitudes(part, arena, &middle, 1, width, &a, error))
+        return false;
+    series_overview(part, arena, &overview);
+    *reading = (struct period_reading){
+        .t = middle, .amplitude = a.amplitude, .period = p.period, .periods = p.periods};
+    const double swing = overview.noise < CLEAN * a.amplitude.value ? mean_swing(part) : NAN;
+    if (isfinite(swing)) /* overtones belong to the swing: the sine that fits best is smaller or
+                            larger */
+        reading->amplitude.value = swing;
+    return true;
+}
+
+bool series_period_readings(const struct series *series, int windows, struct arena *arena,
+                            struct period_reading *out, struct error *error)
+{
+    const double from = series->t[0], width = (series->t[series->n - 1] - from) / windows;
+    for (int i = 0; i < windows; i++) {
+        const struct series part = series_window(*series, from + i * width, from + (i + 1) * width);
+        if (part.n < 3)
+            return error_set(error, ERROR_COMMAND, "fewer than 3 samples in one of %d windows",
+                             windows);
+        if (!read_window(&part, from + (i + 0.5) * width, width, arena, &out[i], error))
+            return false;
+        out[i].from = from + i * width;
+        out[i].to = from + (i + 1) * width;
+    }
+    return true;
+}
+
+struct measured measured_at_pace(struct measured time, double pace)
+{
+    if (pace > 0)
+        time.uncertainty = hypot(time.uncertainty, pace * time.value);
+    return time;
+}

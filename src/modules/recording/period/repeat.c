@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The same quantity measured several times: do the stated uncertainties explain the scatter, and
+ * what is to be quoted? Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl. Bur. Stand.
+ * 87 (1982) 377.
+ */
+#include "modules/recording/series/internal.h"
+
+#include <gsl/gsl_cdf.h>
+#include <math.h>
+
+#define ROUNDING 1e-9 /* of a value: one without noise states nothing */
+
+/* Weighted mean with `between` added to each stated uncertainty; returns the sum of squares in
+ * units of these. */
+static double weigh(const struct measured *x, int n, double between, struct measured *mean)
+{
+    double w = 0, wx = 0, square = 0;
+    for (int i = 0; i < n; i++) {
+        const double weight = 1 / (x[i].uncertainty * x[i].uncertainty + between * between);
+        w += weight;
+        wx += weight * x[i].value;
+    }
+    *mean = (struct measured){wx / w, 1 / sqrt(w)};
+    for (int i = 0; i < n; i++) {
+        const double off = x[i].value - mean->value;
+        square += off * off / (x[i].uncertainty * x[i].uncertainty + between * between);
+    }
+    return square;
+}
+
+/* What has to be added to every stated uncertainty for a sum of squares of n - 1; 0: nothing. It
+ * falls as more is added. */
+static double scatter_between(const struct measured *x, int n, double scatter)
+{
+    struct measured mean;
+    double low = 0, high = 2 * scatter * sqrt(n);
+    if (!(weigh(x, n, 0, &mean) > n - 1))
+        return 0;
+    for (int i = 0; i < 100; i++) {
+        const double middle = 0.5 * (low + high);
+        *(weigh(x, n, middle, &mean) > n - 1 ? &low : &high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+bool repeat_values(const struct measured *x, int n, struct repeat *r)
+{
+    double sum = 0, square = 0;
+    bool stated = true;
+    *r = (struct repeat){
+        .n = n, .birge = NAN, .chance = NAN, .between = NAN, .weighted = {NAN, NAN}};
+    for (int i = 0; i < n; i++) {
+        sum += x[i].value;
+        stated &= x[i].uncertainty > ROUNDING * fabs(x[i].value);
+    }
+    if (n < 2)
+        return false;
+    r->mean.value = sum / n;
+    for (int i = 0; i < n; i++)
+        square += (x[i].value - r->mean.value) * (x[i].value - r->mean.value);
+    r->scatter = sqrt(square / (n - 1));
+    r->mean.uncertainty = r->scatter / sqrt(n);
+    r->quote = r->mean;
+    if (stated) {
+        const double chi2 = weigh(x, n, 0, &r->weighted);
+        r->birge = sqrt(chi2 / (n - 1));
+        r->chance = gsl_cdf_chisq_Q(chi2, n - 1);
+        r->between = scatter_between(x, n, r->scatter);
+        weigh(x, n, r->between, &r->quote);
+    }
+    r->interval = gsl_cdf_tdist_Pinv(0.975, n - 1) * r->quote.uncertainty;
+    return true;
+}

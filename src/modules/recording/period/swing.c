@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The part of a series that oscillates: windows on a grid, the longest first, each with a damped
+ * sine of its own; then both ends are moved outwards as far as the sine describes the samples.
+ */
+#include <hooke/base/cancel.h>
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    GRID_PARTS = 9,
+    GRID_TRIM_MAX = 6,      /* parts that may be left out at the two ends together */
+    SWING_SAMPLES_MIN = 24, /* fewer samples show no shape */
+};
+
+/* A step that settles has one cycle and some rest; fewer cycles than this prove no oscillation. */
+static const double swing_periods_min = 2.5;
+/* A damped sine describes a window if it leaves no more than its noise, within this factor, */
+static const double residual_noises_max = 1.6;
+static const double residual_autocorrelation_max = 0.5;
+/* or, where the shape is another one, if it leaves no more than this share of the power over many
+ * periods. */
+static const double residual_power_max = 0.06;
+static const double shape_periods_min = 5;
+static const double rejected_share_max = 0.1;
+
+static bool describes(const struct motion *m)
+{
+    const struct samples *x = &m->samples;
+    double power = 0, square = 0;
+    if (!m->overview.oscillates || !m->harmonic.converged ||
+        m->overview.periods < swing_periods_min ||
+        (double)m->rejected > rejected_share_max * (double)x->n)
+        return false;
+    for (size_t i = 0; i < x->n; i++) {
+        const double drift = m->harmonic.d * (x->t[i] - m->harmonic.origin),
+                     off = x->y[i] - m->harmonic.c - drift;
+        power += x->use[i] ? off * off : 0;
+        square += x->use[i] ? m->residual[i] * m->residual[i] : 0;
+    }
+    const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
+    const bool is_noise = left <= residual_noises_max * m->overview.noise &&
+                          m->autocorrelation < residual_autocorrelation_max;
+    return (is_noise && square < 0.5 * power) ||
+           (m->overview.periods >= shape_periods_min && square < residual_power_max * power);
+}
+
+/* Returns the value of the damped sine at time t, and its envelope there. */
+static double sine_value(const struct harmonic *h, double t, double *envelope)
+{
+    const double s = t - h->origin, fall = exp(-0.5 * h->gamma * s);
+    *envelope = fall * hypot(h->a, h->b);
+    return h->c + h->d * s + fall * (h->a * cos(h->omega * s) + h->b * sin(h->omega * s));
+}
+
+/*
+ * Moves one end of the window outwards, sample by sample, up to a limit or to the first of a few
+ * neighbours that all lie off the sine. Returns the index of the last sample that belongs to it.
+ */
+static size_t extend_end(const struct series *s, const struct motion *m, size_t end, size_t limit,
+                         int direction)
+{
+    enum { NEIGHBOURS = 3 };
+    const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA),
+                 noise = fmax(left, m->overview.noise);
+    size_t good = end;
+    int off = 0;
+    while (off < NEIGHBOURS && end != limit) {
+        double envelope;
+        end += (size_t)direction;
+        const double value = sine_value(&m->harmonic, s->t[end], &envelope);
+        /* gamma is not exact, so a part of the envelope is no contradiction */
+        const bool is_off = !(fabs(s->y[end] - value) <= 4 * noise + 0.1 * envelope);
+        off = is_off ? off + 1 : 0;
+        good = is_off ? good : end;
+    }
+    return good;
+}
+
+static struct series part_of(const struct series *s, size_t from, size_t to)
+{
+    struct series part = *s;
+    part.t += from;
+    part.y += from;
+    part.n = to - from;
+    return part;
+}
+
+static bool try_window(const struct series *s, size_t from, size_t to, struct arena *arena,
+                       struct motion *m)
+{
+    const struct series part = part_of(s, from, to);
+    return part.n >= SWING_SAMPLES_MIN && motion_one_sine(m, &part, arena) && describes(m);
+}
+
+/* Moves both ends of a window outwards by half a period at a time, with a new sine each time. */
+static void widen_window(const struct series *s, size_t window[2], struct motion *m,
+                         struct arena *arena)
+{
+    enum { WIDENINGS_MAX = 24 };
+    for (int i = 0; i < WIDENINGS_MAX && !cancelled(s->cancel); i++) {
+        const double half = 0.5 * TWO_PI / m->harmonic.omega;
+        const struct samples all = {.t = s->t, .n = s->n};
+        const size_t least = samples_index(&all, s->t[window[0]] - half),
+                     most = samples_index(&all, s->t[window[1] - 1] + half);
+        const size_t low = extend_end(s, m, window[0], least, -1),
+                     high = extend_end(s, m, window[1] - 1, most < s->n ? most : s->n - 1, 1) + 1;
+        struct motion wider;
+        if ((low == window[0] && high == window[1]) || !try_window(s, low, high, arena, &wider))
+            return;
+        *m = wider;
+        window[0] = low;
+        window[1] = high;
+    }
+}
+
+static void set_swing(const struct series *s, const size_t window[2], const struct motion *m,
+                      struct swing *swing)
+{
+    *swing = (struct swing){.window = {s->t[window[0]], s->t[window[1] - 1]},
+                            .period = TWO_PI / m->harmonic.omega,
+                            .from = window[0],
+                            .to = window[1]};
+}
+
+/* Tries all windows of one length and keeps the one that the sine describes best. */
+static bool best_of_length(const struct series *s, size_t parts, struct swing *swing)
+{
+    double best = HUGE_VAL;
+    for (size_t first = 0; first + parts <= GRID_PARTS && !cancelled(s->cancel); first++) {
+        size_t window[2] = {s->n * first / GRID_PARTS, s->n * (first + parts) / GRID_PARTS};
+        struct arena arena = {0};
+        struct motion m;
+        if (try_window(s, window[0], window[1], &arena, &m)) {
+            const double left =
+                harmonic_sigma(&m.harmonic, FREE_GAMMA) / hypot(m.harmonic.a, m.harmonic.b);
+            if (left < best) {
+                best = left;
+                widen_window(s, window, &m, &arena);
+                set_swing(s, window, &m, swing);
+            }
+        }
+        arena_reset(&arena);
+    }
+    return isfinite(best);
+}
+
+/* Returns the first of a few samples that all leave the level at which a series begins; n if it
+ * never does. */
+static size_t leaves_rest(const struct series *s, struct arena *arena)
+{
+    enum { REST_MIN = 8, NEIGHBOURS = 3 };
+    const size_t rest = s->n / 40 > REST_MIN ? s->n / 40 : REST_MIN;
+    double sum = 0, square = 0;
+    for (size_t i = 0; i < rest; i++)
+        sum += s->y[i];
+    const double level = sum / (double)rest;
+    for (size_t i = 0; i < rest; i++)
+        square += (s->y[i] - level) * (s->y[i] - level);
+    const double limit = 6 * fmax(sqrt(square / (double)(rest - 1)), series_noise(s, arena));
+    size_t off = 0, i = rest;
+    for (; i < s->n && off < NEIGHBOURS; i++)
+        off = fabs(s->y[i] - level) > limit ? off + 1 : 0;
+    return off < NEIGHBOURS ? s->n : i - NEIGHBOURS;
+}
+
+/* Tries what comes after the rest at the beginning, however soon that dies out: all of it, then its
+ * first half, quarter and so on. */
+static bool after_rest(const struct series *s, size_t halvings, struct swing *swing)
+{
+    struct arena arena = {0};
+    const size_t first = leaves_rest(s, &arena);
+    bool found = false;
+    for (size_t i = 0; i <= halvings && !found && !cancelled(s->cancel); i++) {
+        const size_t window[2] = {first, first + ((s->n - first) >> i)};
+        struct motion m;
+        if (window[1] - first < SWING_SAMPLES_MIN)
+            break;
+        const struct series part = part_of(s, first, window[1]);
+        found = motion_init(&m, &part, &arena, NULL) && !m.tracked && describes(&m);
+        if (found)
+            set_swing(s, window, &m, swing);
+        arena_reset(&arena);
+    }
+    arena_reset(&arena);
+    return found;
+}
+
+bool find_swing(const struct series *series, struct swing *swing)
+{
+    struct arena arena = {0};
+    struct series few;
+    bool found = false;
+    if (series->n >= 2 * SWING_SAMPLES_MIN && !series_is_uneven(series) &&
+        series_thin(series, NULL, THIN_FOR_HINTS, &arena, &few)) {
+        found = after_rest(&few, 0, swing);
+        for (size_t trim = 1; trim <= GRID_TRIM_MAX && !found && !cancelled(series->cancel); trim++)
+            found = best_of_length(&few, GRID_PARTS - trim, swing);
+        found = found && swing->to - swing->from < few.n;
+    }
+    arena_reset(&arena);
+    return found;
+}
+
+bool find_first_swing(const struct series *series, struct swing *swing)
+{
+    enum { HALVINGS = 4 };
+    struct arena arena = {0};
+    struct series few;
+    const bool found = series->n >= 2 * SWING_SAMPLES_MIN &&
+                       series_thin(series, NULL, THIN_FOR_HINTS, &arena, &few) &&
+                       after_rest(&few, HALVINGS, swing);
+    arena_reset(&arena);
+    return found;
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Waves one by one: the stretches above the middle level. Their number tells a period from several
+ * of them, and how the times between them vary tells how well their mean is known.
+ */
+#include "modules/recording/period/cycle.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    LEVEL_ROWS = 512, /* rows that the levels are read from */
+    WAVES_MIN = 6,    /* fewer show no variation */
+    NOISE_ROWS = 2048,
+};
+
+/* Shares of the rows below and above which the extremes are left out. */
+static const double low_share = 0.01, high_share = 0.99;
+/* Shares of the distance between the levels: how far a wave goes beyond the middle on either side,
+ * and the largest noise. */
+static const double beyond_middle = 0.15, noise_max = 0.05;
+
+struct waves {
+    double *t; /* [n] the middle of each */
+    size_t n;
+    double gap, spread;       /* [s] mean and standard deviation of the times between them */
+    double shortest, longest; /* [s] of these */
+    double
+        typical; /* [s] half of them are within 0.67 of this from the middle one: few are missing */
+    double noise;       /* [s] what noise does to one of these */
+    double correlation; /* lag-1, of these: -1/2 where each wave is off its place alone */
+};
+
+/* Sets the middle level and how far a wave goes beyond it. Returns false if noise may do so. */
+static bool find_levels(const struct series *s, double *middle, double *beyond, double *noise)
+{
+    double value[LEVEL_ROWS], scratch[NOISE_ROWS];
+    const size_t rows = s->n < LEVEL_ROWS ? s->n : LEVEL_ROWS,
+                 part = s->n < NOISE_ROWS ? s->n : NOISE_ROWS;
+    for (size_t i = 0; i < rows; i++)
+        value[i] = s->y[s->n * i / rows];
+    const double low = values_quantile(value, rows, low_share),
+                 high = values_quantile(value, rows, high_share);
+    unsigned char use[NOISE_ROWS];
+    memset(use, 1, part);
+    *noise = samples_noise(&(struct samples){.t = s->t, .y = s->y, .n = part, .use = use}, scratch);
+    *middle = low + 0.5 * (high - low);
+    *beyond = beyond_middle * (high - low);
+    return high > low && *noise < noise_max * (high - low);
+}
+
+/* Returns when the line between two rows passes a level. */
+static double passes_level(const struct series *s, size_t after, double level)
+{
+    const double a = s->y[after - 1] - level, b = s->y[after] - level;
+    return s->t[after - 1] + (s->t[after] - s->t[after - 1]) * (a / (a - b));
+}
+
+/* Finds the waves and sets their number. Returns the mean time that noise shifts an edge by. */
+static double find_waves(const struct series *s, double middle, double beyond, double noise,
+                         struct waves *w)
+{
+    double begin = NAN, shift = 0;
+    size_t crossed = 0;
+    int side = 0;
+    for (size_t i = 1; i < s->n; i++) {
+        const double above = s->y[i] - middle;
+        if ((above > 0) != (s->y[i - 1] - middle > 0))
+            crossed = i;
+        const int now = above > beyond ? 1 : above < -beyond ? -1 : side;
+        if (now == side)
+            continue;
+        if (side != 0 && crossed > 0) {
+            const double t = passes_level(s, crossed, middle);
+            if (now < 0 && isfinite(begin)) {
+                w->t[w->n++] = 0.5 * (begin + t);
+                shift += noise * (s->t[crossed] - s->t[crossed - 1]) /
+                         fmax(fabs(s->y[crossed] - s->y[crossed - 1]), noise);
+            }
+            begin = now > 0 ? t : NAN;
+        }
+        side = now;
+    }
+    return w->n > 0 ? shift / (double)w->n : 0;
+}
+
+/* Returns the standard deviation of the times between waves, leaving aside a few that are far off,
+ * as where a wave is missing. off: for n values. */
+static double typical_spread(const struct waves *w, double *off)
+{
+    static const double normal = 1.4826; /* standard deviations of a median distance */
+    const size_t gaps = w->n - 1;
+    for (size_t i = 0; i < gaps; i++)
+        off[i] = w->t[i + 1] - w->t[i];
+    const double middle = values_quantile(off, gaps, 0.5);
+    for (size_t i = 0; i < gaps; i++)
+        off[i] = fabs(w->t[i + 1] - w->t[i] - middle);
+    return normal * values_quantile(off, gaps, 0.5);
+}
+
+/* Sets what the times between the waves are like. */
+static void describe_gaps(struct waves *w)
+{
+    double square = 0, product = 0, before = 0;
+    w->gap = (w->t[w->n - 1] - w->t[0]) / (double)(w->n - 1);
+    w->shortest = HUGE_VAL;
+    for (size_t i = 1; i < w->n; i++) {
+        const double gap = w->t[i] - w->t[i - 1], off = gap - w->gap;
+        square += off * off;
+        product += off * before;
+        before = off;
+        w->shortest = fmin(w->shortest, gap);
+        w->longest = fmax(w->longest, gap);
+    }
+    w->spread = sqrt(square / (double)(w->n - 2));
+    w->correlation = square > 0 ? product / square : 0;
+}
+
+/* Returns false if there are too few waves, some may be missing, or noise hides them. */
+static bool waves_init(const struct series *s, struct arena *arena, struct waves *w)
+{
+    static const double shortest_min = 0.3, longest_max = 2.2; /* mean gaps */
+    double middle, beyond, noise;
+    *w = (struct waves){.n = 0};
+    if (s->n < 4 * WAVES_MIN || !find_levels(s, &middle, &beyond, &noise))
+        return false;
+    w->t = arena_array(arena, s->n / 2 + 1, sizeof *w->t);
+    if (!w->t)
+        return false;
+    w->noise = find_waves(s, middle, beyond, noise, w);
+    if (w->n < WAVES_MIN)
+        return false;
+    describe_gaps(w);
+    double *off = arena_array(arena, w->n, sizeof *off);
+    if (!off)
+        return false;
+    w->typical = typical_spread(w, off);
+    return w->shortest > shortest_min * w->gap && w->longest < longest_max * w->gap;
+}
+
+/* Returns the standard deviation of the times that some waves take, about a period. */
+static double spread_after(const struct waves *w, size_t waves, double period)
+{
+    double square = 0;
+    for (size_t i = 0; i + waves < w->n; i++) {
+        const double off = w->t[i + waves] - w->t[i] - period;
+        square += off * off;
+    }
+    return sqrt(square / (double)(w->n - waves));
+}
+
+/* Returns true if the times between waves vary, by more than noise and interpolation bring. */
+static bool gaps_vary(const struct waves *w)
+{
+    static const double chance = 3, small = 0.01;
+    return w->typical > chance * w->noise && w->typical > small * w->gap;
+}
+
+/* Takes the mean time between waves for the period. */
+static void take_mean_gap(const struct waves *w, struct period *period)
+{
+    const double gaps = (double)(w->n - 1);
+    *period = (struct period){.period = {w->gap, w->spread * sqrt(1.2 / gaps)},
+                              .first = w->t[0],
+                              .last = w->t[w->n - 1],
+                              .periods = gaps,
+                              .level = period->level,
+                              .how = "up-crossings"};
+    snprintf(period->warning, sizeof period->warning,
+             "the waves come after %.4g to %.4g s (a frequency that sways, or jitter): T is the "
+             "mean",
+             w->shortest, w->longest);
+}
+
+bool waves_period(const struct series *series, struct arena *arena, struct period *period)
+{
+    static const double spread_max = 0.4; /* mean gaps: more is no rhythm */
+    enum { SURE = 8 };
+    struct waves w;
+    *period = (struct period){.level = NAN};
+    if (!waves_init(series, arena, &w) || w.n < SURE || w.spread > spread_max * w.gap)
+        return false;
+    take_mean_gap(&w, period);
+    return true;
+}
+
+void period_check_waves(const struct series *series, struct arena *arena, struct period *period)
+{
+    static const double repeats =
+        0.08;                       /* waves in turn are alike within this share of the spread */
+    static const double chance = 4; /* standard deviations */
+    static const double whole_number = 0.05;
+    static const double alone = -0.5, alone_chance = 0.9;
+    enum { SEVERAL = 4 };
+    struct waves w;
+    if (!waves_init(series, arena, &w) || !gaps_vary(&w))
+        return;
+    const double many = period->period.value / w.gap,
+                 mean_sigma = w.spread * sqrt(1.2 / (double)(w.n - 1));
+    const size_t count = (size_t)(many + 0.5);
+    /* The period is no whole number of waves where some are missing or others among them. */
+    if (count < 1 || count + 2 > w.n || fabs(many / (double)count - 1) > whole_number)
+        return;
+    if (count >= 2) {
+        if (spread_after(&w, count, period->period.value) >
+            fmax(repeats * w.spread, chance * w.noise))
+            take_mean_gap(&w, period);
+        else if (count >= SEVERAL && !period->warning[0])
+            snprintf(period->warning, sizeof period->warning,
+                     "T holds %zu waves that come after %.4g to %.4g s: where their frequency "
+                     "sways, they take %.4g s in the mean",
+                     count, w.shortest, w.longest, w.gap);
+        return;
+    }
+    if (fabs(period->period.value - w.gap) > chance * hypot(mean_sigma, period->period.uncertainty))
+        take_mean_gap(&w, period);
+    else if (w.correlation > alone + alone_chance / sqrt((double)w.n))
+        period->period.uncertainty = fmax(period->period.uncertainty, mean_sigma);
+}

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the fit of an oscillation makes of a scene: its values, and to first order their covariances
+ * from those of the fit. */
+#include "modules/recording/scene/scene_fit.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char *const names[ADOPTED_VALUES] = {"k",  "k3", "gamma",  "C",      "friction",
+                                                  "y0", "v0", "length", "theta0", "rate0"};
+
+static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
+{
+    if (fit->drag.candidates > 0) {
+        start[0] = fit->drag.start;
+        start[1] = fit->drag.speed;
+        return;
+    }
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth` and
+     * earlier by `turn`. */
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 omega = fit->omega.value;
+    const double growth = hypot(half, omega), turn = atan2(omega, -half);
+    const double A = fit->amplitude.value / pow(growth, n), phi = fit->phase.value - n * turn;
+    const double spread = fit->amplitude.uncertainty / pow(growth, n),
+                 angle = A * fit->phase.uncertainty;
+    start[0] = (struct measured){A * cos(phi), hypot(spread * cos(phi), angle * sin(phi))};
+    start[1] = (struct measured){A * (-half * cos(phi) - omega * sin(phi)),
+                                 omega * hypot(spread * sin(phi), angle * cos(phi))};
+}
+
+static void start_of(const struct fit *fit, int n, bool at_rest, struct measured start[2])
+{
+    start_in_motion(fit, n, start);
+    if (!at_rest)
+        return;
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
+    const double growth = pow(hypot(half, fit->omega.value), n);
+    start[0] =
+        (struct measured){fit->amplitude.value / growth, fit->amplitude.uncertainty / growth};
+    start[1] = (struct measured){0, 0};
+}
+
+/* Of a law the equation's parameter i, else that of the damped sine. */
+static void shift(struct fit *fit, int i, double by)
+{
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
+    struct drag_fit *drag = &fit->drag;
+    if (drag->candidates == 0) {
+        struct measured *const sine[SINE_PARAMETERS] = {&fit->amplitude, &fit->phase, &fit->omega,
+                                                        &fit->gamma};
+        sine[i]->value += by;
+    } else if (i < EQUATION_OMEGA) {
+        (i == EQUATION_START ? &drag->start : &drag->speed)->value += by;
+    } else if (i == EQUATION_OMEGA) { /* the fit's omega is the damped one */
+        const double omega = hypot(fit->omega.value, half) + by;
+        fit->omega.value = sqrt(omega * omega - half * half);
+    } else if (i == EQUATION_CUBIC) {
+        drag->cubic.value += by;
+    } else {
+        drag->candidate[drag->best - 1].rate[i - EQUATION_RATE].value += by;
+        if (i == EQUATION_RATE) { /* omega0 stays */
+            const double omega = hypot(fit->omega.value, half), now = half + 0.5 * by;
+            fit->gamma.value = 2 * now;
+            fit->omega.value = sqrt(omega * omega - now * now);
+        }
+    }
+}
+
+static struct measured times(struct measured value, double factor)
+{
+    return (struct measured){value.value * factor, value.uncertainty * factor};
+}
+
+static struct measured param_measured(const struct scene *scene, const char *name)
+{
+    const int index = scene_param(scene, name);
+    return index >= 0 ? (struct measured){scene->value[index], scene->uncertainty[index]}
+                      : (struct measured){NAN, NAN};
+}
+
+void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    struct measured out[ADOPTED_VALUES])
+{
+    const struct measured mass = param_measured(scene, "m"), g = param_measured(scene, "g"),
+                          none = {0};
+    const double m = mass.value, drag = param_value(scene, "rho") * param_value(scene, "area") / m;
+    const struct drag_candidate *law =
+        fit->drag.candidates ? &fit->drag.candidate[fit->drag.best - 1] : NULL;
+    const struct measured square = fit_stiffness(fit, (struct measured){1, 0});
+    const double length = g.value / square.value;
+    struct measured start[2];
+    start_of(fit, n, at_rest, start);
+    out[ADOPTED_STIFFNESS] = fit_stiffness(fit, mass);
+    out[ADOPTED_CUBIC] = times(fit->drag.cubic, m);
+    out[ADOPTED_LINEAR] = law ? law->rate[0] : fit->gamma;
+    out[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
+    out[ADOPTED_LENGTH] = (struct measured){
+        length, length * hypot(square.uncertainty / square.value, g.uncertainty / g.value)};
+    out[ADOPTED_DRY] = law ? times(law->rate[2], is_pendulum(scene) ? m * length : m) : none;
+    out[ADOPTED_POSITION] = out[ADOPTED_ANGLE] = start[0];
+    out[ADOPTED_POSITION].value += -m * g.value / out[ADOPTED_STIFFNESS].value;
+    out[ADOPTED_VELOCITY] = out[ADOPTED_TURNING] = start[1];
+}
+
+double adopted_scale_of(const struct scene *scene, const struct fit *fit)
+{
+    const bool pendulum = is_pendulum(scene);
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 m = param_value(scene, "m"), g = param_value(scene, "g"),
+                 middle = pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value,
+                 y = param_value(scene, pendulum ? "theta0" : "y0") - middle,
+                 v = param_value(scene, pendulum ? "rate0" : "v0");
+    return hypot(y, (v + half * y) / fit->omega.value) / fit->amplitude.value;
+}
+
+static void scale_measured(struct measured *m, double by)
+{
+    m->value *= by;
+    m->uncertainty *= fabs(by);
+}
+
+void adopted_scale(struct fit *fit, double scale)
+{
+    struct drag_fit *drag = &fit->drag;
+    const bool law = drag->candidates > 0;
+    double by[CURVE_PARAMETERS];
+    for (int i = 0; i < CURVE_PARAMETERS; i++)
+        by[i] = 1;
+    by[law ? EQUATION_START : SINE_AMPLITUDE] = scale;
+    if (law) {
+        by[EQUATION_SPEED] = scale;
+        by[EQUATION_RATE + 1] = 1 / scale; /* y'' = -b |y'| y' */
+        by[EQUATION_RATE + 2] = scale;     /* y'' = -f */
+        by[EQUATION_CUBIC] = 1 / (scale * scale);
+        scale_measured(&drag->start, scale);
+        scale_measured(&drag->speed, scale);
+        scale_measured(&drag->cubic, by[EQUATION_CUBIC]);
+        for (int k = 0; k < drag->candidates; k++)
+            for (int r = 0; r < DRAG_RATES; r++)
+                scale_measured(&drag->candidate[k].rate[r], by[EQUATION_RATE + r]);
+    }
+    scale_measured(&fit->amplitude, scale);
+    scale_measured(&fit->offset, scale);
+    scale_measured(&fit->drift, scale);
+    fit->rms *= fabs(scale);
+    for (int i = 0; i < fit->covariance.n; i++)
+        for (int j = 0; j < fit->covariance.n; j++)
+            fit->covariance.at[i][j] *= by[i] * by[j];
+}
+
+/* Derivative of all targets by one parameter of the fit. */
+static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
+                     double slope[ADOPTED_VALUES])
+{
+    const double deviation = sqrt(fit->covariance.at[i][i]), by = 1e-2 * deviation;
+    struct measured side[2][ADOPTED_VALUES];
+    for (int s = 0; s < 2; s++) {
+        struct fit moved = *fit;
+        shift(&moved, i, s ? by : -by);
+        adopted_values(scene, &moved, n, at_rest, side[s]);
+    }
+    for (int k = 0; k < ADOPTED_VALUES; k++)
+        slope[k] = by > 0 ? (side[1][k].value - side[0][k].value) / (2 * by) : 0;
+}
+
+void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    bool starts, struct scene_covariance *adopted)
+{
+    const int max = starts ? ADOPTED_VALUES : ADOPTED_POSITION;
+    const struct fit_covariance *covariance = &fit->covariance;
+    double slope[CURVE_PARAMETERS][ADOPTED_VALUES];
+    int target[ADOPTED_VALUES];
+    for (int i = 0; i < covariance->n; i++)
+        slope_of(scene, fit, i, n, at_rest, slope[i]);
+    for (int k = 0; k < max && covariance->n > 0; k++) {
+        const int index = scene_param(scene, names[k]);
+        double size = 0;
+        for (int i = 0; i < covariance->n; i++)
+            size += fabs(slope[i][k]) * covariance->at[i][i];
+        if (index < 0 || !(size > 0))
+            continue;
+        target[adopted->count] = k;
+        adopted->index[adopted->count++] = index;
+    }
+    for (int k = 0; k < adopted->count; k++)
+        for (int l = 0; l < adopted->count; l++)
+            for (int i = 0; i < covariance->n; i++)
+                for (int j = 0; j < covariance->n; j++)
+                    adopted->covariance[k * adopted->count + l] +=
+                        slope[i][target[k]] * covariance->at[i][j] * slope[j][target[l]];
+}
+
+void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
+                  struct scene_covariance *adopted)
+{
+    for (int i = 0; i < PARAM_MAX && adopted->count < covariance->n; i++)
+        if (is_free[i])
+            adopted->index[adopted->count++] = i;
+    for (int k = 0; k < adopted->count; k++)
+        for (int l = 0; l < adopted->count; l++)
+            adopted->covariance[k * adopted->count + l] = covariance->at[k][l];
+}

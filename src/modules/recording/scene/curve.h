@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The motion of a scene as a curve with parameters. */
+#ifndef HOOKE_MODULES_RECORDING_SCENE_CURVE_H
+#define HOOKE_MODULES_RECORDING_SCENE_CURVE_H
+
+#include "modules/recording/scene/linear.h"
+
+struct cancel;
+
+struct scene_curve {
+    struct scene scene;
+    int index[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
+    bool offset;
+    int variable; /* what the series is: this state variable, */
+    bool rate;    /* or its derivative */
+    double tol;
+    const struct method *method;
+    struct linear_motion *linear; /* in place of steps; NULL: by steps; owned */
+    double *mesh;                 /* [points] times of the steps' ends, ascending; owned */
+    size_t points;
+    double *work;                /* of the method, for the variation; owned */
+    struct variation *variation; /* where it is bound */
+    const struct cancel *cancel;
+};
+
+/* Where a curve is written to. */
+struct sampling {
+    const double *t;
+    size_t n;
+    double offset, *value, *derivative; /* [n], [n][columns] or NULL */
+    size_t columns;
+};
+
+/* Of the samples from *i on those at the start; false: the start lies behind one of them. */
+bool scene_curve_first(const struct scene_curve *curve, const struct system *system,
+                       const struct sampling *sampling, size_t *i);
+/* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of
+ * the step has the curve's variables first. */
+void scene_curve_inside(const struct scene_curve *curve, const struct step *step,
+                        const struct sampling *sampling, double from, size_t *i);
+
+/* scene_dry.c: along the mesh through the turning points and rests of dry friction. The variation,
+ * whose base is `system` or that of it, is left frozen. False: a step failed, or it was cancelled.
+ */
+bool scene_dry_march(const struct scene_curve *curve, const struct system *system,
+                     const struct sampling *sampling);
+
+void scene_curve_free(struct scene_curve *curve);
+/* As struct fit_curve wants it, the curve being the context. */
+bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                          double *value, double *derivative);
+/* Chooses the steps for these parameters, as far as the last sample: explicit unless these would be
+ * very many; none where the scene is linear and the samples come at few different intervals. */
+bool scene_curve_mesh(struct scene_curve *curve, const double *parameter,
+                      const struct series *series, struct error *error);
+
+#endif

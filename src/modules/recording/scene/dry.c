@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A curve with dry friction, turning point by turning point. Between two of them friction is a
+ * constant force and the motion is smooth; at one, where v = 0, the force and with it the
+ * derivatives by the parameters jump: a parameter moves the time of the turn by dt = -S_v/a, on
+ * which the acceleration is that of the other side, so that S_v becomes S_v a_after/a_before, and
+ * S_y stays (saltation matrix I + (f_after - f_before) n^T/(n^T f_before) with n = (0, 1): Filippov
+ * 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, ch. 7).
+ * Where the body sticks a_after is 0.
+ */
+#include <hooke/base/cancel.h>
+#include <hooke/scene/typed.h>
+#include "modules/recording/scene/curve.h"
+
+#include <math.h>
+#include <string.h>
+
+#define TURNS_MAX 64 /* within a step of the mesh: it was chosen with at most one */
+#define LOOKS 32     /* parts of a step in which the last moment before a turn is looked for */
+#define HALVINGS 60
+#define CORRECTIONS 3
+#define NEAR 1e-13 /* of the time: a turn that is known so well is there */
+
+struct dry_walk {
+    const struct scene_curve *c;
+    const struct sampling *sampling;
+    struct system own; /* not frozen */
+    struct step *step;
+    int branch; /* sign of the velocity; 0: at rest */
+    size_t i;   /* the next sample */
+};
+
+static void freeze(const struct dry_walk *w, int branch, struct system *frozen)
+{
+    const double side = branch > 0;
+    system_freeze(&w->own, &side, frozen);
+}
+
+static void go_on_branch(struct dry_walk *w, int branch)
+{
+    w->branch = branch;
+    w->step->warm = false;
+    if (branch == 0)
+        return;
+    freeze(w, branch, &w->c->variation->base);
+    w->c->variation->dry = branch;
+}
+
+/* With v = 0: on the lower branch, on the upper one. */
+static void accelerations(const struct dry_walk *w, double t, const double *y, double a[2])
+{
+    const double at[2] = {y[0], 0};
+    for (int side = 0; side < 2; side++) {
+        struct system frozen;
+        double rate[LIMIT_VARIABLES];
+        freeze(w, side ? 1 : -1, &frozen);
+        system_derivative(&frozen, t, at, rate);
+        a[side] = rate[1];
+    }
+}
+
+/* The branch on which it goes on from v = 0. */
+static int onward(const double a[2])
+{
+    return a[1] > 0 ? 1 : a[0] < 0 ? -1 : 0;
+}
+
+static void turn(struct dry_walk *w)
+{
+    struct step *step = w->step;
+    double a[2];
+    accelerations(w, step->t, step->y, a);
+    const double before = a[w->branch > 0];
+    const int next = onward(a);
+    const double after = next == 0 ? 0 : a[next > 0], factor = before != 0 ? after / before : 1;
+    step->y[1] = 0;
+    for (int k = 3; k < step->system->n; k += 2)
+        step->y[k] *= factor;
+    go_on_branch(w, next);
+}
+
+/* ---- at rest ---- */
+
+/* When it is pulled off before `end`; `end`: it is not. */
+static double release(const struct dry_walk *w, double end)
+{
+    const double from = w->step->t;
+    double a[2];
+    for (int k = 1; k <= LOOKS; k++) {
+        double free = from + (end - from) * k / LOOKS,
+               stuck = from + (end - from) * (k - 1) / LOOKS;
+        accelerations(w, free, w->step->y, a);
+        if (onward(a) == 0)
+            continue;
+        for (int j = 0; j < HALVINGS; j++) {
+            const double middle = 0.5 * (stuck + free);
+            accelerations(w, middle, w->step->y, a);
+            *(onward(a) != 0 ? &free : &stuck) = middle;
+        }
+        return free;
+    }
+    return end;
+}
+
+static void put_resting(struct dry_walk *w, double until)
+{
+    const struct sampling *s = w->sampling;
+    const int variable = w->c->variable;
+    for (; w->i < s->n && s->t[w->i] <= until; w->i++) {
+        s->value[w->i] = (w->c->rate ? 0 : w->step->y[variable]) + s->offset;
+        for (int j = 0; j < w->c->frees && s->derivative; j++)
+            s->derivative[w->i * s->columns + (size_t)j] =
+                w->c->rate ? 0 : w->step->y[2 * (j + 1) + variable];
+        if (w->c->offset && s->derivative)
+            s->derivative[w->i * s->columns + (size_t)w->c->frees] = 1;
+    }
+}
+
+static void rest(struct dry_walk *w, double end)
+{
+    double a[2];
+    const double until = release(w, end);
+    put_resting(w, until);
+    w->step->t = until;
+    accelerations(w, until, w->step->y, a);
+    go_on_branch(w, onward(a));
+}
+
+/* ---- in motion ---- */
+
+struct dry_state {
+    double t, y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
+};
+
+static bool step_again(struct dry_walk *w, const struct dry_state *saved, double h)
+{
+    struct step *step = w->step;
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(step->y, saved->y, size);
+    memcpy(step->low, saved->low, size);
+    step->t = saved->t;
+    step->h = h;
+    step->warm = false;
+    return method_step(w->c->method, step) == STEP_OK;
+}
+
+/* Where in the step that was just taken the velocity leaves its branch for good. */
+static double turning(const struct dry_walk *w)
+{
+    struct dense_polynomial v;
+    double before = 0, after = 1;
+    method_polynomial(w->c->method, w->step, 1, &v);
+    for (int k = LOOKS - 1; k > 0 && before == 0; k--) {
+        const double theta = (double)k / LOOKS;
+        before = w->branch * dense_polynomial_at(&v, theta) > 0 ? theta : 0;
+        after = before == 0 ? theta : after;
+    }
+    for (int j = 0; j < HALVINGS; j++) {
+        const double middle = 0.5 * (before + after);
+        *(w->branch * dense_polynomial_at(&v, middle) > 0 ? &before : &after) = middle;
+    }
+    return after;
+}
+
+/* As far as `end`, or to where it turns. */
+static bool move(struct dry_walk *w, double end)
+{
+    struct step *step = w->step;
+    struct dry_state saved = {.t = step->t};
+    const size_t size = (size_t)step->system->n * sizeof *step->y;
+    memcpy(saved.y, step->y, size);
+    memcpy(saved.low, step->low, size);
+    step->h = end - step->t;
+    if (method_step(w->c->method, step) != STEP_OK)
+        return false;
+    const bool turns = w->branch * step->y[1] < 0;
+    double h = turns ? turning(w) * step->h : step->h;
+    for (int k = 0; k < CORRECTIONS && turns; k++) {
+        double rate[LIMIT_VARIABLES];
+        if (!step_again(w, &saved, h))
+            return false;
+        system_derivative(&w->c->variation->base, saved.t + h, step->y, rate);
+        const double off = rate[1] != 0 ? -step->y[1] / rate[1] : 0;
+        if (!(fabs(off) > NEAR * (fabs(saved.t) + h)) || !(h + off > 0))
+            break;
+        h += off;
+    }
+    step->t = turns ? saved.t + h : end;
+    scene_curve_inside(w->c, step, w->sampling, saved.t, &w->i);
+    if (turns)
+        turn(w);
+    return true;
+}
+
+bool scene_dry_march(const struct scene_curve *c, const struct system *system,
+                     const struct sampling *s)
+{
+    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, a[2];
+    struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
+    struct dry_walk w = {.c = c, .sampling = s, .own = c->variation->base, .step = &step};
+    memcpy(y, system->start, (size_t)system->n * sizeof *y);
+    if (!scene_curve_first(c, system, s, &w.i))
+        return false;
+    accelerations(&w, step.t, y, a);
+    go_on_branch(&w, y[1] > 0 ? 1 : y[1] < 0 ? -1 : onward(a));
+    for (size_t k = 0; w.i < s->n; k++) {
+        if (k == c->points || ((k & 63) == 0 && cancelled(c->cancel)))
+            return false;
+        for (int turns = 0; step.t < c->mesh[k]; turns++) {
+            if (turns == TURNS_MAX)
+                return false;
+            if (w.branch == 0)
+                rest(&w, c->mesh[k]);
+            else if (!move(&w, c->mesh[k]))
+                return false;
+        }
+    }
+    return true;
+}

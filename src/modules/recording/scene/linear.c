@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Exact propagators and their derivatives: exponentials of block matrices (Van Loan 1978, IEEE
+ * Trans. AC-23:395). */
+#include <hooke/base/numeric.h>
+
+#include "modules/recording/scene/linear.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEPS_MOST = 24, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
+
+#define SAME 1e-9        /* of a step: nearer ones are the same */
+#define ROUNDING 4.4e-16 /* of a time */
+
+struct linear_propagator {
+    double dt;
+    bool ready;
+    double *base;      /* [n][n + 1]: E | e */
+    double *direction; /* [directions][n][n + 1]: F_j | f_j */
+};
+
+struct linear_motion {
+    struct linear_propagator step[STEPS_MOST];
+    int steps, last; /* last: the one that was used last */
+    int n, directions;
+    const struct variation *variation;
+    double a[BLOCK * BLOCK], b[BLOCK];
+    double by[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
+    double scratch[3][AUGMENTED * AUGMENTED];               /* 100 kB: too much for a stack */
+    double storage[];                                       /* of the propagators */
+};
+
+/* Of a propagator with all that it may hold. */
+static const size_t storage_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
+
+static bool same_step(double dt, double wanted, double t)
+{
+    return fabs(dt - wanted) <= SAME * dt + ROUNDING * fabs(t);
+}
+
+/* The prepared step nearest to what is wanted; -1: none. */
+static int find_step(const struct linear_motion *m, double wanted, double t)
+{
+    if (m->last < m->steps && same_step(m->step[m->last].dt, wanted, t))
+        return m->last;
+    for (int k = 0; k < m->steps; k++)
+        if (same_step(m->step[k].dt, wanted, t))
+            return k;
+    return -1;
+}
+
+static void step_position(struct linear_motion *m, int k, double dt)
+{
+    struct linear_propagator *p = &m->step[k];
+    p->dt = dt;
+    p->base = m->storage + (size_t)k * storage_each;
+    p->direction = p->base + m->n * (m->n + 1);
+    p->ready = false;
+}
+
+static bool collect_steps(struct linear_motion *m, double t0, const double *t, size_t n)
+{
+    double at = t0;
+    for (size_t i = 0; i < n; i++) {
+        const double wanted = t[i] - at;
+        if (!(wanted > ROUNDING * fabs(t[i])))
+            continue;
+        int k = find_step(m, wanted, t[i]);
+        if (k < 0 && m->steps == STEPS_MOST)
+            return false;
+        if (k < 0) {
+            k = m->steps++;
+            step_position(m, k, wanted);
+        }
+        at += m->step[k].dt;
+        m->last = k;
+    }
+    return true;
+}
+
+struct linear_motion *linear_motion_create(double t0, const double *t, size_t n)
+{
+    struct linear_motion *m = calloc(1, sizeof *m + STEPS_MOST * storage_each * sizeof(double));
+    if (m && !collect_steps(m, t0, t, n)) {
+        free(m);
+        return NULL;
+    }
+    return m;
+}
+
+void linear_motion_bind(struct linear_motion *m, const struct variation *v, int directions)
+{
+    const struct system *system = directions > 0 ? &v->whole : &v->base;
+    const int n = v->base.n;
+    double y[LIMIT_VARIABLES] = {0}, still[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
+    m->n = n;
+    m->directions = directions;
+    m->variation = v;
+    m->last = 0;
+    system_derivative(system, v->base.t0, y, still);
+    memcpy(m->b, still, (size_t)n * sizeof *still);
+    memcpy(m->c, still + n, (size_t)(n * directions) * sizeof *still);
+    for (int j = 0; j < n; j++) {
+        y[j] = 1;
+        system_derivative(system, v->base.t0, y, rate);
+        y[j] = 0;
+        for (int i = 0; i < n; i++)
+            m->a[i * n + j] = rate[i] - still[i];
+        for (int i = 0; i < n * directions; i++)
+            m->by[i * n + j] = rate[n + i] - still[n + i];
+    }
+    for (int k = 0; k < m->steps; k++)
+        step_position(m, k, m->step[k].dt);
+}
+
+/* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
+static void prepare(struct linear_motion *m, struct linear_propagator *p)
+{
+    double *x = m->scratch[0];
+    const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
+              all = m->directions > 0 ? 2 * n + 1 : n + 1;
+    for (int block = 0; block < blocks; block++) {
+        memset(x, 0, sizeof m->scratch[0]);
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < n; j++) {
+                x[i * all + j] = m->a[i * n + j] * p->dt;
+                if (m->directions > 0) {
+                    x[(n + i) * all + n + j] = x[i * all + j];
+                    x[(n + i) * all + j] = m->by[(block * n + i) * n + j] * p->dt;
+                }
+            }
+            x[i * all + all - 1] = m->b[i] * p->dt;
+            if (m->directions > 0)
+                x[(n + i) * all + all - 1] = m->c[block * n + i] * p->dt;
+        }
+        const double power = matrix_exponential(all, x, m->scratch[1]);
+        for (int i = 0; i < all * all && power != 0; i++)
+            x[i] = ldexp(x[i], (int)power);
+        for (int i = 0; i < n; i++) {
+            double *e = p->base + i * (n + 1), *f = p->direction + (block * n + i) * (n + 1);
+            memcpy(e, x + i * all, (size_t)n * sizeof *e);
+            e[n] = x[i * all + all - 1];
+            if (m->directions > 0) {
+                memcpy(f, x + (n + i) * all, (size_t)n * sizeof *f);
+                f[n] = x[(n + i) * all + all - 1];
+            }
+        }
+    }
+    p->ready = true;
+}
+
+/* ---- the motion ---- */
+
+static inline __attribute__((always_inline)) void
+propagator_advance(int n, int directions, const struct linear_propagator *p, double *state)
+{
+    double next[BLOCK];
+    for (int block = directions; block >= 0;
+         block--) { /* those by parameters first: they need y as it was */
+        const double *f = p->direction + (block - 1) * n * (n + 1);
+        double *s = state + block * n;
+        for (int i = 0; i < n; i++) {
+            double sum = block > 0 ? f[i * (n + 1) + n] : p->base[i * (n + 1) + n];
+            for (int j = 0; j < n; j++) {
+                sum += p->base[i * (n + 1) + j] * s[j];
+                if (block > 0)
+                    sum += f[i * (n + 1) + j] * state[j];
+            }
+            next[i] = sum;
+        }
+        for (int i = 0; i < n; i++)
+            s[i] = next[i];
+    }
+}
+
+double linear_motion_advance(struct linear_motion *m, double from, double t, double *state)
+{
+    const double wanted = t - from;
+    if (!(wanted > ROUNDING * fabs(t)))
+        return from;
+    int k = find_step(m, wanted, t);
+    if (k < 0) { /* of other samples than were announced: takes a step's place */
+        k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
+        step_position(m, k, wanted);
+    }
+    m->last = k;
+    struct linear_propagator *p = &m->step[m->last];
+    if (!p->ready)
+        prepare(m, p);
+    if (m->n == 2)
+        propagator_advance(2, m->directions, p, state);
+    else
+        propagator_advance(m->n, m->directions, p, state);
+    return from + p->dt;
+}

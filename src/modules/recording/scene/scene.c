@@ -1,0 +1,502 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The scene's own equation of motion fitted to a series: where the search begins, how it goes on,
+ * what it is worth. */
+#include <hooke/base/numeric.h>
+#include <hooke/base/unit.h>
+#include "modules/recording/scene/curve.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LEFT 1.5 /* times the noise: so much left has a reason */
+/* residuals of that share of the series' spread: curve and data are not in phase */
+#define PHASE_LOST 0.5
+#define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
+#define FIRST_SHARE 0.02   /* of the series, where its period is not known */
+#define LARGER 1.7         /* by which the part grows */
+#define ITERATIONS 40
+/* residuals of that share are no sensor's: of a simulation, without spikes but not random */
+#define NOTHING 1e-6
+#define TOLERANCE_MIN 1e-11 /* of the integration */
+#define TOLERANCE_MAX 1e-7
+
+/* ---- the start ---- */
+
+/* Where every parameter of the start is free, the start may as well be at the first sample. */
+static bool start_is_free(const struct scene_curve *c)
+{
+    struct parameter_change *d = malloc(sizeof *d);
+    bool free_all = d != NULL;
+    for (int i = 0; free_all && i < (int)scene_params(&c->scene)->count; i++) {
+        bool fitted = i == scene_param(&c->scene, "t0");
+        for (int j = 0; j < c->frees; j++)
+            fitted = fitted || c->index[j] == i;
+        if (!fitted && direction_find(&c->scene, i, d) && d->starts && d->changes == 0)
+            free_all = false;
+    }
+    free(d);
+    return free_all;
+}
+
+static double value_of(const struct scene *scene, const char *name)
+{
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : 0;
+}
+
+static int free_index(const struct scene_curve *c, const char *name)
+{
+    for (int j = 0; j < c->frees; j++)
+        if (c->index[j] == scene_param(&c->scene, name))
+            return j;
+    return -1;
+}
+
+static void propose(struct scene_curve *c, int j, double value, double *start)
+{
+    struct scene trial = c->scene;
+    struct error ignored;
+    if (j < 0 || !isfinite(value) ||
+        !scene_set(&trial, c->index[j], (struct measured){value, 0}, &ignored))
+        return;
+    start[j] = value;
+    c->scene = trial;
+}
+
+/* What a damped oscillation through the samples says of the start, and of a spring. */
+static void improve_start(struct scene_curve *c, const struct fit *fit, double *start)
+{
+    struct system system;
+    struct error ignored;
+    const double gamma = isfinite(fit->gamma.value) ? fit->gamma.value : 0,
+                 omega = fit->omega.value;
+    if (c->scene.model == &oscillator_model && value_of(&c->scene, "k") > 0) {
+        const struct measured mass = {value_of(&c->scene, "m"), 0};
+        const bool other_drag = value_of(&c->scene, "C") > 0 || value_of(&c->scene, "mu") != 0;
+        if (value_of(&c->scene, "k3") == 0)
+            propose(c, free_index(c, "k"), fit_stiffness(fit, mass).value, start);
+        propose(c, free_index(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
+    }
+    if (!scene_bind(&c->scene, &system, &ignored) || system.order != 2)
+        return;
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth`,
+     * earlier by `turn`. */
+    const int order = c->rate ? 2 : c->variable > 0;
+    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma),
+                 t = system.t0 - fit->t0;
+    const double A = fit->amplitude.value * exp(-0.5 * gamma * t) / pow(growth, order);
+    const double phi = fit->phase.value + omega * t - order * turn;
+    const struct oscillator *o = &system.oscillator;
+    const double middle = o->whole && o->stiffness != 0 ? -o->gravity / o->stiffness : 0;
+    const double wanted[2] = {A * cos(phi) + (c->offset || order > 0 ? middle : fit->offset.value),
+                              A * (-0.5 * gamma * cos(phi) - omega * sin(phi))};
+    struct parameter_change *d = malloc(sizeof *d);
+    for (int j = 0; d && j < c->frees; j++) {
+        if (!direction_find(&c->scene, c->index[j], d) || d->changes > 0 || d->t0 != 0)
+            continue;
+        for (int half = 0; half < 2; half++) {
+            const int i = half * system.n / 2;
+            if (d->start[i] != 0)
+                propose(c, j, start[j] + (wanted[half] - system.start[i]) / d->start[i], start);
+        }
+    }
+    free(d);
+    if (c->offset)
+        start[c->frees] = fit->offset.value - (order == 0 ? middle : 0);
+}
+
+static void bounds(const struct scene_curve *c, const double *start, double *low, double *high)
+{
+    for (int j = 0; j < c->frees + c->offset; j++) {
+        const struct param_row *row = j < c->frees
+                                          ? (const struct param_row *)(const void *)catalog_row(
+                                                scene_params(&c->scene), (size_t)c->index[j])
+                                          : NULL;
+        high[j] = INFINITY;
+        low[j] = row && row->min > -HUGE_VAL ? row->min : -INFINITY;
+        if (row && row->min_excluded)
+            low[j] += 1e-9 * fabs(start[j] - row->min);
+    }
+}
+
+/* ---- the fit ---- */
+
+struct scene_fitting {
+    const struct scene_fit_request *request;
+    struct scene_curve *curve;
+    struct fit_curve as_curve;
+    struct curve_options options;
+    struct arena *arena;
+    double spread;  /* standard deviation of the series */
+    double sigma;   /* the same of the residuals of the last fit */
+    double *at;     /* [parameters] */
+    size_t stretch; /* samples that are judged together, see struct curve_options */
+};
+
+static double spread_of(const struct series *series)
+{
+    double mean = 0, square = 0;
+    for (size_t i = 0; i < series->n; i++)
+        mean += series->y[i] / (double)series->n;
+    for (size_t i = 0; i < series->n; i++)
+        square += (series->y[i] - mean) * (series->y[i] - mean) / (double)series->n;
+    return sqrt(square);
+}
+
+/* One fit of a part from f->at, where it then stays if that is an answer. */
+static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_fit *fit,
+                     struct error *error)
+{
+    struct series part = *f->request->series;
+    struct curve_options options = f->options;
+    part.n = n;
+    options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
+    options.rough = !last;
+    options.costly = true;
+    options.stretch = f->stretch;
+    options.bootstrap = last ? f->request->bootstrap : 0;
+    options.iterations = ITERATIONS;
+    struct arena scratch = {0}; /* nothing but values is wanted of what is not the last */
+    const bool ok =
+        scene_curve_mesh(f->curve, f->at, &part, error) &&
+        curve_fit(&f->as_curve, &part, f->at, &options, last ? f->arena : &scratch, fit, error);
+    arena_reset(&scratch);
+    if (!ok)
+        return false;
+    for (int j = 0; j < fit->parameters; j++)
+        f->at[j] = fit->value[j].value;
+    f->sigma = fit->sigma;
+    return true;
+}
+
+/*
+ * The whole at once where the start is good enough; else a few periods first, then more and more,
+ * so that the phase is never lost.
+ */
+static bool approach(struct scene_fitting *f, double period, struct error *error)
+{
+    const struct series *series = f->request->series;
+    double start[CURVE_PARAMETERS], direct[CURVE_PARAMETERS];
+    struct curve_fit fit;
+    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *start;
+    memcpy(start, f->at, bytes);
+    if (!fit_part(f, series->n, false, &fit, error)) {
+        if (error->code != ERROR_COMMAND)
+            return false;
+        fit.sigma = INFINITY;
+        memcpy(f->at, start, bytes);
+    }
+    if (fit.sigma < PHASE_LOST * f->spread)
+        return true;
+    const double sigma = fit.sigma;
+    memcpy(direct, f->at, bytes);
+    memcpy(f->at, start, bytes);
+    const size_t min = 4 * (size_t)f->as_curve.parameters;
+    const double span = series->t[series->n - 1] - series->t[0];
+    const double first = isfinite(period) ? FIRST_PERIODS * period : FIRST_SHARE * span;
+    size_t n = min;
+    while (n < series->n && series->t[n] < series->t[0] + first)
+        n++;
+    for (bool all = false; !all; n = (size_t)(LARGER * (double)n)) {
+        all = n >= series->n;
+        *error = (struct error){0};
+        if (!fit_part(f, all ? series->n : n, false, &fit, error)) {
+            if (error->code != ERROR_COMMAND)
+                return false;
+            fit.sigma = INFINITY;
+            break;
+        }
+    }
+    if (!(fit.sigma < sigma))
+        memcpy(f->at, direct, bytes);
+    *error = (struct error){0};
+    return true;
+}
+
+/*
+ * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W
+ * J)^-1 J^T W dF/dq dq.
+ */
+static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
+{
+    const struct series *series = f->request->series;
+    struct scene_curve both = *f->curve;
+    struct curve_fit *curve = &fit->curve;
+    const int own = f->curve->frees;
+    for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1;
+         i++) {
+        struct parameter_change d;
+        bool is_free = both.scene.uncertainty[i] == 0;
+        for (int j = 0; j < own; j++)
+            is_free = is_free || both.index[j] == i;
+        if (!is_free && direction_find(&both.scene, i, &d) && (d.changes > 0 || d.starts))
+            both.index[both.frees++] = i;
+    }
+    if (both.frees == own || both.variation->base.n * (both.frees + 1) > LIMIT_VARIABLES)
+        return true;
+    const int total = both.frees + both.offset;
+    const size_t columns = (size_t)total;
+    double at[CURVE_PARAMETERS], *value = arena_array(f->arena, series->n, sizeof *value),
+                                 *slope = arena_array(f->arena, series->n * columns, sizeof *slope);
+    both.work = calloc(method_work_size(both.method, both.variation->base.n * (both.frees + 1)) + 1,
+                       sizeof *both.work);
+    if (!value || !slope || !both.work) {
+        free(both.work);
+        return error_memory(error);
+    }
+    for (int j = 0; j < both.frees; j++)
+        at[j] = j < own ? curve->value[j].value : both.scene.value[both.index[j]];
+    at[both.frees] = both.offset ? curve->value[own].value : 0;
+    const bool there = scene_curve_evaluate(&both, at, series->t, series->n, value, slope);
+    both.mesh = NULL; /* the other's */
+    both.linear = NULL;
+    scene_curve_free(&both);
+    for (int q = own; q < both.frees && there; q++) {
+        double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};
+        for (size_t i = 0; i < series->n; i++)
+            for (int j = 0; j < curve->parameters; j++) /* the offset stands behind what is held */
+                pull[j] += curve->weight[i] *
+                           slope[i * columns + (size_t)(j < own ? j : both.frees)] *
+                           slope[i * columns + (size_t)q];
+        /* The covariance is that inverse times the variance, widened: formal^2/variance is on its
+         * diagonal. */
+        for (int j = 0; j < curve->parameters; j++) {
+            const double wide = curve->value[j].uncertainty / curve->formal[j];
+            for (int l = 0; l < curve->parameters && wide > 0; l++)
+                moved[j] -=
+                    curve->covariance[j][l] / (wide * wide * curve->sigma * curve->sigma) * pull[l];
+        }
+        for (int j = 0; j < curve->parameters; j++) {
+            struct measured *p = &curve->value[j];
+            const double before = p->uncertainty,
+                         more = moved[j] * both.scene.uncertainty[both.index[q]];
+            if (!(before > 0))
+                continue;
+            p->uncertainty = hypot(before, more);
+            for (int side = 0; side < 2; side++)
+                curve->interval[j][side] =
+                    p->value + (curve->interval[j][side] - p->value) * p->uncertainty / before;
+        }
+    }
+    return true;
+}
+
+/* Which variable, or rate of one, a series of this quantity is. */
+static bool choose_variable(struct scene_curve *c, const struct system *system,
+                            enum quantity quantity, struct error *error)
+{
+    const enum quantity first = system->model->variable[0].quantity;
+    if (quantity == first || quantity == QUANTITY_OTHER || first == QUANTITY_NUMBER)
+        return true;
+    if (system->order == 2 && quantity == system->model->variable[system->n / 2].quantity) {
+        c->variable = system->n / 2;
+        return true;
+    }
+    if (quantity == QUANTITY_ACCELERATION && first == QUANTITY_LENGTH && system->order == 2) {
+        c->variable = system->n / 2;
+        c->rate = true;
+        return true;
+    }
+    error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s",
+              quantity_name(quantity), quantity_name(first));
+    return error_hint(
+        error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
+                   ? "fit, fit drag and fit law take it as it is; adopt then says in which scale"
+                   : "choose another scene, or another column of the file");
+}
+
+static bool set_up(const struct scene_fit_request *request, struct scene_curve *c,
+                   struct arena *arena, struct error *error)
+{
+    struct system system;
+    const double first = request->series->t[0];
+    c->scene = *request->scene;
+    c->frees = request->frees;
+    c->offset = request->offset;
+    c->cancel = request->cancel;
+    memcpy(c->index, request->free, (size_t)c->frees * sizeof *c->index);
+    c->variation = arena_alloc(arena, sizeof *c->variation);
+    if (!c->variation)
+        return error_memory(error);
+    const int t0 = scene_param(&c->scene, "t0");
+    if (t0 >= 0 && free_index(c, "t0") < 0 && start_is_free(c) &&
+        !scene_set(&c->scene, t0, (struct measured){first, 0}, error))
+        return false;
+    if (!scene_bind(&c->scene, &system, error) ||
+        !choose_variable(c, &system, request->series->quantity, error))
+        return false;
+    if (system.n * (c->frees + 1) > LIMIT_VARIABLES || c->frees + c->offset > CURVE_PARAMETERS ||
+        c->frees < 1)
+        return error_set(
+            error, ERROR_COMMAND, "from 1 to %d parameters of this scene can be free, not %d",
+            LIMIT_VARIABLES / system.n - 1 < CURVE_PARAMETERS - 1 ? LIMIT_VARIABLES / system.n - 1
+                                                                  : CURVE_PARAMETERS - 1,
+            c->frees);
+    if (first >= system.t0)
+        return true;
+    error_set(error, ERROR_COMMAND,
+              "the first sample, at %g s, lies before the scene's start t0 = %g s", first,
+              system.t0);
+    return error_hint(error, "set t0, or choose a window");
+}
+
+/* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves
+ * of the phase. */
+static double tolerance(const struct scene_fitting *f, const struct overview *overview)
+{
+    const double periods = isfinite(overview->period) ? fmax(overview->periods, 1) : 100;
+    const double known = overview->noise / (f->spread * sqrt((double)f->request->series->n));
+    return fmin(fmax(0.1 * known / periods, TOLERANCE_MIN), TOLERANCE_MAX);
+}
+
+/*
+ * Of a simulation only errors of two integrations are left, where the sum of squares is too rough
+ * for the last digits: a curve that is so close, with parameters that are all determined, has
+ * arrived.
+ */
+static void accept_simulation(const struct scene_fitting *f, struct curve_fit *fit)
+{
+    bool determined = fit->sigma < NOTHING * f->spread;
+    for (int j = 0; j < fit->parameters; j++) {
+        determined = determined &&
+                     (fit->bound[j] || (fit->determined[j] && isfinite(fit->value[j].uncertainty)));
+        for (int i = 0; i < j; i++)
+            determined = determined && fabs(fit->correlation[j][i]) < 1 - NOTHING;
+    }
+    if (fit->converged || !determined ||
+        fit_discards_much(fit->rejected, fit->used + fit->rejected))
+        return;
+    fit->converged = true;
+    snprintf(fit->said, sizeof fit->said,
+             "converged in %d iterations: what is left is %.1e of the motion", fit->iterations,
+             fit->sigma / f->spread);
+}
+
+/*
+ * Two periods: what the scene's law misses there for long, as in a loud start, is no outlier. Bad
+ * echoes are few among so many samples.
+ */
+static size_t stretch_of(const struct series *series, const struct overview *overview)
+{
+    enum { LEAST = 40, PARTS = 20 };
+    const double n = (double)series->n;
+    return (size_t)fmax(LEAST, overview->oscillates ? 2 * n / overview->periods : n / PARTS);
+}
+
+/*
+ * A body that sticks after so many half swings rests elsewhere than after one more: with dry
+ * friction the sum of squares has a minimum for each number. Where more than noise is left others
+ * are tried: from the asked start, and with friction changed by about a half swing more or less.
+ */
+static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
+                             struct error *error)
+{
+    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0: as asked */
+    const int friction = free_index(f->curve, "friction");
+    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *proposed;
+    double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
+    memcpy(found, f->at, bytes);
+    memcpy(best, f->at, bytes);
+    for (size_t k = 0; k < COUNT_OF(factors) && friction >= 0 && sigma > LEFT * noise; k++) {
+        struct curve_fit fit;
+        memcpy(f->at, k == 0 ? proposed : found, bytes);
+        f->at[friction] *= k == 0 ? 1 : factors[k];
+        *error = (struct error){0};
+        const bool done = fit_part(f, f->request->series->n, false, &fit, error);
+        if (!done && error->code != ERROR_COMMAND)
+            return false;
+        if (done && f->sigma < sigma) {
+            sigma = f->sigma;
+            memcpy(best, f->at, bytes);
+        }
+    }
+    memcpy(f->at, best, bytes);
+    f->sigma = sigma;
+    *error = (struct error){0};
+    return true;
+}
+
+/* Whole turns of a pendulum are no motion: they belong to the offset. */
+static void take_off_turns(struct scene_fitting *f)
+{
+    const struct scene_curve *c = f->curve;
+    const int angle = is_pendulum(&c->scene) && c->offset ? free_index(c, "theta0") : -1;
+    const double turns = angle < 0 ? 0 : TWO_PI * nearbyint(f->at[angle] / TWO_PI);
+    if (turns != 0) {
+        f->at[angle] -= turns;
+        f->at[c->frees] += turns;
+    }
+}
+
+static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
+{
+    const struct series *series = f->request->series;
+    struct overview overview;
+    struct fit *motion = arena_alloc(f->arena, sizeof *motion);
+    struct error ignored = {0};
+    struct arena scratch = {
+        0}; /* of what is known of the motion beforehand: large, and not needed any more */
+    double proposed[CURVE_PARAMETERS];
+    if (!motion)
+        return error_memory(error);
+    memcpy(proposed, f->at, (size_t)f->as_curve.parameters * sizeof *proposed);
+    series_overview(series, &scratch, &overview);
+    f->stretch = stretch_of(series, &overview);
+    f->curve->tol = tolerance(f, &overview);
+    if (overview.oscillates) {
+        const struct fit_model *row = fit_model_by_name(TEXT("damped"));
+        if (row->fit(series, &scratch, f->request->cancel, motion, &ignored) && motion->converged)
+            improve_start(f->curve, motion, f->at);
+    }
+    arena_reset(&scratch);
+    if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
+        !try_other_swings(f, proposed, overview.noise, error))
+        return false;
+    take_off_turns(f);
+    if (!fit_part(f, series->n, true, &fit->curve, error))
+        return false;
+    accept_simulation(f, &fit->curve);
+    return add_held(f, fit, error);
+}
+
+bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
+                     struct scene_fit *fit, struct error *error)
+{
+    double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], at[CURVE_PARAMETERS] = {0};
+    struct scene_curve curve = {.frees = 0};
+    *fit = (struct scene_fit){.scene = *request->scene};
+    if (!set_up(request, &curve, arena, error))
+        return false;
+    const int count = curve.frees + curve.offset;
+    for (int j = 0; j < count; j++) {
+        fit->index[j] = j < curve.frees ? curve.index[j] : -1;
+        fit->name[j] = j < curve.frees
+                           ? catalog_row(scene_params(&curve.scene), (size_t)curve.index[j])->name
+                           : "offset";
+        at[j] = j < curve.frees ? curve.scene.value[curve.index[j]] : 0;
+    }
+    struct scene_fitting f = {
+        .request = request,
+        .curve = &curve,
+        .as_curve = {count, fit->name, &curve, scene_curve_evaluate},
+        .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
+        .arena = arena,
+        .spread = spread_of(request->series),
+        .at = at};
+    bounds(&curve, at, low, high);
+    const bool ok = fit_all(&f, fit, error);
+    scene_curve_free(&curve);
+    if (!ok)
+        return false;
+    fit->method = curve.method;
+    fit->steps = curve.points;
+    fit->scene = curve.scene;
+    for (int j = 0; j < curve.frees; j++) {
+        fit->scene.value[fit->index[j]] = fit->curve.value[j].value;
+        fit->scene.uncertainty[fit->index[j]] =
+            fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
+        fit->scene.chosen[fit->index[j]] = true;
+    }
+    return true;
+}

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The uncertainty of a motion from that of its parameters. */
+#include "modules/recording/fit/least_squares.h"
+#include "modules/recording/scene/curve.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <string.h>
+
+#define TOLERANCE 1e-10
+
+/* ---- where the field jumps: differences of runs ---- */
+
+/*
+ * At a turning point with dry friction the derivatives jump, too (saltation; Leine and Nijmeijer
+ * 2004), which the variational equations of the steps do not see.
+ */
+
+#define SHIFT 0.1 /* standard deviations that a parameter is moved */
+#define ROWS 200  /* recorded in a radian: their cubic is good to 1e-12 */
+#define ROWS_MAX 1e6
+
+struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
+{
+    const struct method *method = method_find("dop853");
+    struct system system;
+    struct error ignored;
+    if (!scene_bind(scene, &system, &ignored))
+        return NULL;
+    const double span = end - system.t0, natural = system.scale[0] / (ROWS * system.scale[1]);
+    struct run_settings settings = {.dt = span / 1e4, .tol = TOLERANCE};
+    settings.record = (struct recording_rule){RECORD_TIMES, 1, natural};
+    if (system.order != 2 || !(natural > span / ROWS_MAX))
+        settings.record.interval = span / ROWS_MAX;
+    struct run *run = span > 0 ? run_create(scene, method, &settings, span, &ignored) : NULL;
+    const struct run_target target = {.t = end, .steps = -1};
+    while (run && run_advance(run, &target, 0, cancel))
+        continue;
+    if (run && run->stop == STOP_END)
+        return run;
+    run_destroy(run);
+    return NULL;
+}
+
+static struct run *run_with(const struct spread_request *request, int index, double by)
+{
+    struct scene scene = *request->scene;
+    const struct measured value = {scene.value[index] + by, 0};
+    struct error ignored;
+    return scene_set(&scene, index, value, &ignored)
+               ? study_run(&scene, request->t[request->n - 1], request->cancel)
+               : NULL;
+}
+
+/* Adds factor times the variable at all times to every count-th of `out`. */
+static void add_run(const struct spread_request *request, struct run *run, double factor,
+                    double *out)
+{
+    const size_t rows = trace_count(run->trace);
+    const int k = request->variable;
+    size_t row = 0;
+    for (size_t i = 0; i < request->n; i++) {
+        const double t = request->t[i];
+        double rate[2][LIMIT_VARIABLES];
+        while (row + 2 < rows && trace_time(run->trace, row + 1) < t)
+            row++;
+        const size_t next = row + 1 < rows ? row + 1 : row;
+        const double from = trace_time(run->trace, row);
+        const double h = trace_time(run->trace, next) - from;
+        const double *left = trace_state(run->trace, row), *right = trace_state(run->trace, next);
+        const double x = h > 0 ? (t - from) / h : 0;
+        system_derivative(&run->system, from, left, rate[0]);
+        system_derivative(&run->system, from + h, right, rate[1]);
+        out[i * (size_t)request->known->count] +=
+            factor * hermite(x, h, left[k], rate[0][k], right[k], rate[1][k]);
+    }
+}
+
+/* On one side only where the other is no scene: friction is not negative. */
+static bool differences(const struct spread_request *request, double *slope, struct error *error)
+{
+    memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
+    for (int j = 0; j < request->known->count; j++) {
+        const double by = SHIFT * sqrt(request->known->covariance[j * request->known->count + j]);
+        struct run *side[2] = {run_with(request, request->known->index[j], -by),
+                               run_with(request, request->known->index[j], by)};
+        double ends[2] = {-1, 1};
+        for (int s = 0; s < 2 && by > 0; s++)
+            if (!side[s] && side[1 - s]) {
+                side[s] = run_with(request, request->known->index[j], 0);
+                ends[s] = 0;
+            }
+        const bool ok = side[0] && side[1];
+        for (int s = 0; s < 2 && ok && by > 0; s++)
+            add_run(request, side[s], (s ? 1 : -1) / (by * (ends[1] - ends[0])), slope + j);
+        run_destroy(side[0]);
+        run_destroy(side[1]);
+        if (!ok)
+            return cancelled(request->cancel)
+                       ? error_set(error, ERROR_CANCELLED, "it was stopped")
+                       : error_set(error, ERROR_NUMERICAL, "the motion cannot be followed to %g s",
+                                   request->t[request->n - 1]);
+    }
+    return true;
+}
+
+/* ---- elsewhere: the variational equations ---- */
+
+/* Derivatives [n][count] along one motion. */
+static bool slopes(struct scene_curve *c, const struct spread_request *request, double *value,
+                   double *slope, struct error *error)
+{
+    const struct series series = {.t = request->t, .y = request->t, .n = request->n};
+    double at[CURVE_PARAMETERS];
+    for (int j = 0; j < c->frees; j++)
+        at[j] = c->scene.value[c->index[j]];
+    return scene_curve_mesh(c, at, &series, error) &&
+           (scene_curve_evaluate(c, at, request->t, request->n, value, slope) ||
+            (cancelled(request->cancel)
+                 ? error_set(error, ERROR_CANCELLED, "it was stopped")
+                 : error_set(error, ERROR_NUMERICAL,
+                             "the motion has no derivatives by its parameters up to %g s",
+                             request->t[request->n - 1])));
+}
+
+bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
+                  struct error *error)
+{
+    const size_t n = request->n, count = (size_t)request->known->count;
+    struct scene_curve c = {.scene = *request->scene,
+                            .frees = request->known->count,
+                            .variable = request->variable,
+                            .tol = TOLERANCE,
+                            .cancel = request->cancel};
+    struct system system;
+    if (!scene_bind(&c.scene, &system, error))
+        return false;
+    if (request->known->count > CURVE_PARAMETERS ||
+        system.n * (request->known->count + 1) > LIMIT_VARIABLES)
+        return error_set(error, ERROR_COMMAND,
+                         "%d uncertain parameters are too many for this scene",
+                         request->known->count);
+    double *value = arena_array(arena, n, sizeof *value),
+           *slope = arena_array(arena, n * count, sizeof *slope);
+    c.variation = arena_alloc(arena, sizeof *c.variation);
+    if (!value || !slope || !c.variation)
+        return error_memory(error);
+    memcpy(c.index, request->known->index, count * sizeof *c.index);
+    const bool ok = system.switches > 0 ? differences(request, slope, error)
+                                        : slopes(&c, request, value, slope, error);
+    scene_curve_free(&c);
+    for (size_t i = 0; i < n && ok; i++)
+        deviation[i] = sqrt(fmax(quadratic_form((int)count, (int)count, slope + i * count,
+                                                request->known->covariance, slope + i * count),
+                                 0));
+    return ok;
+}

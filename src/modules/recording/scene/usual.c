@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a fit of a scene leaves free unless somebody says so. */
+#include "modules/recording/scene/scene_fit.h"
+
+#include <hooke/base/catalog.h>
+#include "modules/solving/compute/variation.h"
+
+#include <string.h>
+
+/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same
+ * model only shift between these (m, g, area …). */
+static const struct {
+    const char *name, *with, *without; /* only where the parameter `with` is not 0, `without` is */
+} usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL},
+             {"C", "C", NULL},      {"k3", "k3", NULL},    {"mu", "mu", NULL},
+             {"width", "mu", NULL}, {"F0", "F0", NULL},    {"phase", "F0", NULL}};
+
+static double value_of(const struct scene *scene, const char *name)
+{
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : 0;
+}
+
+static bool is_usual(const struct scene *scene, const char *name)
+{
+    if (scene_param(scene, "m") < 0)
+        return strcmp(name, "t0") != 0;
+    for (size_t i = 0; i < COUNT_OF(usual); i++)
+        if (strcmp(usual[i].name, name) == 0)
+            return (!usual[i].with || value_of(scene, usual[i].with) != 0) &&
+                   (!usual[i].without || value_of(scene, usual[i].without) == 0);
+    return false;
+}
+
+int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count)
+{
+    int count = 0;
+    *fixed_count = 0;
+    for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
+        const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
+        struct parameter_change d;
+        if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) ||
+            (d.changes == 0 && !d.starts))
+            continue;
+        if (d.changes > 0 && !is_usual(scene, name))
+            continue;
+        if (d.changes > 0 && scene->chosen[i] && scene->uncertainty[i] == 0)
+            fixed[(*fixed_count)++] = i;
+        else
+            index[count++] = i;
+    }
+    return count;
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Rate of change of a series: the slope of the least-squares parabola through neighbouring samples
+ * (Savitzky & Golay 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples
+ * it is sum(i y_i)/(h sum(i^2)), i = -p…p.
+ */
+#include "modules/recording/series/analysis.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+#define GAP 1.5 /* median steps: no parabola across that */
+
+static double median_step(const struct series *s, double *work)
+{
+    for (size_t i = 0; i + 1 < s->n; i++)
+        work[i] = s->t[i + 1] - s->t[i];
+    return values_quantile(work, s->n - 1, 0.5);
+}
+
+/* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s].
+ */
+static double slope_at(const struct series *s, size_t from, size_t to, size_t at, double *gain)
+{
+    /* Orthogonal polynomials on these times: 1, u - mean, its square less what is along both. */
+    double n = (double)(to - from), mean = 0, uu = 0, uuu = 0, qq = 0, line = 0, curve = 0;
+    for (size_t i = from; i < to; i++)
+        mean += (s->t[i] - s->t[at]) / n;
+    for (size_t i = from; i < to; i++) {
+        const double u = s->t[i] - s->t[at] - mean;
+        uu += u * u;
+        uuu += u * u * u;
+    }
+    for (size_t i = from; i < to; i++) {
+        const double u = s->t[i] - s->t[at] - mean, q = u * u - uuu / uu * u - uu / n;
+        qq += q * q;
+        line += u * (s->y[i] - s->y[at]);
+        curve += q * (s->y[i] - s->y[at]);
+    }
+    const double turn = -2 * mean - uuu / uu; /* dq/du at t[at] */
+    const bool curved = to - from > 2 && qq > 0;
+    *gain = sqrt(1 / uu + (curved ? turn * turn / qq : 0));
+    return line / uu + (curved ? turn * curve / qq : 0);
+}
+
+bool series_derivative(const struct series *series, int points, struct arena *arena,
+                       struct derivative *derivative, struct error *error)
+{
+    const size_t n = series->n, reach = (size_t)(points / 2);
+    if (points < 3 || points % 2 == 0 || n < (size_t)points)
+        return error_set(error, ERROR_COMMAND,
+                         "a rate needs an odd number of points, 3 at least, and as many samples");
+    double *value = arena_array(arena, n, sizeof *value),
+           *gain = arena_array(arena, n, sizeof *gain);
+    if (!value || !gain)
+        return error_memory(error);
+    const double longest = GAP * median_step(series, gain);
+    size_t begin = 0, end = 0, known = 0; /* [begin, end): without a gap */
+    for (size_t i = 0; i < n; i++) {
+        if (cancelled_at(series->cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped");
+        if (i == end) {
+            begin = i;
+            for (end = i + 1; end < n && series->t[end] - series->t[end - 1] <= longest;)
+                end++;
+        }
+        /* At the ends the same samples serve for several times; a stretch that is too short says
+         * nothing. */
+        size_t from = i >= begin + reach ? i - reach : begin;
+        size_t to = from + 2 * reach + 1;
+        if (to > end) {
+            to = end;
+            from = end - begin > 2 * reach ? end - 2 * reach - 1 : begin;
+        }
+        value[i] = to - from >= 3 ? slope_at(series, from, to, i, &gain[known]) : NAN;
+        known += to - from >= 3;
+    }
+    static const enum quantity rate_of[QUANTITY_COUNT] = {
+        [QUANTITY_LENGTH] = QUANTITY_VELOCITY,
+        [QUANTITY_VELOCITY] = QUANTITY_ACCELERATION,
+        [QUANTITY_ANGLE] = QUANTITY_ANGULAR_FREQUENCY,
+        [QUANTITY_ANGULAR_FREQUENCY] = QUANTITY_ANGULAR_ACCELERATION};
+    const enum quantity rate = rate_of[series->quantity];
+    *derivative = (struct derivative){.value = value,
+                                      .known = known,
+                                      .gain = values_quantile(gain, known, 0.5),
+                                      .points = points,
+                                      .step = longest / GAP,
+                                      .quantity = rate == QUANTITY_NUMBER ? QUANTITY_OTHER : rate};
+    return true;
+}
+
+double derivative_loss(const struct derivative *derivative, double omega)
+{
+    const int p = derivative->points / 2;
+    double sum = 0, squares = 0, x = omega * derivative->step;
+    for (int i = 1; i <= p; i++) {
+        sum += i * sin(i * x);
+        squares += (double)i * i;
+    }
+    return 1 - sum / (x * squares);
+}

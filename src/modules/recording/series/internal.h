@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the analysis layer share. */
+#ifndef HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
+#define HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
+
+#include "modules/recording/series/analysis.h"
+#include "modules/recording/table/load.h"
+#include <hooke/base/numeric.h>
+
+struct cancel;
+
+#define HALVES_DIFFER 2.5 /* standard deviations from which two halves are said to differ */
+
+/* ---- samples.c: a series with a mask, and robust statistics ---- */
+
+/* Returns the index of the first sample at or after t [s]. */
+static inline size_t samples_index(const struct samples *samples, double t)
+{
+    return first_from(samples->t, samples->n, t);
+}
+/* [from, to), shares memory */
+struct samples samples_part(const struct samples *samples, size_t from, size_t to);
+/* Makes means of `each` neighbours, of those in use (all, if use is NULL), at their mean times;
+ * none where none is in use, nor of fewer at the end. Returns false if out of memory. */
+bool samples_average(const struct samples *samples, size_t each, struct arena *arena,
+                     struct series *means);
+/* Returns the mean square of n values about their mean. */
+double values_variance(const double *y, size_t n);
+/* Returns the part with the most rows that is without a gap: a step of a good part of a period [s],
+ * and of several usual ones. */
+struct series series_longest_stretch(const struct series *series, double period);
+/*
+ * Makes means of two, four, ... neighbours of a long series, of as many as lose no more of its
+ * variance than white noise and lost_share_max. The series itself is returned where it is short, or
+ * little but noise. use [n]: the rows that count, or NULL. Returns false if out of memory.
+ */
+#define THIN_KEEPS_LINES 1e-3 /* lost_share_max where a value may be read from the means */
+#define THIN_FOR_HINTS 1e-2   /* and where they serve a hint or a warning only */
+bool series_thin(const struct series *series, const unsigned char *use, double lost_share_max,
+                 struct arena *arena, struct series *thin);
+/* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none.
+ */
+static inline size_t samples_quiet(const struct samples *x, double period)
+{
+    return motion_quiet(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
+}
+/* An interval without samples that is 8 times as long as half of them are, in times that are no
+ * even grid. */
+bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *memory);
+/* Hann window over all of the times, no matter what of them was recorded: the peak of a line is its
+ * amplitude. */
+struct spectrum {
+    double *amplitude; /* [bins] as y */
+    size_t bins;       /* from 0 to half the rate of the samples; 0: too few samples */
+    double step;       /* [Hz] between them */
+};
+/* false: no memory */
+bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
+/* The step to which values are rounded: the smallest between neighbours or a part of it,
+ * if nearly all are multiples of it; else 0. */
+double samples_quantum(const struct samples *samples);
+/* clears `use` of short far excursions */
+void samples_flag_spikes(struct samples *samples, double *scratch);
+
+/* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
+ * ---- */
+
+enum { LINEAR_A, LINEAR_B, LINEAR_C, LINEAR_D, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
+
+/* Which parameters a fit may change: the first so many of the list above; d only where `drifts`. */
+enum harmonic_free { FREE_LINEAR = 4, FREE_OMEGA = 5, FREE_GAMMA = 6 };
+
+struct harmonic {
+    double a, b, c; /* as y */
+    double d;       /* [y/s] drift of the offset, 0 unless it drifts */
+    bool drifts;
+    double omega;  /* [rad/s] */
+    double gamma;  /* [1/s] */
+    double origin; /* [s] */
+    /* what the fit leaves behind */
+    /* (J^T J)^-1 of the free parameters, else 0 */
+    double inverse[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS];
+    double rss; /* sum of squared residuals of the samples used */
+    size_t used;
+    int iterations;
+    bool converged;
+};
+
+/*
+ * Least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a and b
+ * are 0). residual [n] or NULL: y - model, of all samples. False: too few samples or they do not
+ * determine the parameters; `harmonic` is then not to be used. Where it returns true, look at
+ * `converged`.
+ */
+bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
+                  struct harmonic *harmonic, double *residual);
+/* standard deviation of the residuals */
+double harmonic_sigma(const struct harmonic *harmonic, int unknowns);
+/* Lag-1 autocorrelation of the residuals of the samples used. */
+double residual_autocorrelation(const struct samples *samples, const double *residual);
+
+/* ---- widening.c ---- */
+
+/*
+ * Factors by which variances are larger than independent residuals would make them: of amplitude
+ * and decay, of phase and frequency, of the offset.
+ */
+struct widening {
+    double amplitude, phase, offset;
+};
+
+struct oscillation {
+    /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
+    double a, b, omega, gamma, origin;
+};
+
+/* fitted: parameters of amplitude and decay together, as many as of phase and frequency. */
+struct widening residual_widening(const struct samples *samples, const double *residual,
+                                  const struct oscillation *oscillation, int fitted);
+
+/* n(1 - rho)/(1 + rho) instead of n independent residuals: the factor by which variances grow (>=
+ * 1). */
+double autocorrelation_factor(double rho);
+
+/*
+ * Returns the factor by which the variance of the slope of a line through n times of cycles grows
+ * where its residuals have that lag-1 autocorrelation: as of an autoregressive process, or of a
+ * random walk, where each cycle begins some random time after the one before.
+ */
+double line_correlation_factor(double rho, double n);
+
+/* ---- motion.c: what every analysis of an oscillation starts from ---- */
+
+struct swing_segment {
+    size_t from, to; /* samples [from, to) */
+    /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
+    double a, b, c;
+    /* robust standard deviation of its residuals, where they fall like the amplitude: in the
+     * middle */
+    double scale;
+    double rms; /* of a, b part of the model */
+    bool settled;
+};
+
+struct motion {
+    struct samples samples; /* use: without spikes, rejected and clipped samples */
+    struct overview overview;
+    struct harmonic harmonic;      /* damped sine, robust */
+    double *residual;              /* [n] of it */
+    double *scratch;               /* [n] */
+    struct swing_segment *segment; /* [segments] two periods each, one after the other */
+    size_t segments;
+    double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
+    double autocorrelation;
+    bool tracked; /* found window by window: the damped sine is only the nearest there is */
+    bool buried;  /* in noise, so that no part of it has to be looked at */
+    size_t rejected, clipped; /* clipped are counted in rejected */
+};
+
+/* False: no memory. overview.oscillates tells the rest; harmonic and what follows it are filled
+ * only if it is true. */
+bool motion_init(struct motion *motion, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel);
+/* Fits one damped sine to the whole series and looks no further where it does not fit. Returns
+ * false if out of memory or cancelled. */
+bool motion_one_sine(struct motion *motion, const struct series *series, struct arena *arena);
+/* The same as motion_init(). Returns false with an error if out of memory or cancelled. */
+bool motion_find(struct motion *motion, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel, struct error *error);
+/* Returns true if all values are the same but for rounding. */
+bool overview_is_constant(const struct overview *overview);
+struct mode_pair;
+struct swing;
+/* Sets the error that says why it does not oscillate, or that it is two lines, or which part of it
+ * does; NULL where there are none. Returns false. */
+bool motion_refuse_known(const struct motion *motion, const struct mode_pair *pair,
+                         const struct swing *swing, struct error *error);
+/* The same as motion_find(), refusing what does not oscillate with the reason, and with the window
+ * of the part that does. */
+bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
+                    const struct cancel *cancel, struct error *error);
+
+/*
+ * Returns the relative standard uncertainty of the period that the step of the sensor leaves open
+ * where every period reads the same: its rounding errors do not average out, and no scatter shows
+ * them. 0 where readings differ.
+ */
+double quantum_pace(const struct motion *motion);
+
+/* ---- swing.c ---- */
+
+/* The longest part of a series that one damped sine describes. */
+struct swing {
+    double window[2]; /* [s] times of its first and last sample */
+    double period;    /* [s] */
+    size_t from, to;  /* samples [from, to) */
+};
+
+/*
+ * Looks for a part that oscillates in a series that does not as a whole: a step or a knock comes
+ * before it, rest or a hand after it. Returns false if there is none, if it is the whole series, or
+ * if out of memory.
+ */
+bool find_swing(const struct series *series, struct swing *swing);
+/* The same for the first swings after rest, however few, where offset or damping change later. */
+bool find_first_swing(const struct series *series, struct swing *swing);
+
+/* ---- robust.c ---- */
+
+/*
+ * Clears `use` of missed echoes, two periods at a time, with the motion's omega
+ * and gamma; fills segment, rejected, clipped and improves overview.noise. False: no memory.
+ */
+bool reject_outliers(struct motion *motion, struct arena *arena);
+
+/* ---- clipping.c ---- */
+
+/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic,
+ * its residuals and the counts. False: no memory. */
+bool censor_clipped(struct motion *motion, struct arena *arena);
+
+/* ---- samples.c ---- */
+
+/* More than parameters, or the reason. */
+bool enough_samples(const struct series *series, int parameters, struct error *error);
+
+/* ---- spectrum.c ---- */
+
+/*
+ * As gsl_fft_real_radix2_transform leaves it: real parts from 0 up, imaginary parts from n down.
+ * n: a power of two; scratch [n], NULL where n <= 2^17. False: cancelled.
+ */
+bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel);
+
+/* ---- correlation.c ---- */
+
+/* Returns the normalised correlation of a series with itself at all shifts [n], its straight line
+ * taken off; NULL if out of memory or cancelled. *grid [n]: what is left of it at equal times. */
+double *series_correlations(const struct series *series, struct arena *arena, double **grid);
+/* Makes a series of at most that many means of `each` neighbours: of the stretch next to
+ * the middle in which the values move. Returns false if out of memory. */
+bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
+                        struct series *part);
+
+/* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false
+ * without memory. */
+double peak_frequency(const struct samples *samples, bool *memory);
+/* Sets omega [max] to the highest peaks [rad/s] of the mean spectrum of that many parts: of many, a
+ * frequency that drifts has a line. Returns how many there are. *memory becomes false without
+ * memory.
+ */
+int mean_spectrum_peaks(const struct samples *samples, size_t parts, double *omega, int max,
+                        bool *memory);
+/* The same of the whole, of 8 and of 32 parts. */
+int spectrum_candidates(const struct samples *samples, double *omega, int max, bool *memory);
+/* Returns true if the second or third harmonic of a period stands out of what lies between them. */
+bool series_has_harmonics(const struct series *series, double period);
+/* Returns the share of the power that lies about the highest peaks, within a ratio (its logarithm)
+ * of each; 0 if out of memory. */
+double power_share_of_peaks(const struct samples *samples, int peaks, double ratio_log,
+                            struct arena *arena);
+
+/* ---- crossing.c ---- */
+
+/* Without noise: interpolation is better than averaging. */
+bool overview_is_exact(const struct overview *overview);
+
+/* ---- peak.c ---- */
+
+/* Variance of one sample in white noise that has as much power as the residuals have about omega,
+ * where a line is. */
+double variance_beside(const struct samples *x, const double *residual, double omega);
+
+/* ---- modes.c ---- */
+
+struct mode_pair {
+    double period[2], beat; /* [s] */
+    double left;            /* share of the power that both leave */
+};
+
+/* Whether it is two damped sines, and one alone is far from it. */
+bool two_lines(const struct samples *samples, struct mode_pair *pair);
+
+/* ---- amplitude.c ---- */
+
+/* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few
+ * samples there. */
+bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct reading *reading);
+
+/* ---- envelope.c ---- */
+
+/* Rates of an envelope. */
+struct envelope_rates {
+    double gamma, q; /* [1/s]: exp(-gamma s/2)/(1 + q phi(s)) */
+};
+
+/*
+ * Linear, quadratic and linear+quadratic drag of the envelope. *sway: scatter of the amplitudes
+ * about the best of them, relative to their size, where it is more than their noise, else 0; NAN:
+ * too few readings to tell. rates of these three where they were found. False: no memory.
+ */
+bool envelope_laws(const struct motion *motion, double *sway, struct envelope_rates rates[3]);
+
+/* ---- laws.c ---- */
+
+struct law_fit;
+
+/* Chooses among the laws' fits. Returns the place of the law that the fit's values are to be those
+ * of. */
+struct law_evidence {
+    const struct law_fit *fit; /* [DRAG_LAWS] */
+    double variance;           /* [y^2] of one independent residual */
+    double freedom;            /* degrees of freedom of this variance */
+    double loss[DRAG_RATES];   /* energy that a rate of 1 takes */
+};
+
+int law_choose(const struct law_evidence *evidence, struct fit *fit);
+
+/* ---- drag.c ---- */
+
+/*
+ * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or
+ * an acceleration, b and f are still those of the position. forces: the restoring force is looked
+ * for too. The motion's samples and residuals are then those of the law.
+ */
+bool drag_laws(struct motion *motion, enum quantity quantity, bool forces,
+               const struct envelope_rates rates[3], struct arena *arena, struct fit *fit,
+               struct error *error);
+
+/* ---- warnings.c ---- */
+
+void fit_warn(struct fit *fit, const char *format, ...) PRINTF_LIKE(2, 3);
+/* sway: what envelope_laws returned. */
+void fit_diagnose(const struct motion *motion, double sway, struct fit *fit);
+
+#endif

@@ -1,0 +1,499 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a series looks like before any model, and the robust damped sine that every analysis of an
+ * oscillation starts from. */
+#include <hooke/base/cancel.h>
+#include "modules/recording/period/track.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define PERIODS_MIN 1.8    /* fewer are no oscillation: nothing repeats */
+#define DECREMENT_MAX 3.2  /* gamma T/2: the amplitude changes by a factor 25 in a period */
+#define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
+#define SAMPLES_A_PERIOD 2.02
+#define FEW 4            /* periods */
+#define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
+#define FEW_NOISES 2.0   /* and hangs together */
+#define FEW_TOGETHER 0.5 /* (autocorrelation) */
+#define DRIFTS 3.0       /* standard deviations of the offset's slope from which on it is fitted */
+/* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
+#define CHANCE 20.0
+#define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
+#define WHITE 0.2
+#define GONE 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
+
+static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
+
+static void refuse(struct overview *overview, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(overview->reason, sizeof overview->reason, format, args);
+    va_end(args);
+    overview->oscillates = false;
+    overview->period = overview->periods = NAN;
+}
+
+static void extremes(struct motion *m)
+{
+    struct overview *o = &m->overview;
+    double sum = 0;
+    size_t used = 0;
+    o->low = HUGE_VAL;
+    o->high = -HUGE_VAL;
+    for (size_t i = 0; i < m->samples.n && !cancelled_at(m->samples.cancel, i); i++) {
+        if (m->samples.use[i]) {
+            o->low = fmin(o->low, m->samples.y[i]);
+            o->high = fmax(o->high, m->samples.y[i]);
+            sum += m->samples.y[i];
+            used++;
+        }
+    }
+    o->mean = used ? sum / (double)used : NAN;
+}
+
+bool overview_is_constant(const struct overview *o)
+{
+    return !(o->high - o->low > 1e-12 * fmax(fabs(o->high), fabs(o->low)));
+}
+
+/* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least
+ * correlated. */
+static double centre(const struct samples *x, double gamma)
+{
+    double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
+    double at = fabs(g) < 1e-3 ? 0.5 - g / 12 : 1 / g - 1 / expm1(g);
+    return x->t[0] + at * span;
+}
+
+/* The damping rate to start from: the best of a few, from none to gone within a hundredth of the
+ * record. */
+static bool start_gamma(struct motion *m, double omega)
+{
+    static const double rates[] = {0, 2, 6, 18, 54, 162};
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
+    bool found = false;
+    for (size_t i = 0; i < COUNT_OF(rates); i++) {
+        struct harmonic trial = {.omega = omega, .gamma = rates[i] / span};
+        trial.origin = centre(&m->samples, trial.gamma);
+        if (!harmonic_fit(&m->samples, FREE_LINEAR, &trial, NULL))
+            continue;
+        if (found && trial.rss > m->harmonic.rss) {
+            break;
+        }
+        m->harmonic = trial;
+        found = true;
+    }
+    return found;
+}
+
+/*
+ * Could noise have done this? Variance ratio of the damped sine against the residuals about a
+ * straight line; residuals that hang together count as fewer.
+ */
+static void require_significant(struct motion *m)
+{
+    const struct samples *x = &m->samples;
+    double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0, t0 = m->harmonic.origin,
+           y0 = m->harmonic.c;
+    for (size_t i = 0; i < x->n; i++) {
+        double use = x->use[i], t = x->t[i] - t0, y = x->y[i] - y0;
+        n += use;
+        st += use * t;
+        sy += use * y;
+        stt += use * t * t;
+        sty += use * t * y;
+        syy += use * y * y;
+    }
+    double vt = stt - st * st / n, vy = syy - sy * sy / n, c = sty - st * sy / n,
+           total = vy - c * c / vt;
+    double explained = total - m->harmonic.rss,
+           independent = n / autocorrelation_factor(m->autocorrelation);
+    const bool wanders = m->autocorrelation > 0.5;
+    const double chance = m->autocorrelation < WHITE ? WHITE_CHANCE : CHANCE;
+    /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
+    if (wanders) {
+        independent = fmax(independent, m->overview.periods * m->overview.periods);
+    }
+    if (wanders && explained < m->harmonic.rss) {
+        refuse(&m->overview, "one damped sine explains less of it than it leaves (steps, drift, "
+                             "several frequencies)");
+    } else if (!(0.5 * independent * explained > (log(0.5 * n) + chance) * m->harmonic.rss)) {
+        refuse(&m->overview, "no oscillation stands out of the noise");
+    }
+}
+
+static void judge(struct motion *m)
+{
+    struct overview *o = &m->overview;
+    const struct harmonic *h = &m->harmonic;
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           decrement = PI * h->gamma / h->omega;
+    o->period = TWO_PI / h->omega;
+    o->periods = span / o->period;
+    if (o->periods < PERIODS_MIN) {
+        refuse(o,
+               "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed",
+               span, o->periods);
+    } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
+        refuse(o, "fewer than %.2g samples a period", SAMPLES_A_PERIOD);
+    } else if (fabs(decrement) > DECREMENT_MAX) {
+        refuse(o, "it dies out within one cycle");
+    } else {
+        o->oscillates = true;
+        o->mean = h->c;
+        require_significant(m);
+    }
+}
+
+static void judge_rejected(struct motion *m)
+{
+    if (fit_discards_much(m->rejected, m->samples.n)) {
+        refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected,
+               m->samples.n);
+    }
+}
+
+/* A random walk looks like two periods now and then: so few must be a damped sine, but for little
+ * of the power. */
+static void judge_few(struct motion *m)
+{
+    const struct samples *x = &m->samples;
+    const double left = harmonic_sigma(&m->harmonic, FREE_GAMMA);
+    double power = 0;
+    for (size_t i = 0; i < x->n; i++) {
+        power += x->use[i] ? (x->y[i] - m->harmonic.c) * (x->y[i] - m->harmonic.c) : 0;
+    }
+    if (m->overview.periods < FEW && m->autocorrelation > FEW_TOGETHER &&
+        left > FEW_NOISES * m->overview.noise && m->harmonic.rss > FEW_LEAVE * power) {
+        refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods",
+               100 * sqrt(m->harmonic.rss / power), m->overview.periods);
+    }
+}
+
+/* An offset that drifts has a line of its own, where it stands out of the residuals as they are
+ * with it. */
+static void find_drift(struct motion *m)
+{
+    struct harmonic drifting = m->harmonic;
+    drifting.drifts = true;
+    if (harmonic_fit(&m->samples, FREE_GAMMA, &drifting, m->scratch) && drifting.converged) {
+        double widen = autocorrelation_factor(residual_autocorrelation(&m->samples, m->scratch));
+        double sigma = harmonic_sigma(&drifting, FREE_GAMMA) *
+                       sqrt(widen * drifting.inverse[LINEAR_D][LINEAR_D]);
+        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+               exact = 1e-9 * hypot(drifting.a, drifting.b);
+        if (fabs(drifting.d) > DRIFTS * sigma && fabs(drifting.d) * span > exact) {
+            m->harmonic = drifting;
+            memcpy(m->residual, m->scratch, m->samples.n * sizeof(double));
+        }
+    }
+}
+
+/*
+ * Returns true if the damped sine from which a fit begins leaves more than half of what is no
+ * noise: no better start makes it describe the series.
+ */
+static bool is_hopeless(const struct motion *m)
+{
+    static const double left_max = 0.5;
+    const struct harmonic *h = &m->harmonic;
+    double sum = 0, square = 0, used = 0;
+    for (size_t i = 0; i < m->samples.n; i++)
+        if (m->samples.use[i]) {
+            const double off = m->samples.y[i] - h->c;
+            sum += off;
+            square += off * off;
+            used++;
+        }
+    const double noise = used * m->overview.noise * m->overview.noise,
+                 power = square - sum * sum / used;
+    return h->rss - noise > left_max * (power - noise);
+}
+
+enum sine_hope { SINE_TRIED_ANYWAY, SINE_TRIED_IF_NEAR };
+
+/* The damped sine of the whole, from the given frequency on, and whether it is an oscillation.
+ * Returns false if out of memory. */
+static bool fit_whole(struct motion *m, double omega, enum sine_hope hope, struct arena *arena)
+{
+    struct overview *o = &m->overview;
+    m->harmonic = (struct harmonic){.omega = omega};
+    if (!isfinite(omega)) {
+        refuse(o, "its spectrum has no peak above drift");
+        return true;
+    }
+    /* Over two periods the start is good enough to tell outliers, unless the amplitude changes much
+     * in so short a time.
+     */
+    bool found = start_gamma(m, omega);
+    if (found && hope == SINE_TRIED_IF_NEAR && is_hopeless(m)) {
+        refuse(o, "one damped sine explains less of it than it leaves");
+        return true;
+    }
+    if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega) {
+        found = harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, NULL);
+    }
+    if (found && !reject_outliers(m, arena))
+        return false;
+    if (!found || !harmonic_fit(&m->samples, FREE_GAMMA, &m->harmonic, m->residual)) {
+        refuse(o, "no damped sine can be fitted to it");
+        return true;
+    }
+    m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
+    extremes(m);
+    judge(m); /* before a line of its own for the offset makes wandering look like an oscillation */
+    if (!o->oscillates)
+        return true;
+    find_drift(m);
+    if (!censor_clipped(m, arena))
+        return false;
+    judge_rejected(m);
+    if (!o->oscillates)
+        return true;
+    m->autocorrelation = residual_autocorrelation(&m->samples, m->residual);
+    extremes(m);
+    o->mean = m->harmonic.c;
+    o->period = TWO_PI / m->harmonic.omega;
+    o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
+    judge_few(m);
+    return true;
+}
+
+/*
+ * What no single damped sine describes, but was followed window by window at a mean frequency: then
+ * the period is the mean over the recording, and the damped sine is the nearest there is.
+ */
+static bool fit_tracked(struct motion *m, double omega, double noise, struct arena *arena)
+{
+    struct overview *o = &m->overview;
+    o->noise = noise;
+    if (!fit_whole(m, omega, SINE_TRIED_ANYWAY, arena))
+        return false;
+    m->harmonic.converged = m->harmonic.converged && !fit_discards_much(m->rejected, m->samples.n);
+    m->tracked = true;
+    o->oscillates = true;
+    o->reason[0] = 0;
+    o->period = TWO_PI / omega;
+    o->periods = (m->samples.t[m->samples.n - 1] - m->samples.t[0]) / o->period;
+    return true;
+}
+
+/* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its
+ * first part. Where that is the frequency of a fit that was refused, it would be the same fit. */
+static bool fit_beginning(struct motion *m, size_t part, double noise, double refused_omega,
+                          struct arena *arena)
+{
+    struct samples beginning = samples_part(&m->samples, 0, m->samples.n / part);
+    bool memory;
+    const double omega = peak_frequency(&beginning, &memory);
+    const double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+                 resolution = TWO_PI * (double)part / span;
+    if (!memory || !isfinite(omega) || fabs(omega - refused_omega) < resolution)
+        return memory;
+    struct overview *o = &m->overview;
+    char reason[sizeof o->reason];
+    memcpy(reason, o->reason, sizeof reason);
+    o->noise = noise;
+    memory = fit_whole(m, omega, SINE_TRIED_ANYWAY, arena);
+    if (o->oscillates && !(m->harmonic.gamma * span > GONE)) {
+        refuse(o, "%s", reason);
+    }
+    if (!o->oscillates) {
+        memcpy(o->reason, reason, sizeof reason);
+    }
+    return memory;
+}
+
+/*
+ * Returns true for a long recording of which each sample is little but noise, and in which means of
+ * neighbours neither oscillate as a whole nor in a part. Nothing is left to look for then but a
+ * fast oscillation that neither the spectrum of the whole nor a single sample shows.
+ */
+static bool is_buried(const struct motion *m, double noise, struct arena *arena)
+{
+    enum { ROWS_LONG = 65536, MEANS = 8192 };
+    static const double noise_share = 0.9; /* least noise, in standard deviations of the samples */
+    const struct samples *x = &m->samples;
+    double sum = 0, square = 0, used = 0;
+    for (size_t i = 0; i < x->n && x->n > ROWS_LONG && !cancelled_at(x->cancel, i); i++)
+        if (x->use[i]) {
+            sum += x->y[i] - x->y[0];
+            square += (x->y[i] - x->y[0]) * (x->y[i] - x->y[0]);
+            used++;
+        }
+    if (!(used > 0 && noise > noise_share * sqrt((square - sum * sum / used) / used)))
+        return false;
+    struct series means;
+    struct motion few;
+    struct swing swing;
+    return samples_average(x, x->n / MEANS, arena, &means) &&
+           motion_init(&few, &means, arena, x->cancel) && !few.overview.oscillates &&
+           !find_swing(&means, &swing);
+}
+
+/* Takes the frequency that means of neighbours show, if they oscillate. Returns false if out of
+ * memory. */
+static bool fit_as_means(struct motion *m, const struct series *means, double noise,
+                         struct arena *arena)
+{
+    struct motion few;
+    if (!motion_init(&few, means, arena, m->samples.cancel))
+        return false;
+    if (few.overview.oscillates && few.tracked)
+        return fit_tracked(m, TWO_PI / few.overview.period, noise, arena);
+    m->overview.noise = noise;
+    return !few.overview.oscillates || fit_whole(m, few.harmonic.omega, SINE_TRIED_ANYWAY, arena);
+}
+
+/* Looks for what the spectrum of the whole did not show. use [n]: the mask from before that. The
+ * reason of the refusal stays where this finds nothing either. Returns false if out of memory. */
+static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
+{
+    const double seen = samples_noise(&m->samples, m->scratch),
+                 noise = fmax(seen, m->quantum / sqrt(12.0));
+    const double refused = fit_discards_much(m->rejected, m->samples.n) ? m->harmonic.omega : NAN;
+    const struct series all = {
+        .t = m->samples.t, .y = m->samples.y, .n = m->samples.n, .cancel = m->samples.cancel};
+    struct series means;
+    struct track track;
+    memcpy(m->samples.use, use, m->samples.n);
+    m->buried = is_buried(m, seen, arena);
+    if (m->buried)
+        return true;
+    if (!series_thin(&all, use, THIN_KEEPS_LINES, arena, &means))
+        return false;
+    if (means.n < all.n)
+        return fit_as_means(m, &means, noise, arena);
+    for (size_t part = 2; part <= 16 && !m->overview.oscillates; part *= 2) {
+        memcpy(m->samples.use, use, m->samples.n);
+        if (!fit_beginning(m, part, noise, refused, arena))
+            return false;
+    }
+    if (m->overview.oscillates || cancelled(m->samples.cancel))
+        return true;
+    memcpy(m->samples.use, use, m->samples.n);
+    const bool long_record = all.n > LONG_RECORD;
+    if (long_record ? !track_long(&m->samples, arena, &track)
+                    : !track_find(&m->samples, arena, &track))
+        return false;
+    return !(track.omega > 0) || (long_record && !track_is_oscillation(&track)) ||
+           fit_tracked(m, track.omega, noise, arena);
+}
+
+/* Fits one damped sine to the whole series. *use [n] receives the mask from before the fit. */
+static bool fit_once(struct motion *m, const struct series *series, struct arena *arena,
+                     const struct cancel *cancel, enum sine_hope hope, unsigned char **use)
+{
+    *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
+    m->residual = arena_array(arena, series->n + 1, sizeof(double));
+    m->scratch = arena_array(arena, series->n + 1, sizeof(double));
+    if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena))
+        return false;
+    m->samples.cancel = cancel ? cancel : series->cancel;
+    struct overview *o = &m->overview;
+    extremes(m);
+    if (cancelled(m->samples.cancel))
+        return false;
+    if (series->n < 8 || !(m->samples.dt > 0)) {
+        refuse(o, "it has only %zu samples", series->n);
+        return true;
+    }
+    if (overview_is_constant(o)) {
+        o->noise = 0;
+        refuse(o, "it is constant");
+        return true;
+    }
+    m->quantum = samples_quantum(&m->samples);
+    if (cancelled(m->samples.cancel))
+        return false;
+    o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
+    samples_flag_spikes(&m->samples, m->scratch);
+    *use = arena_alloc(arena, m->samples.n + 1);
+    if (!*use || cancelled(m->samples.cancel))
+        return false;
+    memcpy(*use, m->samples.use, m->samples.n);
+    bool memory;
+    const double omega = peak_frequency(&m->samples, &memory);
+    return memory && fit_whole(m, omega, hope, arena);
+}
+
+bool motion_one_sine(struct motion *m, const struct series *series, struct arena *arena)
+{
+    unsigned char *use;
+    return fit_once(m, series, arena, NULL, SINE_TRIED_IF_NEAR, &use);
+}
+
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel)
+{
+    unsigned char *use = NULL;
+    if (!fit_once(m, series, arena, cancel, SINE_TRIED_ANYWAY, &use))
+        return false;
+    if (!m->overview.oscillates && use && !cancelled(m->samples.cancel) &&
+        !look_closer(m, use, arena)) {
+        return false;
+    }
+    if (m->overview.oscillates) {
+        m->samples.pace = hypot(m->samples.pace, quantum_pace(m));
+    }
+    return true;
+}
+
+bool motion_find(struct motion *m, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel, struct error *error)
+{
+    const bool memory = motion_init(m, series, arena, cancel);
+    if (cancelled(m->samples.cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
+    return memory || error_memory(error);
+}
+
+bool motion_refuse_known(const struct motion *m, const struct mode_pair *pair,
+                         const struct swing *swing, struct error *error)
+{
+    if (pair) {
+        error_set(error, ERROR_COMMAND,
+                  "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
+                  pair->period[0], pair->period[1]);
+        return error_hint(error, "type: fit modes 2");
+    }
+    if (swing) {
+        error_set(error, ERROR_COMMAND,
+                  "only a part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
+                  swing->period, swing->window[0], swing->window[1]);
+        return error_hint(error, "add: window=%.9g:%.9g", swing->window[0], swing->window[1]);
+    }
+    error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
+    return error_hint(error, "choose another window or column; at least two periods are needed");
+}
+
+/* The same, looking for two lines and for a part that swings. */
+static bool motion_refuse(const struct motion *m, const struct series *series, struct error *error)
+{
+    struct mode_pair pair;
+    struct swing swing;
+    if (overview_is_constant(&m->overview) || m->buried)
+        return motion_refuse_known(m, NULL, NULL, error);
+    const bool lines = two_lines(&m->samples, &pair), swings = !lines && find_swing(series, &swing);
+    return motion_refuse_known(m, lines ? &pair : NULL, swings ? &swing : NULL, error);
+}
+
+bool motion_require(struct motion *m, const struct series *series, struct arena *arena,
+                    const struct cancel *cancel, struct error *error)
+{
+    return motion_find(m, series, arena, cancel, error) &&
+           (m->overview.oscillates || motion_refuse(m, series, error));
+}
+
+void series_overview(const struct series *series, struct arena *arena, struct overview *overview)
+{
+    struct motion motion;
+    if (!motion_init(&motion, series, arena, NULL) || cancelled(series->cancel)) {
+        motion.overview = (struct overview){
+            .mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
+        refuse(&motion.overview, cancelled(series->cancel) ? "stopped" : "out of memory");
+    }
+    *overview = motion.overview;
+}

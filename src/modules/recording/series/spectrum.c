@@ -1,0 +1,356 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares
+ * (Lomb–Scargle) on the true times. */
+#include <hooke/base/cancel.h>
+#include "modules/recording/series/internal.h"
+
+#include <gsl/gsl_fft_real.h>
+#include <math.h>
+
+#define PIECE                                                                                      \
+    ((size_t)1 << 17)      /* values: some 5 ms, and what comes out is GSL's to the last bit       \
+                            */
+#define ROTATIONS 64       /* of a phase between two that are computed */
+#define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
+
+enum { PART_MIN = 16, CANDIDATES = 5 };
+
+/* ---- the Fourier transform of real values in pieces, between which it can be ended ---- */
+
+/* Of even and odd values, each half complex, that of all (Cooley and Tukey 1965). */
+static bool combine(const double *even, const double *odd, size_t n, double *out,
+                    const struct cancel *cancel)
+{
+    const size_t half = n / 2;
+    const double angle = TWO_PI / (double)n, turn_c = cos(angle), turn_s = sin(angle);
+    double c = 1, s = 0;
+    out[0] = even[0] + odd[0];
+    out[half] = even[0] - odd[0];
+    out[half / 2] = even[half / 2];
+    out[n - half / 2] = -odd[half / 2];
+    for (size_t k = 1; k < half / 2; k++) {
+        if (k % LOOK_EACH_ROWS == 0 && cancelled(cancel))
+            return false;
+        const double before = c;
+        c = k % ROTATIONS ? c * turn_c - s * turn_s : cos(angle * (double)k);
+        s = k % ROTATIONS ? before * turn_s + s * turn_c : sin(angle * (double)k);
+        const double a = even[k], b = even[half - k];
+        const double re = c * odd[k] + s * odd[half - k], im = c * odd[half - k] - s * odd[k];
+        out[k] = a + re;
+        out[n - k] = b + im;
+        out[half - k] = a - re;
+        out[half + k] = im - b;
+    }
+    return true;
+}
+
+bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel)
+{
+    const size_t half = n / 2;
+    if (cancelled(cancel))
+        return false;
+    if (n <= PIECE)
+        return gsl_fft_real_radix2_transform(data, 1, n) == 0;
+    for (size_t i = 0; i < half; i++) {
+        scratch[i] = data[2 * i];
+        scratch[half + i] = data[2 * i + 1];
+    }
+    return transform_real(scratch, half, data, cancel) &&
+           transform_real(scratch + half, half, data, cancel) &&
+           combine(scratch, scratch + half, n, data, cancel);
+}
+
+/* ---- spectra ---- */
+
+struct transform {
+    double *power; /* [bins] |X|^2 */
+    size_t bins;   /* 0 … Nyquist */
+    double step;   /* [Hz] between bins */
+    double gain;   /* sum of the window: amplitude = 2 |X|/gain */
+    bool memory;
+};
+
+/* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares
+ * line removed. */
+static void fill_even(const struct samples *x, double *out)
+{
+    size_t right = 0, left = 0;
+    double dt = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
+    double sum = 0, moment = 0, square = 0, middle = 0.5 * (double)(x->n - 1);
+    for (size_t i = 0; i < x->n; i++) {
+        double t = x->uniform ? x->t[i] : x->t[0] + (double)i * dt;
+        if (x->uniform && x->use[i]) {
+            out[i] = x->y[i];
+            left = i;
+        } else {
+            while (right < x->n && (!x->use[right] || x->t[right] < t)) {
+                left = x->use[right] ? right : left;
+                right++;
+            }
+            size_t to = right < x->n ? right : left;
+            double width = x->t[to] - x->t[left];
+            out[i] = width > 0
+                         ? x->y[left] + (x->y[to] - x->y[left]) * fmin((t - x->t[left]) / width, 1)
+                         : x->y[to];
+        }
+        double s = (double)i - middle;
+        sum += out[i];
+        moment += s * out[i];
+        square += s * s;
+    }
+    double mean = sum / (double)x->n, slope = moment / square;
+    for (size_t i = 0; i < x->n; i++) {
+        out[i] -= mean + slope * ((double)i - middle);
+    }
+}
+
+static struct transform transform(const struct samples *x, struct arena *arena)
+{
+    struct transform result = {.memory = true};
+    size_t length = 32;
+    while (length < x->n || (length < 2 * x->n && length < 16384)) {
+        length *= 2;
+    }
+    double *data = arena_array(arena, 2 * length, sizeof *data);
+    if (!data || cancelled(x->cancel)) {
+        result.memory = false;
+        return result;
+    }
+    fill_even(x, data);
+    double angle = TWO_PI / (double)x->n, c = cos(angle), s = sin(angle), re = cos(0.5 * angle),
+           im = sin(0.5 * angle);
+    for (size_t i = 0; i < x->n; i++) {
+        double window = 0.5 * (1 - re); /* Hann: re = cos(2 pi (i + 1/2)/n) */
+        data[i] *= window;
+        result.gain += window;
+        double next = re * c - im * s;
+        im = re * s + im * c;
+        re = next;
+    }
+    if (!transform_real(data, length, data + length, x->cancel)) {
+        result.memory = false;
+        return result;
+    }
+    result.bins = length / 2 + 1;
+    result.step = (double)(x->n - 1) / (x->t[x->n - 1] - x->t[0]) / (double)length;
+    for (size_t k = 1; k < length / 2;
+         k++) { /* in place: data[k] and data[length - k] are read before data[k] is written */
+        data[k] = data[k] * data[k] + data[length - k] * data[length - k];
+    }
+    data[0] *= data[0];
+    data[length / 2] *= data[length / 2];
+    result.power = data;
+    return result;
+}
+
+/* No line bridges a gap: what is seen before and after it would cancel beside the true line. */
+static struct transform transform_with_gap(const struct samples *x, struct arena *arena)
+{
+    struct spectrum spectrum;
+    struct transform result = {.memory = samples_spectrum(x, arena, &spectrum)};
+    for (size_t k = 0; result.memory && k < spectrum.bins; k++) {
+        spectrum.amplitude[k] *= spectrum.amplitude[k];
+    }
+    if (result.memory) {
+        result.power = spectrum.amplitude;
+        result.bins = spectrum.bins;
+        result.step = spectrum.step;
+    }
+    return result;
+}
+
+/* The same as peak_frequency(), with memory for the transform from an arena. */
+static double peak_of_transform(const struct samples *x, struct arena *arena, bool *memory)
+{
+    *memory = true;
+    if (x->n < 8) {
+        return NAN;
+    }
+    const bool gap = samples_have_gap(x, arena, memory);
+    struct transform spectrum = !*memory ? (struct transform){.memory = false}
+                                : gap    ? transform_with_gap(x, arena)
+                                         : transform(x, arena);
+    *memory = spectrum.memory;
+    if (!spectrum.memory || spectrum.bins < 3) {
+        return NAN;
+    }
+    const double *p = spectrum.power;
+    double span = x->t[x->n - 1] - x->t[0];
+    size_t peak = 0, first = (size_t)ceil(LOWEST_PERIODS / span / spectrum.step);
+    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum.bins && k < spectrum.bins * 99 / 100;
+         k++) { /* 2.02 samples a period */
+        if (p[k] > p[k - 1] && p[k] >= p[k + 1] && (peak == 0 || p[k] > p[peak])) {
+            peak = k;
+        }
+    }
+    if (peak == 0 || !(p[peak - 1] > 0) || !(p[peak + 1] > 0)) {
+        return peak == 0 ? NAN : TWO_PI * spectrum.step * (double)peak;
+    }
+    double l = log(p[peak - 1]), m = log(p[peak]), r = log(p[peak + 1]);
+    return TWO_PI * spectrum.step * ((double)peak + 0.5 * (l - r) / (l - 2 * m + r));
+}
+
+double peak_frequency(const struct samples *x, bool *memory)
+{
+    struct arena arena = {0};
+    const double omega = peak_of_transform(x, &arena, memory);
+    arena_reset(&arena);
+    return omega;
+}
+
+/* Keeps the highest of the local maxima of a spectrum, best first. */
+static int highest(const struct transform *spectrum, double span, double *omega, int max)
+{
+    const double *p = spectrum->power;
+    const size_t first = (size_t)ceil(LOWEST_PERIODS / span / spectrum->step);
+    double height[8] = {0};
+    int count = 0;
+    max = max < (int)COUNT_OF(height) ? max : (int)COUNT_OF(height);
+    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum->bins; k++) {
+        if (!(p[k] > p[k - 1] && p[k] >= p[k + 1])) {
+            continue;
+        }
+        int at = count < max ? count++ : max;
+        for (; at > 0 && p[k] > height[at - 1]; at--) {
+            if (at < max) {
+                height[at] = height[at - 1];
+                omega[at] = omega[at - 1];
+            }
+        }
+        if (at < max) {
+            height[at] = p[k];
+            omega[at] = TWO_PI * spectrum->step * (double)k;
+        }
+    }
+    return count;
+}
+
+/* The mean of the spectra of so many equal parts (Welch 1967, without overlap). */
+static struct transform mean_transform(const struct samples *x, size_t parts, struct arena *arena)
+{
+    const size_t n = x->n / parts;
+    struct transform mean = {.memory = true};
+    for (size_t k = 0; k < parts && mean.memory; k++) {
+        const struct samples part = samples_part(x, k * n, (k + 1) * n);
+        const struct transform one = transform(&part, arena);
+        if (k == 0 || !one.memory) {
+            mean = one;
+            continue;
+        }
+        for (size_t i = 0; i < mean.bins; i++) {
+            mean.power[i] += one.power[i];
+        }
+    }
+    return mean;
+}
+
+int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, int max, bool *memory)
+{
+    struct arena arena = {0};
+    int count = 0;
+    *memory = true;
+    if (x->n / parts >= PART_MIN) {
+        const struct transform spectrum = mean_transform(x, parts, &arena);
+        *memory = spectrum.memory;
+        if (spectrum.memory)
+            count = highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts, omega, max);
+    }
+    arena_reset(&arena);
+    return count;
+}
+
+int spectrum_candidates(const struct samples *x, double *omega, int max, bool *memory)
+{
+    static const size_t parts[] = {1, 8, 32};
+    int count = 0;
+    *memory = true;
+    for (size_t k = 0; k < COUNT_OF(parts) && *memory; k++) {
+        const int quota = max - count < CANDIDATES ? max - count : CANDIDATES;
+        count += mean_spectrum_peaks(x, parts[k], omega + count, quota, memory);
+    }
+    return count;
+}
+
+double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log,
+                            struct arena *arena)
+{
+    static const double wider = 3; /* [bins], of a Hann window */
+    struct spectrum spectrum;
+    double all = 0, left = 0;
+    if (!samples_spectrum(x, arena, &spectrum) || spectrum.bins < 4)
+        return 0;
+    double *a = spectrum.amplitude;
+    const double bins = wider / (spectrum.step * (x->t[x->n - 1] - x->t[0]));
+    const size_t first = (size_t)bins;
+    for (size_t k = first; k < spectrum.bins; k++)
+        all += a[k] * a[k];
+    for (int i = 0; i < peaks; i++) {
+        size_t peak = first;
+        for (size_t k = first; k < spectrum.bins; k++)
+            peak = a[k] > a[peak] ? k : peak;
+        const double middle = (double)peak, low = middle * exp(-ratio_log) - bins,
+                     high = middle * exp(ratio_log) + bins;
+        for (size_t k = first; k < spectrum.bins; k++)
+            a[k] = (double)k > low && (double)k < high ? 0 : a[k];
+    }
+    for (size_t k = first; k < spectrum.bins; k++)
+        left += a[k] * a[k];
+    return all > 0 ? 1 - left / all : 0;
+}
+
+/* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and
+ * a parabola. */
+static double refine(const struct samples *x, double omega)
+{
+    double span = x->t[x->n - 1] - x->t[0], step = PI / (4 * span), rss[3];
+    for (int i = 0; i < 3; i++) {
+        struct harmonic h = {.omega = omega + (i - 1) * step, .origin = x->t[0] + 0.5 * span};
+        if (!harmonic_fit(x, FREE_LINEAR, &h, NULL)) {
+            return omega;
+        }
+        rss[i] = h.rss;
+    }
+    double curvature = rss[0] - 2 * rss[1] + rss[2], shift = 0.5 * (rss[0] - rss[2]) / curvature;
+    return curvature > 0 && fabs(shift) <= 1 ? omega + shift * step : omega;
+}
+
+double series_peak_frequency(const struct series *series, struct arena *arena)
+{
+    struct samples samples;
+    bool memory;
+    double *scratch = arena_array(arena, series->n + 1, sizeof *scratch);
+    if (!scratch || !samples_init(&samples, series, arena)) {
+        return NAN;
+    }
+    samples_flag_spikes(&samples, scratch);
+    double omega = peak_frequency(&samples, &memory);
+    return isfinite(omega) ? refine(&samples, omega) : NAN;
+}
+
+/* Returns the power of the series at `multiple` times the frequency of a period, through a Hann
+ * window, which keeps a bent baseline and the fundamental out of it. */
+static double power_at(const struct series *series, double period, double multiple)
+{
+    const double t0 = series->t[0], span = series->t[series->n - 1] - t0;
+    double mean = 0, re = 0, im = 0;
+    for (size_t i = 0; i < series->n; i++)
+        mean += series->y[i] / (double)series->n;
+    for (size_t i = 0; i < series->n; i++) {
+        const double t = series->t[i] - t0, angle = TWO_PI * multiple * t / period;
+        const double weighted = (series->y[i] - mean) * (1 - cos(TWO_PI * t / span));
+        re += weighted * cos(angle);
+        im += weighted * sin(angle);
+    }
+    return re * re + im * im;
+}
+
+bool series_has_harmonics(const struct series *series, double period)
+{
+    static const double stands_out = 16, cycles_min = 6; /* fewer cycles do not part the lines */
+    if (series->t[series->n - 1] - series->t[0] < cycles_min * period)
+        return true;
+    const double between = (power_at(series, period, 1.5) + power_at(series, period, 2.5) +
+                            power_at(series, period, 3.5)) /
+                           3;
+    return fmax(power_at(series, period, 2), power_at(series, period, 3)) > stands_out * between;
+}

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a user should know about a fit before believing it. */
+#include <hooke/base/number.h>
+#include "modules/recording/series/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define SWAY_MIN 0.03     /* relative modulation of the amplitude that is worth a word */
+#define POOR_MIN 0.10     /* residuals over signal (rms): the model misses something, */
+#define POOR_NOISES 1.5   /* where they are more than noise */
+#define POOR_TOGETHER 0.3 /* or hang together (autocorrelation) */
+
+void fit_warn(struct fit *fit, const char *format, ...)
+{
+    if (fit->warnings < (int)COUNT_OF(fit->warning)) {
+        va_list args;
+        va_start(args, format);
+        vsnprintf(fit->warning[fit->warnings], sizeof fit->warning[0], format, args);
+        va_end(args);
+        fit->warnings++;
+    }
+}
+
+static void warn_halves(struct fit *fit)
+{
+    const struct measured *a = &fit->halves[0], *b = &fit->halves[1];
+    double difference = a->value - b->value, sigma = hypot(a->uncertainty, b->uncertainty);
+    const bool differ =
+        fabs(difference) > HALVES_DIFFER * sigma && fabs(difference) > 0.1 * fabs(fit->gamma.value);
+    if (differ && fit->drag.candidates == 0) { /* the laws say what else it is */
+        struct buffer first = {0}, second = {0};
+        buffer_uncertain(&first, a->value, a->uncertainty);
+        buffer_uncertain(&second, b->value, b->uncertainty);
+        if (!first.failed && !second.failed)
+            fit_warn(fit,
+                     "the envelope is not one exponential: gamma is %s 1/s in the first half, %s "
+                     "1/s in the second "
+                     "(%s; 'fit drag' weighs the laws)",
+                     first.data, second.data,
+                     difference > 0 ? "drag that grows with speed does that"
+                                    : "dry friction does that");
+        buffer_free(&first);
+        buffer_free(&second);
+    }
+    const struct measured *p = fit->half_periods;
+    difference = p[0].value - p[1].value;
+    if (fabs(difference) > HALVES_DIFFER * hypot(p[0].uncertainty, p[1].uncertainty) &&
+        fabs(difference) > 2e-4 * p[0].value) {
+        fit_warn(fit, "the period drifts: %.5g s in the first half, %.5g s in the second",
+                 p[0].value, p[1].value);
+    }
+}
+
+/* Two lines clear of the noise beat; what else modulates the amplitude is mostly a swing sideways.
+ * poor: residuals over signal. */
+static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
+{
+    struct mode_pair pair;
+    if (!(sway > SWAY_MIN) && !(poor > POOR_MIN)) {
+        return;
+    }
+    if (two_lines(&m->samples, &pair)) {
+        fit_warn(fit,
+                 "two frequencies: T = %.5g and %.5g s, which beat every %.4g s: try 'fit modes 2'",
+                 pair.period[0], pair.period[1], pair.beat);
+    } else if (sway > SWAY_MIN) {
+        fit_warn(fit, "the amplitude is modulated by about %.0f %% (rms): does it sway sideways?",
+                 100 * sway);
+    }
+}
+
+/* Residuals over signal, both rms, of the law that the fit's values are those of; 0: they are
+ * noise, no fault of the model. */
+static double poorness(const struct motion *m, const struct fit *fit)
+{
+    double signal = 0;
+    if (fit->drag.candidates > 0)
+        return fit->rms / fit->drag.signal;
+    for (size_t i = 0; i < m->samples.n; i++) {
+        double model = m->samples.use[i] ? m->samples.y[i] - m->residual[i] - m->harmonic.c : 0;
+        signal += model * model;
+    }
+    const bool noise =
+        fit->rms < POOR_NOISES * m->overview.noise && m->autocorrelation < POOR_TOGETHER;
+    return noise ? 0 : fit->rms * sqrt((double)m->harmonic.used / signal);
+}
+
+void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
+{
+    const struct harmonic *h = &m->harmonic;
+    if (m->overview.periods < 3) {
+        fit_warn(fit, "only %.2g periods: frequency and offset are poorly separated",
+                 m->overview.periods);
+    }
+    if (fit->gamma.value < -2 * fit->gamma.uncertainty) {
+        fit_warn(
+            fit,
+            "gamma is negative: the amplitude grows; is the window free of hands and of a drive?");
+    }
+    if (fit->drag.wander > 0) {
+        fit_warn(fit,
+                 "the offset wanders, by %.2g %% of the amplitude (rms): a parabola every three "
+                 "periods is taken off",
+                 100 * fit->drag.wander / fit->amplitude.value);
+    }
+    const double poor = poorness(m, fit);
+    warn_sway(m, sway, poor, fit);
+    if (h->gamma != 0) {
+        warn_halves(fit);
+    }
+    if (m->clipped > 0) {
+        fit_warn(fit,
+                 "%zu samples lie where the fit is beyond flat tops (clipped): they are left out, "
+                 "whatever they read",
+                 m->clipped);
+    }
+    if (m->rejected > m->clipped) {
+        fit_warn(fit,
+                 "%zu of %zu samples rejected (missed echoes, spikes): more than 5 robust standard "
+                 "deviations off",
+                 m->rejected - m->clipped, m->samples.n);
+    }
+    if (h->drifts) {
+        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0];
+        fit_warn(fit,
+                 "the offset drifts, by %.2g %% of the amplitude over the window: a line of its "
+                 "own was fitted to it",
+                 100 * fabs(h->d) * span / fit->amplitude.value);
+    }
+    if (poor > POOR_MIN) {
+        fit_warn(fit, "the model is poor: the residuals of %s are %.0f %% of the signal (rms)",
+                 fit->drag.candidates > 0 ? drag_law_name(fit->drag.best) : "a damped sine",
+                 100 * poor);
+    }
+}

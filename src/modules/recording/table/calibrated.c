@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Readings as what is true, by a calibration. */
+#include <hooke/base/unit.h>
+#include "modules/recording/table/table.h"
+
+#include <stdio.h>
+
+static enum quantity quantity_of(const struct unit *unit)
+{
+    return unit ? unit->quantity : QUANTITY_OTHER;
+}
+
+bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
+                         struct error *error)
+{
+    struct column *column = &recording->column[recording->value];
+    const struct unit *from = unit_find(text_of(calibration->unit[0])),
+                      *to = unit_find(text_of(calibration->unit[1]));
+    if (!calibration->known || recording->calibration.known)
+        return true;
+    if (quantity_of(from) != column->quantity) {
+        error_set(error, ERROR_COMMAND, "%s was calibrated in %s and is read in %s", column->name,
+                  from ? from->row.name : "numbers without a unit",
+                  column->unit[0] ? column->unit : "numbers without a unit");
+        return error_hint(error, "unit= says what it sends, 'calibrate off' takes it as it comes");
+    }
+    const double gain = calibration_gain(calibration),
+                 factor = from ? column->factor / from->factor : 1;
+    for (size_t i = 0; i < recording->rows; i++)
+        column->value[i] =
+            calibration->truth[0] + (column->value[i] * factor - calibration->read[0]) * gain;
+    snprintf(column->unit, sizeof column->unit, "%s", calibration->unit[1]);
+    column->quantity = quantity_of(to);
+    column->factor = to ? to->factor : 1;
+    recording->calibration = *calibration;
+    return true;
+}

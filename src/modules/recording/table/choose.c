@@ -1,0 +1,496 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Which column is the time, which the value: what the user says, else what names, units and numbers
+ * say.
+ */
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#define TIME_WORDS "t time times zeit tiempo tempo temps tid elapsed timestamp x_value"
+#define INDEX_WORDS "sample samples sampleid index idx frame nr no"
+#define PLACE_WORDS                                                                                \
+    "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia " \
+    "posicion posición "                                                                          \
+    "desplazamiento posizione spostamento distanza elongation hauteur"
+#define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
+#define MOSTLY 0.9                            /* of the steps of a time column go up */
+
+/* What the numbers of a column say. */
+struct profile {
+    size_t numbers;
+    double low, high, variance;
+    /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
+    double rising, falling, by_one, even;
+    bool ahead; /* the last number is above the first */
+    bool whole;
+};
+
+/* Of a long recording every stretch of STRETCH rows out of several is looked at: a profile is a
+ * guess, not a result. */
+#define STRETCH 1024u
+#define STRETCHES 256u
+
+static size_t row_after(size_t row, size_t rows)
+{
+    const size_t stride = rows / (STRETCH * STRETCHES) + 1;
+    return (row + 1) % STRETCH == 0 ? row + 1 + (stride - 1) * STRETCH : row + 1;
+}
+
+static struct profile profile_of(const struct recording *recording, const double *value)
+{
+    struct profile p = {.low = HUGE_VAL, .high = -HUGE_VAL, .whole = true};
+    double mean = 0, squares = 0, before = NAN, first = NAN, climbed = 0;
+    size_t rising = 0, falling = 0, by_one = 0, even = 0, counted = 0;
+    for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
+        const double x = value[i];
+        before = i % STRETCH == 0 ? NAN : before;
+        if (!isfinite(x))
+            continue;
+        const double apart = x - mean; /* Welford 1962 */
+        mean += apart / (double)++p.numbers;
+        squares += apart * (x - mean);
+        p.low = x < p.low ? x : p.low;
+        p.high = x > p.high ? x : p.high;
+        p.whole = p.whole && x == floor(x);
+        rising += x > before;
+        falling += x < before;
+        by_one += x - before == 1;
+        climbed += isnan(before) ? 0 : x - before;
+        counted += isnan(before) ? 0 : 1;
+        first = p.numbers == 1 ? x : first;
+        before = x;
+    }
+    p.ahead = before > first;
+    const double steps = counted > 0 ? (double)counted : 1, step = climbed / steps;
+    before = NAN;
+    for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
+        before = i % STRETCH == 0 ? NAN : before;
+        if (isfinite(value[i])) {
+            even += fabs(value[i] - before - step) <= 0.5 * step;
+            before = value[i];
+        }
+    }
+    p.variance = p.numbers > 1 ? squares / (double)(p.numbers - 1) : 0;
+    p.rising = (double)rising / steps;
+    p.falling = (double)falling / steps;
+    p.by_one = (double)by_one / steps;
+    p.even = (double)even / steps;
+    return p;
+}
+
+static bool rises(const struct profile *p)
+{
+    return p->numbers > 1 && p->ahead && p->rising >= MOSTLY;
+}
+
+static bool constant(const struct profile *p)
+{
+    return !(p->high > p->low);
+}
+
+static bool is_time(const struct column *column)
+{
+    return column->quantity == QUANTITY_TIME ||
+           (column->quantity == QUANTITY_OTHER && name_has_word(column->name, TIME_WORDS));
+}
+
+static bool unnamed(const struct column *column, int i)
+{
+    char plain[LIMIT_NAME + 1];
+    snprintf(plain, sizeof plain, "column %d", i + 1);
+    return !strcmp(column->name, plain);
+}
+
+static bool is_index(const struct recording *recording, const struct profile *p, int i)
+{
+    const struct column *column = &recording->column[i];
+    /* The only column is what was recorded, even if it counts. */
+    return recording->columns > 1 && p->whole && rises(p) && p->by_one >= MOSTLY &&
+           !is_time(column) &&
+           (name_has_word(column->name, INDEX_WORDS) ||
+            (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
+}
+
+/* Of the run that is read, or of all. */
+static bool in_run(const struct recording *recording, int i)
+{
+    const int run = recording->column[i].run;
+    return run < 0 || recording->taken < 0 || run == recording->taken;
+}
+
+/* ---- what the user says ---- */
+
+static void list_columns(const struct recording *recording, struct error *error)
+{
+    struct buffer names = {0};
+    for (int i = 0; i < recording->columns && names.len < 200; i++)
+        buffer_format(&names, "%s%d %s", i ? ", " : "", i + 1, recording->column[i].name);
+    error_hint(error, "columns: %.*s%s", (int)names.len, names.data ? names.data : "",
+               names.len >= 200 ? ", …" : "");
+    buffer_free(&names);
+}
+
+static bool starts_with(const char *name, struct text wanted)
+{
+    return strlen(name) >= wanted.len && strncasecmp(name, wanted.at, wanted.len) == 0;
+}
+
+/* How many columns are called `wanted`, *column is the last of them: by the name in any case, a
+ * number counted from 1, or, of the run, the beginning of a name, with or without the run's own
+ * before it. */
+static int match_column(const struct recording *recording, struct text wanted, int *column)
+{
+    struct text name = text_trim(wanted);
+    double number;
+    int found = 0;
+    if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
+        name = (struct text){name.at + 1, name.len - 2};
+    for (int i = 0; i < recording->columns; i++)
+        if (strlen(recording->column[i].name) == name.len &&
+            starts_with(recording->column[i].name, name)) {
+            *column = i;
+            return 1;
+        }
+    if (real_parse(name, &number) == REAL_OK && number >= 1 && number <= recording->columns &&
+        number == floor(number)) {
+        *column = (int)number - 1;
+        return 1;
+    }
+    for (int i = 0; i < recording->columns && name.len > 0; i++) {
+        const struct column *one = &recording->column[i];
+        /* "Run 1: " */
+        const size_t before = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0;
+        if (in_run(recording, i) &&
+            (starts_with(one->name, name) ||
+             (before > 0 && before < strlen(one->name) && starts_with(one->name + before, name)))) {
+            *column = i;
+            found++;
+        }
+    }
+    return found;
+}
+
+static bool find_column(const struct recording *recording, struct text wanted, int *column,
+                        struct error *error)
+{
+    char shown[SHORT_NAME];
+    const int found = match_column(recording, wanted, column);
+    if (found == 1 && in_run(recording, *column))
+        return true;
+    if (found == 1) {
+        error_at(error, wanted, "column '%s' is not of %s", recording->column[*column].name,
+                 recording->run[recording->taken].name);
+        return error_hint(error, "say the run or the column, not both");
+    }
+    error_at(error, wanted, "%s column '%s'", found ? "more than one" : "there is no",
+             short_name(text_trim(wanted), shown));
+    list_columns(recording, error);
+    return false;
+}
+
+/* ---- what the file says ---- */
+
+static bool pick(struct recording *recording, const struct profile *profile, bool flat)
+{
+    static const enum quantity order[] = {QUANTITY_LENGTH,
+                                          QUANTITY_OTHER,
+                                          QUANTITY_ANGLE,
+                                          QUANTITY_VELOCITY,
+                                          QUANTITY_ANGULAR_FREQUENCY,
+                                          QUANTITY_ACCELERATION};
+    int best = -1;
+    size_t best_rank = COUNT_OF(order) + 3;
+    for (int i = 0; i < recording->columns; i++) {
+        const struct column *column = &recording->column[i];
+        if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 ||
+            is_time(column) || is_index(recording, &profile[i], i) ||
+            name_has_word(column->name, ERROR_WORDS) || constant(&profile[i]) != flat)
+            continue;
+        const enum quantity quantity =
+            column->quantity == QUANTITY_VOLTAGE ? QUANTITY_OTHER : column->quantity;
+        size_t rank = 0;
+        while (rank < COUNT_OF(order) && order[rank] != quantity)
+            rank++;
+        if ((quantity == QUANTITY_OTHER && !name_has_word(column->name, PLACE_WORDS)) ||
+            name_has_word(column->name, SIZE_WORDS))
+            rank = COUNT_OF(order) + 1;
+        /* Beside the first rows only: something typed into the table. */
+        if (rank > COUNT_OF(order) && 2 * profile[i].numbers < recording->rows)
+            rank++;
+        /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */
+        if (rank < best_rank ||
+            (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
+            best = i;
+            best_rank = rank;
+        }
+    }
+    recording->value = best;
+    return best >= 0;
+}
+
+/* The nearest time column to the left of the value, where runs stand side by side; else the first.
+ */
+static int time_among(const struct recording *recording, const struct profile *profile, bool own)
+{
+    int first = -1, left = -1;
+    for (int i = 0; i < recording->columns; i++) {
+        /* Coarse clocks repeat themselves; one that mostly goes back is none. */
+        if (!is_time(&recording->column[i]) || !profile[i].ahead ||
+            profile[i].falling > 1 - MOSTLY || (own && !in_run(recording, i)))
+            continue;
+        first = first < 0 ? i : first;
+        left = i < recording->value ? i : left;
+    }
+    return left >= 0 ? left : first;
+}
+
+/* The newest row first, as some loggers write: no time column rises, and one falls. */
+static bool runs_backwards(const struct recording *recording, const struct profile *profile)
+{
+    bool falls = false;
+    for (int i = 0; i < recording->columns; i++) {
+        if (!is_time(&recording->column[i]) || profile[i].numbers < 3)
+            continue;
+        if (profile[i].ahead)
+            return false;
+        falls |= profile[i].falling >= MOSTLY;
+    }
+    return falls;
+}
+
+/* A run without times of its own shares those of another. */
+static int time_column(const struct recording *recording, const struct profile *profile)
+{
+    const int own = time_among(recording, profile, true);
+    return own >= 0 ? own : time_among(recording, profile, false);
+}
+
+/* Returns true if the column could be the time although neither its name nor its unit says so. */
+static bool could_be_time(const struct recording *recording, const struct profile *profile, int i)
+{
+    const struct column *column = &recording->column[i];
+    return in_run(recording, i) && column->quantity == QUANTITY_OTHER && !column->unit[0] &&
+           profile[i].numbers > 0 && !is_index(recording, &profile[i], i) &&
+           !name_has_word(column->name, PLACE_WORDS " " ERROR_WORDS);
+}
+
+/* Returns the only column whose numbers are those of a clock; -1: none, or more than one. */
+static int only_clock(const struct recording *recording, const struct profile *profile)
+{
+    static bool (*const is_clock[])(const double *, size_t) = {rises_evenly, is_along_line};
+    for (size_t pass = 0; pass < COUNT_OF(is_clock); pass++) {
+        int found = -1, count = 0;
+        for (int i = 0; i < recording->columns; i++)
+            if (could_be_time(recording, profile, i) &&
+                is_clock[pass](recording->column[i].value, recording->rows)) {
+                found = i;
+                count++;
+            }
+        if (count > 0)
+            return count == 1 ? found : -1;
+    }
+    return -1;
+}
+
+/* No column says that it is the time: the first one is if it rises, and evenly where it has another
+ * name; behind a count of the rows the second, if it rises evenly; else the only one that does. */
+static int guessed_time(const struct recording *recording, const struct profile *profile)
+{
+    const int at = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
+    const struct column *first = &recording->column[at];
+    const bool could = recording->columns > 1 && in_run(recording, at) &&
+                       first->quantity == QUANTITY_OTHER && rises(&profile[at]) &&
+                       !is_index(recording, &profile[at], at);
+    if (could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY))
+        return at;
+    return recording->columns > 1 && !(recording->header_rate > 0) ? only_clock(recording, profile)
+                                                                   : -1;
+}
+
+static int index_column(const struct recording *recording, const struct profile *profile)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (recording->columns > 1 && in_run(recording, i) && is_index(recording, &profile[i], i))
+            return i;
+    return -1;
+}
+
+static bool no_time(const struct recording *recording, const struct profile *profile,
+                    struct error *error)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (is_time(&recording->column[i]) && profile[i].numbers > 1) {
+            error_set(error, ERROR_IO,
+                      "the times in column '%s' do not rise (%.0f %% of the steps go back)",
+                      recording->column[i].name, 100 * profile[i].falling);
+            return error_hint(error, "say t=COLUMN, or the sampling rate, e.g. rate=100");
+        }
+    bool counts = index_column(recording, profile) >= 0;
+    error_set(error, ERROR_IO, "no time column%s: say the sampling rate, e.g. load FILE rate=100",
+              counts ? " (the file counts samples)" : "");
+    list_columns(recording, error);
+    return false;
+}
+
+static bool choose_time(struct recording *recording, const struct profile *profile,
+                        const struct load_options *options, struct error *error)
+{
+    recording->source = options->rate > 0 ? TIME_INDEX : TIME_COLUMN;
+    if (options->time.len > 0)
+        return find_column(recording, options->time, &recording->time, error);
+    int named = time_column(recording, profile);
+    if (options->rate > 0) {
+        if (named >= 0)
+            recording_warn(recording, "rate= is used instead of the time column '%s'",
+                           recording->column[named].name);
+        recording->time = index_column(recording, profile);
+        if (recording->time >= 0 &&
+            count_wraps(recording->column[recording->time].value, recording->rows))
+            recording->time = -1;
+        recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
+        return true;
+    }
+    recording->time = named >= 0 ? named : guessed_time(recording, profile);
+    if (recording->header_rate > 0 && (recording->time < 0 || recording->header_rules)) {
+        recording->time = recording->header_rules ? -1 : index_column(recording, profile);
+        recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
+        recording_warn(
+            recording,
+            "the times are those of the sampling rate that the file's header says: %.6g Hz",
+            recording->header_rate);
+        return true;
+    }
+    if (recording->time < 0)
+        return no_time(recording, profile, error);
+    if (!in_run(recording, recording->time))
+        recording_warn(recording, "%s has no times of its own: those of '%s' are used",
+                       recording->run[recording->taken].name,
+                       recording->column[recording->time].name);
+    if (named < 0)
+        recording_warn(recording, "%s rises and is taken as the time; t=COLUMN chooses another",
+                       recording->column[recording->time].name);
+    return true;
+}
+
+static bool choose_value(struct recording *recording, const struct profile *profile,
+                         const struct load_options *options, struct error *error)
+{
+    if (options->value.len > 0)
+        return find_column(recording, options->value, &recording->value, error);
+    if (!pick(recording, profile, false) && !pick(recording, profile, true)) {
+        error_set(error, ERROR_IO, "no column of values to analyse; say which with y=COLUMN");
+        list_columns(recording, error);
+        return false;
+    }
+    return true;
+}
+
+static bool side_by_side(const struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (recording->column[i].run >= 0)
+            return true;
+    return false;
+}
+
+/* Which of the runs that stand side by side: the one said, that of the column said, the first with
+ * values. */
+static bool choose_run(struct recording *recording, const struct profile *profile,
+                       const struct load_options *options, struct error *error)
+{
+    int column = -1;
+    if (!side_by_side(recording)) /* below each other, if at all: the times will show */
+        return true;
+    recording->taken = -1;
+    if (options->run.len > 0)
+        return run_find(recording, options->run, &recording->taken, error);
+    if (options->value.len > 0 && match_column(recording, options->value, &column) == 1)
+        recording->taken = recording->column[column].run;
+    for (int i = 0; i < recording->columns && recording->taken < 0; i++)
+        if (profile[i].numbers > 1 && !is_time(&recording->column[i]))
+            recording->taken = recording->column[i].run;
+    return true;
+}
+
+/* A run that is shorter than the others ends in empty cells. */
+static void cut_run(struct recording *recording)
+{
+    const double *value = recording->column[recording->value].value,
+                 *time = recording->source == TIME_COLUMN && in_run(recording, recording->time)
+                             ? recording->column[recording->time].value
+                             : value;
+    while (side_by_side(recording) && recording->rows > 0 && isnan(value[recording->rows - 1]) &&
+           isnan(time[recording->rows - 1]))
+        recording->rows--;
+}
+
+int recording_clock(const struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (is_time(&recording->column[i]))
+            return i;
+    return recording->columns > 1 && unnamed(&recording->column[0], 0) ? 0 : -1;
+}
+
+int recording_counter(struct recording *recording)
+{
+    struct profile *profile =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
+    for (int i = 0; profile && i < recording->columns; i++)
+        profile[i] = profile_of(recording, recording->column[i].value);
+    return profile ? index_column(recording, profile) : -1;
+}
+
+bool recording_choose(struct recording *recording, const struct load_options *options,
+                      struct error *error)
+{
+    if (!enough_rows(recording, error))
+        return false;
+    struct profile *profile =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
+    if (!profile)
+        return error_memory(error);
+    unwrap_clock(recording, recording_clock(recording));
+    for (int i = 0; i < recording->columns; i++) {
+        if (cancelled(recording->cancel))
+            return error_set(error, ERROR_CANCELLED, "reading was stopped");
+        profile[i] = profile_of(recording, recording->column[i].value);
+    }
+    if (runs_backwards(recording, profile)) {
+        recording_reverse(recording);
+        for (int i = 0; i < recording->columns; i++)
+            profile[i] = profile_of(recording, recording->column[i].value);
+    }
+
+    if (!choose_run(recording, profile, options, error))
+        return false;
+
+    /* The value first, because of several runs side by side; a time that is only guessed is then no
+     * value. */
+    recording->time = guessed_time(recording, profile);
+    if (time_column(recording, profile) >= 0 || options->rate > 0)
+        recording->time = -1;
+    if (options->time.len > 0 && !find_column(recording, options->time, &recording->time, error))
+        return false;
+    if (options->rate > 0 && options->value.len == 0 && options->time.len == 0)
+        recording->time = index_column(recording, profile);
+    if (!choose_value(recording, profile, options, error) ||
+        !choose_time(recording, profile, options, error))
+        return false;
+    if (recording->time == recording->value)
+        return error_set(error, ERROR_COMMAND, "column '%s' cannot be both the time and the value",
+                         recording->column[recording->value].name);
+    const struct column *value = &recording->column[recording->value];
+    if (profile[recording->value].numbers == 0)
+        return error_set(error, ERROR_IO, "column '%s' has no numbers", value->name);
+    cut_run(recording);
+    if (constant(&profile[recording->value]))
+        recording_warn(recording, "%s has the same value in every row", value->name);
+    return true;
+}

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "modules/recording/table/table.h"
+
+#define COLUMNS_SHOWN 8
+
+static const char *separator_name(const struct recording *recording)
+{
+    return recording->columns == 1        ? "one column"
+           : recording->separator == '\t' ? "tab"
+           : recording->separator == ';'  ? "semicolon"
+           : recording->separator == ','  ? "comma"
+                                          : "blanks";
+}
+
+static void put_column(struct buffer *text, const struct column *column)
+{
+    buffer_format(text, "%s%s%s%s", column->name, column->unit[0] ? " [" : "", column->unit,
+                  column->unit[0] ? "]" : "");
+}
+
+static void put_columns(struct buffer *text, const struct recording *recording)
+{
+    buffer_put(text, TEXT("columns: "));
+    for (int i = 0; i < recording->columns && i < COLUMNS_SHOWN; i++) {
+        buffer_format(text, "%s%d ", i ? ", " : "", i + 1);
+        put_column(text, &recording->column[i]);
+        buffer_put(text, i == recording->time    ? TEXT(" = t")
+                         : i == recording->value ? TEXT(" = y")
+                                                 : TEXT(""));
+    }
+    if (recording->columns > COLUMNS_SHOWN)
+        buffer_format(text, " and %d more", recording->columns - COLUMNS_SHOWN);
+    buffer_put(text, TEXT("  (t= y= unit= tunit= rate= decimal= sep= say otherwise)\n"));
+}
+
+void recording_describe(const struct recording *recording, struct buffer *text)
+{
+    safe_text(text, text_last_component(text_of(recording->path)), false);
+    buffer_put(text, TEXT(": "));
+    if (recording->container)
+        buffer_format(text, "%s, ", recording->container);
+    put_column(text, &recording->column[recording->value]);
+    buffer_format(text, ", %zu rows, ", recording->rows);
+    buffer_short(text, recording->t[0], 6);
+    buffer_put(text, TEXT(".."));
+    buffer_short(text, recording->t[recording->rows - 1], 6);
+    buffer_put(text, TEXT(" s, "));
+    buffer_short(text, recording->rate, 4);
+    buffer_format(text, " Hz; %s%s, %d header %s", separator_name(recording),
+                  recording->decimal == ',' ? ", decimal comma" : "", recording->header_lines,
+                  recording->header_lines == 1 ? "line" : "lines");
+    if (recording->dropped > 0)
+        buffer_format(text, ", %zu %s dropped", recording->dropped,
+                      recording->dropped == 1 ? "row" : "rows");
+    buffer_char(text, '\n');
+    put_columns(text, recording);
+    if (recording->calibration.known) {
+        buffer_put(text, TEXT("calibrated: "));
+        calibration_put(&recording->calibration, text);
+        buffer_put(text, TEXT(" (as read, and true)\n"));
+    }
+    if (recording->runs > 1) {
+        buffer_put(text, TEXT("runs: "));
+        run_list(recording, text);
+        buffer_put(text, TEXT("  (run= says otherwise)\n"));
+    }
+    recording_describe_masked(recording, text);
+    for (int i = 0; i < recording->warnings; i++)
+        buffer_format(text, "warning: %s\n", recording->warning[i]);
+}

@@ -1,0 +1,336 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Names and units of columns: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run #1",
+ * "elapsed_ms", or units on a line of their own. A unit that is not known is kept and shown, and
+ * the numbers are taken as they are.
+ */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/unit.h>
+#include "modules/recording/table/table.h"
+
+#include <string.h>
+#include <strings.h>
+
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80;
+}
+
+static bool same(struct text a, struct text b)
+{
+    return a.len == b.len && (a.len == 0 || strncasecmp(a.at, b.at, a.len) == 0);
+}
+
+static bool listed(struct text word, const char *words)
+{
+    struct text rest = text_of(words), one;
+    while (text_split(&rest, ' ', &one))
+        if (same(word, one))
+            return true;
+    return false;
+}
+
+bool name_has_word(const char *name, const char *words)
+{
+    if (listed(text_of(name), words))
+        return true;
+    for (const char *at = name; *at;) {
+        size_t len = 0;
+        while (is_letter(at[len]))
+            len++;
+        if (len > 0 && listed((struct text){at, len}, words))
+            return true;
+        at += len ? len : 1;
+    }
+    return false;
+}
+
+bool header_field(struct text *rest, char separator, struct text *field)
+{
+    if (!table_field(rest, separator, field))
+        return false;
+    /* Between blanks "Time (s)" comes in two; "[s] [cm]" are two units. */
+    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->at[0]))
+                            ? *rest
+                            : (struct text){NULL, 0},
+                next;
+    const char *start = field->at;
+    while (table_field(&ahead, separator, &next) && strchr("([/", next.at[0])) {
+        bool open = next.at[0] == '/' ? next.len == 1
+                                      : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
+        if (open && !table_field(&ahead, separator, &next))
+            break;
+        *field = (struct text){start, (size_t)(next.at + next.len - start)};
+        *rest = ahead;
+    }
+    return true;
+}
+
+/* How instruments spell units; the factor leads to the unit of the table. */
+static const struct {
+    const char *spelled, *unit;
+    double factor;
+} spellings[] = {
+    {"sec secs second seconds Sekunden Sekunde", "s", 1},
+    {"msec millis millisecond milliseconds", "ms", 1},
+    {"us µs μs micros usec microsecond microseconds", "s", 1e-6},
+    {"minute minutes", "min", 1},
+    {"h hour hours", "min", 60},
+    {"um µm μm micrometer micrometers micrometre micrometres micron microns", "m", 1e-6},
+    {"in inch inches", "m", 0.0254},
+    {"ft foot feet", "m", 0.3048},
+    {"meter meters metre metres metri", "m", 1},
+    {"centimeter centimeters centimetre centimetres", "cm", 1},
+    {"millimeter millimeters millimetre millimetres", "mm", 1},
+    {"° degree degrees grad", "deg", 1},
+    {"radian radians", "rad", 1},
+    {"m/s² m/s2 m/s/s m/s^2", "m/s^2", 1},
+    {"cm/s² cm/s2 cm/s/s cm/s^2", "m/s^2", 1e-2},
+    {"mm/s² mm/s2 mm/s^2", "m/s^2", 1e-3},
+    {"m/sec", "m/s", 1},
+    {"cm/sec", "cm/s", 1},
+    {"°/s deg/s", "rad/s", 0.017453292519943295},
+    {"rad/sec", "rad/s", 1},
+    {"newton newtons", "N", 1},
+    {"volt volts", "V", 1},
+    {"millivolt millivolts", "mV", 1},
+    {"uV µV μV microvolt microvolts", "V", 1e-6},
+};
+
+static const struct unit *find_unit(struct text text, double *factor)
+{
+    const struct unit *unit = unit_find(text);
+    *factor = 1;
+    for (size_t i = 0; i < COUNT_OF(spellings) && !unit; i++)
+        if (listed(text, spellings[i].spelled)) {
+            unit = unit_find(text_of(spellings[i].unit));
+            *factor = spellings[i].factor;
+        }
+    *factor *= unit ? unit->factor : 1;
+    return unit;
+}
+
+bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit)
+{
+    double factor;
+    const struct unit *known = find_unit(text, &factor);
+    struct unit *own = known ? arena_alloc(arena, sizeof *own) : NULL;
+    *unit = own;
+    if (!own)
+        return known == NULL;
+    *own = *known;
+    own->row.name = arena_text(arena, text);
+    own->factor = factor;
+    own->use = UNIT_READ;
+    return own->row.name != NULL;
+}
+
+/* An inch only in brackets: V_in is what goes in. */
+static bool is_word_in(struct text text)
+{
+    return same(text, TEXT("in"));
+}
+
+void column_unit(struct column *column, struct text unit)
+{
+    double factor;
+    const struct unit *known = find_unit(unit, &factor);
+    size_t len = text_fitting(unit, sizeof column->unit - 1);
+    memcpy(column->unit, unit.at, len);
+    column->unit[len] = '\0';
+    /* An accelerometer's g is no gram. */
+    if (known && known->quantity == QUANTITY_MASS &&
+        !name_has_word(column->name, "mass m masa masse massa weight"))
+        known = NULL;
+    column->quantity = known ? known->quantity : QUANTITY_OTHER;
+    column->factor = known ? factor : 1;
+}
+
+bool number_with_unit(struct text field, char decimal, double *value, struct text *unit)
+{
+    enum { SPELLED_MAX = 16 };
+    double number, factor;
+    size_t used = 0;
+    const enum real_status status = real_scan(field, decimal, &number, &used);
+    if ((status != REAL_OK && status != REAL_UNDERFLOW) || used == 0 || used == field.len)
+        return false;
+    *unit = text_trim((struct text){field.at + used, field.len - used});
+    if (unit->len == 0 || unit->len > SPELLED_MAX || !find_unit(*unit, &factor))
+        return false;
+    *value = number;
+    return true;
+}
+
+/* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s²,
+ * °C). */
+static bool clean(struct text text, struct buffer *out)
+{
+    struct buffer utf8 = {0};
+    for (size_t used; text.len > 0; text.at += used, text.len -= used) {
+        uint32_t codepoint = text_codepoint(text, &used);
+        unsigned char byte = (unsigned char)text.at[0];
+        if (codepoint == CODEPOINT_INVALID && used == 1 && byte >= 0xA0)
+            buffer_codepoint(&utf8, byte);
+        else
+            buffer_put(&utf8, (struct text){text.at, used});
+    }
+    buffer_clear(out);
+    safe_text(out, buffer_text(&utf8), false);
+    out->failed |= utf8.failed;
+    buffer_free(&utf8);
+    return !out->failed;
+}
+
+/* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it
+ * is one. */
+static bool find_bracket(struct text text, struct text *before, struct text *unit,
+                         struct text *after)
+{
+    for (size_t close = text.len; close-- > 1;) {
+        if (text.at[close] != ')' && text.at[close] != ']')
+            continue;
+        const char open = text.at[close] == ')' ? '(' : '[';
+        for (size_t at = close; at-- > 0;)
+            if (text.at[at] == open) {
+                *unit = text_trim((struct text){text.at + at + 1, close - at - 1});
+                *before = text_trim((struct text){text.at, at});
+                *after = text_trim((struct text){text.at + close + 1, text.len - close - 1});
+                return unit->len > 0 && unit->len < 16 && !memchr(unit->at, ' ', unit->len);
+            }
+    }
+    return false;
+}
+
+/* "Weg in cm", "in s", "Zeit, s": behind a word or a comma. */
+static bool find_spoken(struct text text, struct text *before, struct text *unit)
+{
+    double factor;
+    for (size_t at = text.len; at-- > 0;) {
+        const struct text rest = {text.at + at, text.len - at};
+        const bool in = text_starts(rest, TEXT("in ")) && (at == 0 || text.at[at - 1] == ' ');
+        if (!in && (!text_starts(rest, TEXT(", ")) || at == 0))
+            continue;
+        *before = text_trim((struct text){text.at, at});
+        *unit = text_trim((struct text){rest.at + (in ? 3 : 2), rest.len - (in ? 3 : 2)});
+        return unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor);
+    }
+    return false;
+}
+
+static bool find_tail(struct text text, struct text *before, struct text *unit)
+{
+    double factor;
+    for (size_t at = text.len; at-- > 1;) {
+        if (text.at[at] != '_' && text.at[at] != '/')
+            continue;
+        *before = text_trim((struct text){text.at, at});
+        *unit = text_trim((struct text){text.at + at + 1, text.len - at - 1});
+        if (before->len > 0 && unit->len > 0 && !is_word_in(*unit) && find_unit(*unit, &factor) &&
+            (text.at[at] == '_' || text.at[at - 1] == ' '))
+            return true;
+        if (text.at[at] == '_')
+            break;
+    }
+    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a
+     * time by a length. */
+    *unit = text;
+    if (!text_split(unit, '/', before) || before->len == 0)
+        return false;
+    const struct unit *of = find_unit(*unit, &factor);
+    return of &&
+           (!unit_find(*before) || (text_is(*before, "s") && of->quantity == QUANTITY_LENGTH));
+}
+
+/* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
+static bool is_unit_name(struct text name)
+{
+    double factor;
+    const struct unit *unit = name.len >= 2 && !is_word_in(name) ? find_unit(name, &factor) : NULL;
+    return unit && (unit->quantity == QUANTITY_TIME || unit->quantity == QUANTITY_LENGTH ||
+                    unit->quantity == QUANTITY_ANGLE);
+}
+
+/* Are they all units, single letters among them: "s cm"? */
+static bool all_unit_names(const struct table_layout *layout)
+{
+    struct text names = layout->names, name;
+    double factor;
+    int units = 0, long_units = 0;
+    while (header_field(&names, layout->name_separator, &name) && name.len > 0) {
+        if (!find_unit(name, &factor))
+            return false;
+        long_units += is_unit_name(name);
+        units++;
+    }
+    return units >= 2 && long_units > 0;
+}
+
+static void set_name(struct column *column, struct text before, struct text after)
+{
+    const struct text parts[] = {before, before.len && after.len ? TEXT(" ") : TEXT(""), after};
+    size_t len = 0;
+    for (size_t i = 0; i < COUNT_OF(parts); i++) {
+        size_t fits = text_fitting(parts[i], LIMIT_NAME - len);
+        memcpy(column->name + len, parts[i].at, fits);
+        len += fits;
+    }
+    column->name[len] = '\0';
+}
+
+static bool name_column(struct column *column, struct text field, struct text unit_field,
+                        bool units, struct buffer *scratch)
+{
+    struct text before, unit, after = TEXT(""), none = TEXT("");
+    if (!clean(field, scratch))
+        return false;
+    struct text whole = buffer_text(scratch);
+    double factor;
+    bool has_unit = find_bracket(whole, &before, &unit, &after) ||
+                    find_tail(whole, &before, &unit) || find_spoken(whole, &before, &unit);
+    /* Where units have a line of their own, brackets in the name may hold something else. */
+    has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
+    if (has_unit && before.len + after.len == 0) {
+        before = unit; /* "(s)" and nothing else is a name, too */
+        after = none;
+    }
+    if (!has_unit && unit_field.len == 0 && (units || is_unit_name(whole))) {
+        before = unit = whole; /* a name that is a unit is one */
+        after = none;
+        has_unit = true;
+    }
+    set_name(column, has_unit ? before : whole, has_unit ? after : none);
+    column_unit(column, has_unit ? unit : none);
+    if (unit_field.len == 0)
+        return true;
+    if (!clean(unit_field, scratch))
+        return false;
+    unit = buffer_text(scratch);
+    if (find_bracket(unit, &before, &after, &whole))
+        unit = after;
+    column_unit(column, unit);
+    return true;
+}
+
+bool table_columns(const struct table_layout *layout, struct recording *recording,
+                   struct error *error)
+{
+    struct text names = layout->names, units = layout->units, name, unit;
+    struct buffer scratch = {0};
+    const bool all_units = units.len == 0 && all_unit_names(layout);
+    bool done = true;
+    recording->columns = layout->columns;
+    recording->column =
+        arena_array(&recording->arena, (size_t)layout->columns, sizeof *recording->column);
+    for (int i = 0; i < recording->columns && recording->column && done; i++) {
+        struct column *column = &recording->column[i];
+        if (!header_field(&names, layout->name_separator, &name))
+            name = TEXT("");
+        if (!header_field(&units, layout->name_separator, &unit))
+            unit = TEXT("");
+        column->run = -1;
+        done = name_column(column, name, unit, all_units, &scratch);
+    }
+    buffer_free(&scratch);
+    return (done && recording->column) || error_memory(error);
+}

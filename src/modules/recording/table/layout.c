@@ -1,0 +1,390 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Where the table is in a file, and how its rows are written. For each separator and decimal mark:
+ * skip to the first consecutive lines that split into the same number of numbers, keep what reads
+ * most of the lines that follow.
+ */
+#include <hooke/base/unit.h>
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <string.h>
+
+#define RUN 3      /* consecutive rows that make a table, where the file has so many */
+#define SCORED 200 /* lines counted to compare two readings */
+
+/* In the order of preference when two read the same number of lines; '\n' separates nothing: a
+ * single column. */
+static const struct separator_pair {
+    char separator, decimal;
+    bool grouped; /* the other mark may stand between thousands */
+} readings[] = {
+    {'\t', '.', false}, {'\t', ',', false}, {';', '.', false}, {';', ',', false},
+    {',', '.', false},  {' ', '.', false},  {' ', ',', false}, {'\n', '.', false},
+    {'\n', ',', false}, {',', ',', false}, /* decimals in quotes */
+};
+
+struct shape {
+    int fields, numbers, words;
+    bool last_empty; /* the row ends in a separator */
+    bool fraction;   /* some number has a decimal point */
+    /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
+    bool led_by_zero;
+};
+
+static struct shape shape_of(struct text line, struct separator_pair reading)
+{
+    struct shape shape = {0};
+    struct text field;
+    double value;
+    while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
+        enum cell_kind cell = table_cell(field, reading.decimal, &value);
+        shape.fields++;
+        if (cell == CELL_WORD && reading.grouped && field.at[0] != '0' &&
+            table_grouped(field, reading.decimal, &value)) {
+            shape.numbers++;
+            continue;
+        }
+        shape.numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
+        shape.words += cell == CELL_WORD;
+        shape.last_empty = field.len == 0;
+        if (cell != CELL_NUMBER)
+            continue;
+        bool whole = !memchr(field.at, reading.decimal, field.len);
+        shape.fraction |= !whole;
+        shape.led_by_zero |= whole && field.len > 1 && field.at[0] == '0';
+    }
+    return shape;
+}
+
+/* Blanks also separate the words of sentences, and commas their parts: there, more numbers than
+ * words are wanted, or as many. */
+static bool is_row(struct shape shape, char separator, int min, bool words)
+{
+    const int more = separator == ' ' ? 1 : separator == ',' ? 0 : -shape.fields;
+    return shape.fields >= min && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
+           (shape.words == 0 ||
+            (words && shape.numbers >= 2 && shape.numbers >= shape.words + more));
+}
+
+struct found {
+    struct separator_pair reading;
+    size_t first;      /* head[first] is the first row */
+    int fields, score; /* score: rows among the lines counted */
+    bool trailing;     /* every row counted ends in a separator */
+    bool fraction, led_by_zero;
+};
+
+/* `run` consecutive rows of `min` fields or more; words: with words in some of them. */
+static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading,
+                      int min, bool words, int run, struct found *found)
+{
+    int same = 0;
+    *found = (struct found){.reading = reading, .trailing = true};
+    for (size_t i = from, counted = 0; i < text->heads && counted < SCORED; i++) {
+        if (table_skipped(text->head[i].text))
+            continue;
+        /* One field, as lines without the separator have, is no row where two are wanted: most
+         * readings end here. */
+        const bool single =
+            min > 1 && reading.separator != ' ' &&
+            !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
+        struct shape shape =
+            single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
+        bool row = is_row(shape, reading.separator, min, words) &&
+                   (same == 0 || shape.fields == found->fields);
+        if (same < run && !row) { /* a row of another width may be the first of the table */
+            same = 0;
+            counted = 0;
+            *found = (struct found){.reading = reading, .trailing = true};
+            row = is_row(shape, reading.separator, min, words);
+        }
+        if (row && same++ == 0) {
+            found->first = i;
+            found->fields = shape.fields;
+        }
+        counted += same > 0;
+        found->score += row;
+        found->trailing &= !row || shape.last_empty;
+        found->fraction |= row && shape.fraction;
+        found->led_by_zero |= row && shape.led_by_zero;
+    }
+    return same >= run;
+}
+
+/* Rows of another width directly above belong to the table, or they would be taken for its header
+ * without a word. */
+static size_t first_row(const struct table_text *text, const struct found *found, size_t from)
+{
+    size_t first = found->first;
+    for (size_t i = found->first; i-- > from;) {
+        struct text line = text->head[i].text, field;
+        double value;
+        if (table_skipped(line))
+            continue;
+        if (!table_field(&line, found->reading.separator, &field))
+            break;
+        const enum cell_kind cell = table_cell(field, found->reading.decimal, &value);
+        if (cell != CELL_NUMBER && cell != CELL_STAMP)
+            break;
+        first = i;
+    }
+    return first;
+}
+
+static int field_count(struct text line, char separator)
+{
+    struct text field;
+    int fields = 0, used = 0; /* without empty ones at the end */
+    while (fields <= (int)LIMIT_COLUMNS && header_field(&line, separator, &field)) {
+        fields++;
+        used = field.len > 0 ? fields : used;
+    }
+    return used;
+}
+
+static bool all_units(struct text line, char separator)
+{
+    struct text field;
+    int units = 0;
+    while (table_field(&line, separator, &field)) {
+        bool bracketed =
+            field.len > 2 && strchr("([", field.at[0]) && strchr(")]", field.at[field.len - 1]);
+        if (field.len > 0 && !bracketed && !unit_find(field))
+            return false;
+        units += field.len > 0;
+    }
+    return units > 0;
+}
+
+/* How the names in this line are set apart: as the numbers are, or else by what gives one name for
+ * each column. 0: no names. */
+static char names_separator(struct text line, const struct table_layout *layout, bool exact)
+{
+    const char separators[] = {layout->separator, '\t', ';', ','};
+    for (size_t i = 0; i < COUNT_OF(separators); i++)
+        if (field_count(line, separators[i]) == layout->columns)
+            return separators[i];
+    return !exact && layout->separator != ' ' && field_count(line, layout->separator) >= 2
+               ? layout->separator
+               : 0;
+}
+
+/*
+ * Returns true for a comment of a key, a colon and what it says: "# rows: 300". *line becomes the
+ * names of the columns if it says them, and empty if not. A single name of a table with several
+ * columns ("# name: data", as Octave saves a matrix) becomes the stem of their names.
+ */
+static bool keyed_comment(struct text *line, struct table_layout *layout)
+{
+    struct text rest = text_trim(*line), key, first;
+    double value;
+    if (rest.len == 0 || rest.at[rest.len - 1] == ':' || !text_split(&rest, ':', &key) ||
+        memchr(key.at, ' ', key.len) || !rest.at)
+        return false;
+    *line = (struct text){0};
+    const bool name = text_is(key, "name");
+    if (!name && !text_is(key, "columns") && !text_is(key, "fields") && !text_is(key, "names"))
+        return true;
+    rest = text_trim(rest);
+    struct text fields = rest;
+    if (!table_field(&fields, layout->separator, &first) ||
+        table_cell(first, layout->decimal, &value) != CELL_WORD)
+        return true;
+    if (names_separator(rest, layout, true))
+        *line = rest;
+    else if (name)
+        layout->stem = rest;
+    return true;
+}
+
+/* The lines above the first row: names, or names and then units. *above: fields in the line above,
+ * 0: none. */
+static void find_names(const struct table_text *text, size_t first, size_t from,
+                       struct table_layout *layout, int *above)
+{
+    struct text candidate[2] = {{0}};
+    char separator[2] = {0};
+    size_t candidates = 0;
+    *above = 0;
+    for (size_t i = first; i-- > from && candidates < 2 && layout->stem.len == 0;) {
+        struct text line = text_trim(text->head[i].text);
+        const bool comment = table_comment(line);
+        if (line.len == 0 ||
+            (comment ? memchr(line.at, '=', line.len) != NULL : table_skipped(line)))
+            continue;
+        /* Names may follow a # or %, as in "# t y". */
+        line = comment ? (struct text){line.at + 1, line.len - 1} : text->head[i].text;
+        if (comment && keyed_comment(&line, layout) && line.len == 0)
+            continue;
+        if (!comment && *above == 0)
+            *above = field_count(line, layout->separator);
+        separator[candidates] = names_separator(line, layout, comment);
+        if (!separator[candidates])
+            break;
+        candidate[candidates++] = line;
+    }
+    const bool units = candidates == 2 && all_units(candidate[0], separator[0]);
+    layout->units = units ? candidate[0] : (struct text){0};
+    layout->names = candidate[units];
+    layout->name_separator = separator[units];
+}
+
+static bool allowed(struct separator_pair reading, const struct load_options *options)
+{
+    return (!options->separator || options->separator == reading.separator ||
+            reading.separator == '\n') &&
+           (!options->decimal || options->decimal == reading.decimal);
+}
+
+/* Whole numbers set apart by commas can be decimals with a comma; the line above and the zeros
+ * tell. */
+enum commas { COMMAS_SEPARATE, COMMAS_PERHAPS, COMMAS_UNCLEAR, COMMAS_DECIMAL };
+
+static enum commas commas_of(const struct found *found, int above)
+{
+    if (found->reading.separator != ',' || found->fraction || above == found->fields)
+        return COMMAS_SEPARATE;
+    if (found->fields == 2)
+        return above == 1 || found->led_by_zero ? COMMAS_DECIMAL : COMMAS_PERHAPS;
+    return above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
+}
+
+/* The layout of what was found; false: it reads as a table but is none. */
+static bool fill(const struct table_text *text, size_t from, const struct load_options *options,
+                 const struct found *found, struct table_layout *layout)
+{
+    size_t first = first_row(text, found, from);
+    int above;
+    *layout = (struct table_layout){.separator = found->reading.separator,
+                                    .decimal = found->reading.decimal,
+                                    .columns = found->fields,
+                                    .begin = text->head[first].text.at,
+                                    .line = text->head[first].number};
+    find_names(text, first, from, layout, &above);
+    layout->fields_above = above;
+    if (found->trailing && field_count(layout->names, layout->name_separator) < found->fields)
+        layout->columns--;
+    enum commas commas =
+        options->separator || options->decimal ? COMMAS_SEPARATE : commas_of(found, above);
+    layout->ambiguous = commas == COMMAS_PERHAPS;
+    layout->unclear = commas == COMMAS_UNCLEAR;
+    return commas != COMMAS_DECIMAL;
+}
+
+/* Only whole numbers were seen so far, as in a record that begins at rest: the rest of the file
+ * says what the mark is.
+ */
+static void settle_decimal(const struct table_text *text, const struct found *found,
+                           const struct load_options *options, struct table_layout *layout)
+{
+    if (options->decimal || found->fraction || layout->separator == ',')
+        return;
+    size_t len = (size_t)(text->text.at + text->text.len - layout->begin);
+    if (memchr(layout->begin, ',', len) && !memchr(layout->begin, '.', len))
+        layout->decimal = ',';
+}
+
+static bool find_best(const struct table_text *text, size_t from,
+                      const struct load_options *options, struct table_layout *layout)
+{
+    static const struct {
+        int min, run;
+        bool words, grouped;
+    } passes[] = {{2, RUN, false, false}, {2, RUN, true, false}, {2, RUN, false, true},
+                  {1, RUN, false, false}, {2, 2, false, false},  {2, 1, false, false}};
+    for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
+        struct found best = {0};
+        bool tied = false; /* either mark could stand between thousands */
+        const bool grouped = passes[pass].grouped;
+        for (size_t i = 0; i < COUNT_OF(readings) && (grouped || best.score < SCORED);
+             i++) { /* more than all is not read */
+            struct found found;
+            struct table_layout trial;
+            struct separator_pair reading = readings[i];
+            reading.grouped = grouped;
+            if ((readings[i].separator == '\n') != (passes[pass].min == 1) ||
+                !allowed(readings[i], options) ||
+                !find_rows(text, from, reading, passes[pass].min, passes[pass].words,
+                           passes[pass].run, &found) ||
+                (grouped && !found.fraction) || found.score < best.score)
+                continue;
+            tied |= grouped && best.score > 0 && found.score == best.score &&
+                    found.reading.decimal != best.reading.decimal;
+            if (found.score == best.score ||
+                (readings[i].separator == readings[i].decimal && !found.fraction) ||
+                !fill(text, from, options, &found, &trial))
+                continue;
+            best = found;
+            *layout = trial;
+            tied = false;
+        }
+        if (tied) {
+            *layout = (struct table_layout){0};
+            return false;
+        }
+        if (best.score > 0) {
+            settle_decimal(text, &best, options, layout);
+            const char other = layout->decimal == '.' ? ',' : '.';
+            if (!options->decimal && best.fraction && is_grouped(text, layout, layout->decimal)) {
+                layout->decimal = other;
+                layout->grouped = true;
+            } else if (best.fraction && is_grouped(text, layout, other)) {
+                layout->grouped = true;
+            }
+            layout->grouped |= grouped;
+            find_unpadded(text, layout);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A line of the head with more fields than a table may have, whatever sets them apart. */
+static const struct table_line *wide_line(const struct table_text *text, size_t from)
+{
+    for (size_t i = from; i < text->heads; i++)
+        for (size_t r = 0; r < COUNT_OF(readings) && text->head[i].text.len > LIMIT_COLUMNS; r++)
+            if (shape_of(text->head[i].text, readings[r]).fields > (int)LIMIT_COLUMNS)
+                return &text->head[i];
+    return NULL;
+}
+
+static bool no_table(const struct table_text *text, size_t from, struct error *error)
+{
+    const struct table_line *line = wide_line(text, from);
+    if (line) {
+        error_set(error, ERROR_IO, "line %zu of %s has more than %d columns", line->number,
+                  text->name, (int)LIMIT_COLUMNS);
+        return error_hint(error, "export fewer columns");
+    }
+    for (size_t i = from; i < text->heads; i++)
+        if (text->head[i].text.len >= HEAD_BYTES)
+            return error_set(error, ERROR_IO,
+                             "line %zu of %s has more than %u bytes: no table starts there",
+                             text->head[i].number, text->name, HEAD_BYTES);
+    error_set(error, ERROR_IO, "no table of numbers found in %s", text->name);
+    return error_hint(error,
+                      "rows of numbers separated by tabs, semicolons, commas or blanks are read; "
+                      "sep= and decimal= say how they are written");
+}
+
+bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
+                struct table_layout *layout, struct error *error)
+{
+    *layout = (struct table_layout){0};
+    if (options->separator == ',' && options->decimal == ',')
+        return error_set(error, ERROR_COMMAND,
+                         "the comma cannot be both the separator and the decimal mark");
+    if (!find_best(text, from, options, layout))
+        return no_table(text, from, error);
+    if (layout->unclear) {
+        error_set(error, ERROR_IO,
+                  "the commas in line %zu of %s could be separators or decimal marks", layout->line,
+                  text->name);
+        layout->columns = 0;
+        return error_hint(error, "export it with semicolons or tabs; decimal=point sep=comma takes "
+                                 "every comma as a separator");
+    }
+    return true;
+}

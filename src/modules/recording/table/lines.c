@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "modules/recording/table/stamp.h"
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+/* [byte] so that neither end-of-line byte is looked for through the whole file */
+#define WINDOW 256
+
+static size_t line_length(struct text text)
+{
+    for (size_t from = 0; from < text.len; from += WINDOW) {
+        const char *at = text.at + from;
+        size_t len = text.len - from < WINDOW ? text.len - from : WINDOW;
+        const char *feed = memchr(at, '\n', len);
+        if (feed)
+            len = (size_t)(feed - at);
+        const char *carriage = memchr(at, '\r', len);
+        if (carriage || feed)
+            return from + (size_t)((carriage ? carriage : feed) - at);
+    }
+    return text.len;
+}
+
+bool table_line(struct text *rest, struct text *line)
+{
+    if (rest->len == 0)
+        return false;
+    *line = (struct text){rest->at, line_length(*rest)};
+    struct text end = {rest->at + line->len, rest->len - line->len};
+    size_t used = text_starts(end, TEXT("\r\r\n")) ? 3
+                  : text_starts(end, TEXT("\r\n")) ? 2
+                                                   : end.len > 0;
+    *rest = (struct text){end.at + used, end.len - used};
+    return true;
+}
+
+/* # and %, and sigrok's "; word". */
+bool table_comment(struct text line)
+{
+    line = text_trim(line);
+    return line.len > 0 && (line.at[0] == '#' || line.at[0] == '%' ||
+                            (line.len > 2 && line.at[0] == ';' && line.at[1] == ' ' &&
+                             ((line.at[2] | 32) >= 'a' && (line.at[2] | 32) <= 'z')));
+}
+
+/* A line drawn below the names. */
+static bool is_rule(struct text line)
+{
+    size_t strokes = 0;
+    for (size_t i = 0; i < line.len; i++) {
+        if (!strchr("-=_+|\t ", line.at[i]) || !line.at[i])
+            return false;
+        strokes += strchr("-=_", line.at[i]) != NULL;
+    }
+    return strokes >= 3;
+}
+
+bool table_skipped(struct text line)
+{
+    line = text_trim(line);
+    return line.len == 0 || table_comment(line) || is_rule(line);
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+
+/* Where the field ends that starts at text[0] with a quote: behind the closing quote; "" inside
+ * stands for ". */
+static size_t quoted_length(struct text text)
+{
+    size_t i = 1;
+    for (; i < text.len; i++)
+        if (text.at[i] == '"') {
+            if (i + 1 >= text.len || text.at[i + 1] != '"')
+                return i + 1;
+            i++;
+        }
+    return i;
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* Returns the end of the text before the first "->", or NULL. */
+static const char *find_arrow(struct text text)
+{
+    for (size_t i = 0; i + 1 < text.len; i++)
+        if (text.at[i] == '-' && text.at[i + 1] == '>')
+            return text.at + i;
+    return NULL;
+}
+
+/* Takes a stamp in brackets, as terminal programs put before every line that comes: "[2024-01-05
+ * 12:30:45.000] 27.00". The bracket ends the field, whatever separates the others; so does, between
+ * other marks than blanks, the arrow in "12:30:45.123 -> 27.00,3.1". */
+static bool stamp_before_line(struct text *rest, char separator, struct text *field)
+{
+    const struct text text = text_trim(*rest);
+    struct stamp stamp;
+    const bool bracket = text.len > 0 && text.at[0] == '[';
+    const char *close = NULL;
+    if (bracket)
+        close = memchr(text.at, ']', text.len);
+    else if (separator != ' ' && text.len > 4 && (text.at[1] == ':' || text.at[2] == ':'))
+        close = find_arrow(text);
+    if (!close)
+        return false;
+    const char *end = bracket ? close + 1 : close + 2;
+    const struct text inside = text_trim(
+                          (struct text){text.at + bracket, (size_t)(close - text.at) - bracket}),
+                      behind = text_trim((struct text){end, (size_t)(text.at + text.len - end)});
+    if (!stamp_parse(inside, &stamp))
+        return false;
+    const bool marked = behind.len > 0 && strchr(",;", behind.at[0]);
+    *field = inside;
+    *rest = behind.len > 0 ? (struct text){behind.at + marked, behind.len - marked}
+                           : (struct text){NULL, 0};
+    return true;
+}
+
+bool table_field(struct text *rest, char separator, struct text *field)
+{
+    if (rest->at == NULL)
+        return false;
+    struct text text = separator == ' ' ? text_trim(*rest) : *rest;
+    size_t start = 0;
+    if (stamp_before_line(rest, separator, field))
+        return true;
+    while (start < text.len && is_blank(text.at[start]) && text.at[start] != separator)
+        start++;
+    size_t end = start;
+    if (start < text.len && text.at[start] == '"')
+        end += quoted_length((struct text){text.at + start, text.len - start});
+    if (separator == ' ') {
+        while (end < text.len && !is_blank(text.at[end]))
+            end++;
+    } else {
+        const char *cut = end < text.len ? memchr(text.at + end, separator, text.len - end) : NULL;
+        end = cut ? (size_t)(cut - text.at) : text.len;
+    }
+    *field = text_trim((struct text){text.at + start, end - start});
+    if (field->len >= 2 && field->at[0] == '"' && field->at[field->len - 1] == '"')
+        *field = text_trim((struct text){field->at + 1, field->len - 2});
+    *rest = end < text.len ? (struct text){text.at + end + 1, text.len - end - 1}
+                           : (struct text){NULL, 0};
+    return separator != ' ' || field->len > 0;
+}
+
+static bool is_word(struct text text, const char *word)
+{
+    return text.len == strlen(word) && strncasecmp(text.at, word, text.len) == 0;
+}
+
+/* What stands where there is no number. */
+static bool is_missing(struct text field)
+{
+    static const char *const words[] = {
+        "nan", "-nan", "na",  "n/a",          "#n/a",   "#nv",     "null",    "none",
+        "-",   "--",   "---", "\xE2\x80\x93", "1.#ind", "-1.#ind", "#div/0!", "#value!"};
+    for (size_t i = 0; i < COUNT_OF(words); i++)
+        if (is_word(field, words[i]))
+            return true;
+    return field.len == 0;
+}
+
+/* Blanks that keep digits together, and the Swiss apostrophe. */
+static size_t group_blank(struct text rest)
+{
+    static const char *const blanks[] = {"\xE2\x80\xAF", "\xE2\x80\x89", "\xC2\xA0", "\xE2\x80\x99",
+                                         "'"};
+    for (size_t i = 0; i < COUNT_OF(blanks); i++)
+        if (text_starts(rest, text_of(blanks[i])))
+            return strlen(blanks[i]);
+    return 0;
+}
+
+enum { ODD_MAX = 48 };
+
+/*
+ * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three
+ * digits. A single group without decimals could be decimals behind the other mark (16,500): it is
+ * taken out if `single`. Returns the length, 0: too long or not odd.
+ */
+static size_t plain_digits(struct text field, char decimal, bool single, char out[ODD_MAX])
+{
+    const char group = decimal == '.' ? ',' : '.';
+    size_t len = 0, since = 0, groups = 0, blanks = 0;
+    bool point = false, odd = false;
+    for (size_t i = 0; i < field.len;) {
+        const struct text rest = {field.at + i, field.len - i};
+        const size_t blank = len > 0 && is_digit(out[len - 1]) ? group_blank(rest) : 0;
+        char c = field.at[i];
+        if (len + 1 >= ODD_MAX)
+            return 0;
+        if (blank > 0 ||
+            (c == group && !point && since >= 1 && since <= 3 && (groups == 0 || since == 3))) {
+            groups += blank == 0;
+            blanks += blank > 0;
+            if ((groups + blanks > 1 && since != 3) || point)
+                return 0;
+            since = 0;
+            odd = true;
+            i += blank > 0 ? blank : 1;
+            continue;
+        }
+        if (text_starts(rest, TEXT("\xE2\x88\x92"))) {
+            c = '-';
+            i += 2;
+            odd = true;
+        } else if ((c == 'D' || c == 'd') && len > 0 &&
+                   (is_digit(out[len - 1]) || out[len - 1] == decimal)) {
+            c = 'E';
+            odd = true;
+        }
+        if ((c == decimal || c == 'E') && groups + blanks > 0 && since != 3 && !point)
+            return 0;
+        point |= c == decimal || c == 'E';
+        since = is_digit(c) ? since + 1 : 0;
+        out[len++] = c;
+        i++;
+    }
+    const bool whole_groups = groups + blanks == 0 || point || since == 3;
+    return odd && whole_groups && (groups != 1 || blanks > 0 || point || single) ? len : 0;
+}
+
+static bool odd_number(struct text field, char decimal, bool single, double *value)
+{
+    char digits[ODD_MAX];
+    size_t used;
+    double number;
+    const struct text plain = {digits, plain_digits(field, decimal, single, digits)};
+    if (plain.len == 0 || real_scan(plain, decimal, &number, &used) != REAL_OK || used != plain.len)
+        return false;
+    *value = number;
+    return true;
+}
+
+bool table_grouped(struct text field, char decimal, double *value)
+{
+    return odd_number(field, decimal, true, value);
+}
+
+enum cell_kind table_cell(struct text field, char decimal, double *value)
+{
+    size_t used;
+    double number;
+    struct stamp stamp;
+    *value = NAN;
+    if (field.len == 0)
+        return CELL_EMPTY;
+    enum real_status status = real_scan(field, decimal, &number, &used);
+    if ((status == REAL_OK || status == REAL_UNDERFLOW) && used == field.len) {
+        *value = number;
+        return CELL_NUMBER;
+    }
+    if (is_missing(field))
+        return CELL_EMPTY;
+    if (odd_number(field, decimal, false, value))
+        return CELL_NUMBER;
+    if (stamp_parse(field, &stamp)) {
+        *value = (double)stamp.day * 86400 + stamp.second;
+        return CELL_STAMP;
+    }
+    struct text unit;
+    if (number_with_unit(field, decimal, value, &unit))
+        return CELL_NUMBER;
+    const bool negative = field.at[0] == '-';
+    struct text word = negative ? (struct text){field.at + 1, field.len - 1} : field;
+    if (!is_word(word, "inf") && !is_word(word, "infinity") && !is_word(word, "\xE2\x88\x9E"))
+        return CELL_WORD;
+    *value = negative ? -HUGE_VAL : HUGE_VAL;
+    return CELL_NUMBER;
+}
+
+size_t text_fitting(struct text text, size_t max)
+{
+    size_t len = text.len < max ? text.len : max;
+    while (len > 0 && len < text.len && ((unsigned char)text.at[len] & 0xC0) == 0x80)
+        len--;
+    return len;
+}
+
+const char *short_name(struct text text, char out[SHORT_NAME])
+{
+    struct buffer shown = {0};
+    safe_text(&shown, (struct text){text.at, text_fitting(text, SHORT_NAME)}, false);
+    const bool cut = shown.len >= SHORT_NAME;
+    const size_t len =
+        shown.failed ? 0 : text_fitting(buffer_text(&shown), cut ? SHORT_NAME - 4 : SHORT_NAME - 1);
+    if (len > 0)
+        memcpy(out, shown.data, len);
+    memcpy(out + len, cut ? "..." : "", cut ? 4 : 1);
+    buffer_free(&shown);
+    return out;
+}

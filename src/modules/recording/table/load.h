@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Recordings from files: reading, describing, looking for what is wrong with them. */
+#ifndef HOOKE_MODULES_RECORDING_TABLE_LOAD_H
+#define HOOKE_MODULES_RECORDING_TABLE_LOAD_H
+
+#include <hooke/base/row.h>
+#include <hooke/data.h>
+
+struct cancel;
+struct catalog;
+struct unit;
+
+#define SUMMED_BYTES ((size_t)128 << 20)
+
+struct load_options {
+    struct text time, value;             /* column name, or number counted from 1; empty: choose */
+    const struct unit *unit, *time_unit; /* NULL: what the file says */
+    double rate;                         /* [Hz] 0: not given */
+    char decimal, separator;             /* 0: find out */
+    struct text name;                    /* as=NAME; empty: from the file name */
+    const struct cancel *cancel;         /* NULL: nobody ends it */
+    /* instead of what its file says; NULL: that */
+    const struct calibration *calibration;
+    struct text run; /* run=NAME or number; empty: the first with data in it */
+};
+
+/* One format is one file, src/modules/NAME/formats/FORMAT.def, that ends in its row. */
+struct table_text; /* the file's text and lines, private */
+struct format {
+    struct row row;
+    bool any;   /* takes what no other does */
+    bool whole; /* its read chooses the columns and makes the times, too */
+    int (*probe)(const struct table_text *text); /* 0: not mine … 100: certain */
+    bool (*read)(const struct table_text *text, const struct load_options *options,
+                 struct recording *recording, struct error *error);
+};
+
+extern const struct catalog format_catalog;
+const struct format *format_by_name(struct text name); /* exact name or alias; NULL: none */
+const struct format *format_at(size_t i);
+
+/* Reads a file. Binary files, files without a table, without time and rate are refused with the
+ * reason and what to type. */
+struct recording *recording_load(const char *path, const struct load_options *options,
+                                 struct error *error);
+/* "swing3.txt: distance [cm], 480 rows, 0..9.58 s, 50 Hz; tab, 2 header lines" and the warnings, a
+ * line each. */
+void recording_describe(const struct recording *recording, struct buffer *text);
+/*
+ * The uncertainties of these samples, all of the recording: of the file's column of errors of the
+ * value, by its name (error, yerr, uncertainty, sigma, sd …) and unit. NULL without one, and where
+ * 100 samples or more have the same: that is a calibration, no scatter (the lab's sensor writes
+ * 0.239 cm on every row). Array from `arena`; false: no memory.
+ */
+bool recording_errors(const struct recording *recording, const struct series *series,
+                      struct arena *arena, const double **half);
+/* Begins the text of a file of what was collected. */
+#define COLLECTED_HEAD "# hooke collect 1"
+/* Reads text of such a file, all of it or its head and its last lines. */
+struct recording *collected_read(struct text text, const struct load_options *options,
+                                 struct error *error);
+
+/* ---- what is wrong with a recording ---- */
+
+enum remedy {
+    REMEDY_MASK,
+    REMEDY_WINDOW,
+    REMEDY_KEEP,
+    REMEDY_DROPPED /* when the file was read */
+};
+
+struct finding_row {
+    struct row row; /* name, unit "", what it is */
+    enum remedy remedy;
+    const char *done; /* in words */
+};
+
+extern const struct catalog finding_catalog; /* at the enum's place */
+
+/*
+ * Looks at the whole file, whatever its window is, once; the result belongs to the recording.
+ * period [s]: about that of the oscillation (to a few percent); NAN: it has none, then only what
+ * needs none is looked for, and `still` says why. False: no memory.
+ */
+bool recording_inspect(struct recording *recording, double period, const char *still,
+                       struct error *error);
+/* Takes back what was found at the ends: the window is then the whole file. */
+void recording_keep_ends(struct recording *recording);
+/* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values
+ * are never invented. */
+void recording_clean(struct recording *recording);
+/* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was
+ * not cleaned. */
+void recording_describe_masked(const struct recording *recording, struct buffer *text);
+
+/* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none.
+ * False: no memory. */
+bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit);
+
+/* Samples of a motion; those count whose mask [n] is `wanted`. */
+struct motion_rows {
+    const double *t, *y;
+    const unsigned char *mask;
+    unsigned char wanted;
+    size_t n;
+};
+
+/* The first sample from which on nothing is seen to move, for two periods at least and two after
+ * the start; n: none. */
+size_t motion_quiet(const struct motion_rows *rows, double period);
+
+/* The same where a damped sine through what was before would still be seen: dry friction, a hand, a
+ * stop. n: none. */
+size_t motion_rest(const struct motion_rows *rows, double period);
+
+#endif

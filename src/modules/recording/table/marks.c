@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the marks inside of numbers stand for where a single number does not tell. */
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COLUMNS_LOOKED_AT = 8 };
+
+/* ---- between thousands ---- */
+
+/*
+ * Reads digits, perhaps with the mark before every three of them. *group is the number if there is
+ * a mark, else 0; *value is the number if the (first) mark is a decimal one. False: a mark stands
+ * elsewhere, so that it is not between thousands.
+ */
+static bool read_group(struct text field, char mark, double *value, double *group)
+{
+    const char other = mark == '.' ? ',' : '.';
+    size_t i = field.len > 0 && field.at[0] == '-', digits = 0, marks = 0;
+    double number = 0;
+    *value = *group = 0;
+    for (; i < field.len; i++) {
+        const char c = field.at[i];
+        if (c == mark) {
+            if (digits == 0 || digits > 3 || (marks > 0 && digits != 3))
+                return false;
+            *value = marks == 0 ? number : *value;
+            marks++;
+            digits = 0;
+        } else if (c >= '0' && c <= '9') {
+            number = 10 * number + (c - '0');
+            digits++;
+        } else { /* decimals behind thousands are no question */
+            *value = *group = 0;
+            return marks == 0 ? !memchr(field.at, mark, field.len) : c == other && digits == 3;
+        }
+    }
+    if (marks > 0 && digits != 3)
+        return false;
+    if (marks > 0) {
+        const double whole = *value;
+        *group = number;
+        *value = marks == 1 ? number / 1000 : whole;
+    } else {
+        *value = number;
+    }
+    return true;
+}
+
+/*
+ * Where a column goes on from whole numbers of three digits (960, 980) to three digits behind the
+ * mark (1.000, 1.020), it stands between thousands if the numbers then go on without a jump, and
+ * none has another count of digits behind it.
+ */
+bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark)
+{
+    double before[COLUMNS_LOOKED_AT] = {0}, value, group;
+    int votes = 0;
+    struct text field;
+    for (size_t i = 0; i < text->heads; i++) {
+        struct text line = text->head[i].text;
+        if (text->head[i].number < layout->line || table_skipped(line))
+            continue;
+        for (int c = 0; c < COLUMNS_LOOKED_AT && table_field(&line, layout->separator, &field);
+             c++) {
+            if (!read_group(field, mark, &value, &group))
+                return false;
+            if (group > 0 && before[c] >= 500) {
+                if (fabs(group - before[c]) >= fabs(value - before[c]))
+                    return false;
+                votes++;
+            }
+            before[c] = group > 0 ? 0 : value;
+        }
+    }
+    return votes > 0;
+}
+
+/* ---- decimals that are not padded ---- */
+
+enum { MILLI_DIGITS = 3, MICRO_DIGITS = 6 };
+
+struct unpadded_column {
+    double whole, part, number; /* of the row before */
+    double step_min, step_max;  /* of what is behind the mark, in rows of the same whole number */
+    size_t rows, back;          /* back: rows at which the number would fall */
+    int digits_max;
+    bool excluded;
+};
+
+/* Reads digits, the mark, digits; without a mark there are 0 of the latter. */
+static bool read_parts(struct text field, char mark, double *whole, double *part, int *digits)
+{
+    bool behind = false;
+    *whole = *part = 0;
+    *digits = 0;
+    field = text_trim(field);
+    for (size_t i = 0; i < field.len; i++) {
+        const char c = field.at[i];
+        if (c == mark && i > 0 && !behind) {
+            behind = true;
+            continue;
+        }
+        if (c < '0' || c > '9')
+            return false;
+        double *number = behind ? part : whole;
+        *number = 10 * *number + (c - '0');
+        *digits += behind;
+    }
+    /* Padded, if a 0 comes first. */
+    const bool padded = *digits > 1 && field.at[field.len - (size_t)*digits] == '0';
+    return field.len > 0 && !padded && *digits <= MICRO_DIGITS;
+}
+
+static void look_at_column(struct unpadded_column *column, struct text field, char mark)
+{
+    double whole, part;
+    int digits;
+    if (!read_parts(field, mark, &whole, &part, &digits)) {
+        column->excluded = true;
+        return;
+    }
+    const double number = whole + part / pow(10, digits);
+    if (column->rows++ == 0) {
+        column->step_min = HUGE_VAL;
+    } else {
+        column->excluded |=
+            whole < column->whole || (whole == column->whole && part < column->part);
+        column->back += number < column->number;
+        if (whole == column->whole) {
+            column->step_min = fmin(column->step_min, part - column->part);
+            column->step_max = fmax(column->step_max, part - column->part);
+        }
+    }
+    column->whole = whole;
+    column->part = part;
+    column->number = number;
+    column->digits_max = digits > column->digits_max ? digits : column->digits_max;
+}
+
+/*
+ * A program that prints seconds, a point and then milliseconds as a whole number writes 0.80,
+ * 0.100, 0.120: the numbers fall, but what stands behind the point rises. Three digits (or six, for
+ * microseconds) are the most, and none begins with a 0 that pads it.
+ */
+void find_unpadded(const struct table_text *text, struct table_layout *layout)
+{
+    struct unpadded_column column[COLUMNS_LOOKED_AT] = {0};
+    struct text field;
+    for (size_t i = 0; i < text->heads; i++) {
+        struct text line = text->head[i].text;
+        if (text->head[i].number < layout->line || table_skipped(line))
+            continue;
+        for (int c = 0; c < COLUMNS_LOOKED_AT && table_field(&line, layout->separator, &field); c++)
+            if (!column[c].excluded)
+                look_at_column(&column[c], field, layout->decimal);
+    }
+    for (int c = COLUMNS_LOOKED_AT; c-- > 0;) {
+        const int digits = column[c].digits_max;
+        const bool even = column[c].rows >= 8 && column[c].step_max < 2 * column[c].step_min;
+        if (column[c].excluded || column[c].back < 1 || (column[c].back < 2 && !even) ||
+            (digits != MILLI_DIGITS && digits != MICRO_DIGITS))
+            continue;
+        layout->unpadded = c + 1;
+        layout->unpadded_parts = pow(10, digits);
+    }
+}
+
+double unpadded_value(struct text field, const struct table_layout *layout)
+{
+    double whole, part;
+    int digits;
+    if (!read_parts(field, layout->decimal, &whole, &part, &digits) ||
+        part >= layout->unpadded_parts)
+        return NAN;
+    return (whole * layout->unpadded_parts + part) / layout->unpadded_parts;
+}

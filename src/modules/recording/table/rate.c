@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the lines above a table say about its times. */
+#include <hooke/base/number.h>
+#include "modules/recording/table/table.h"
+
+#include <string.h>
+#include <strings.h>
+
+#define LINES_MAX 64 /* looked at */
+
+static const char *find_key(struct text line, const char *key)
+{
+    const size_t len = strlen(key);
+    for (size_t i = 0; i + len <= line.len; i++)
+        if (strncasecmp(line.at + i, key, len) == 0)
+            return line.at + i + len;
+    return NULL;
+}
+
+bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest)
+{
+    for (size_t i = 0; i < text->heads && i < LINES_MAX; i++) {
+        const struct text line = text->head[i].text;
+        const char *at = find_key(line, key), *end = line.at + line.len;
+        size_t used = 0;
+        while (at && at < end && (*at == '\0' || strchr(" \t:=,;\"", *at)))
+            at++;
+        if (!at || at == end)
+            continue;
+        const enum real_status status =
+            real_scan((struct text){at, (size_t)(end - at)}, '.', value, &used);
+        if (status == REAL_OK && used > 0) {
+            *rest = text_trim((struct text){at + used, (size_t)(end - at) - used});
+            return true;
+        }
+    }
+    return false;
+}
+
+double table_rate(const struct table_text *text)
+{
+    static const struct {
+        const char *unit;
+        double factor;
+    } units[] = {{"MHz", 1e6}, {"kHz", 1e3}, {"mHz", 1e-3}, {"Hz", 1}, {"S/s", 1}, {"samples", 1}};
+    double value;
+    struct text rest;
+    if (head_number(text, "sample interval", &value, &rest) && value > 0)
+        return 1 / value;
+    if (!head_number(text, "rate", &value, &rest) || !(value > 0))
+        return 0;
+    for (size_t i = 0; i < COUNT_OF(units); i++)
+        if (text_starts(rest, text_of(units[i].unit)))
+            return value * units[i].factor;
+    return rest.len == 0 ? value : 0;
+}

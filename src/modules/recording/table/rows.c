@@ -1,0 +1,500 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The rows of a table into columns, in one pass over the file. What cannot be read is counted and
+ * said.
+ */
+#include <hooke/base/cancel.h>
+#include <hooke/base/number.h>
+#include "modules/recording/table/plain_number.h"
+#include "modules/recording/table/stamp.h"
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BEFORE_LAST 8 /* rows looked at to see whether the last one is cut … */
+#define ESTIMATE 64   /* lines whose length tells how many there are */
+#define RECENT 16     /* … among those kept in mind: a power of two above it */
+
+struct row_problem {
+    size_t count, first; /* how many, and the line of the first */
+    char example[SHORT_NAME];
+};
+
+struct row_reader {
+    struct recording *recording;
+    const struct table_layout *layout;
+    struct row_problem ragged, extra, *words; /* words: of each column */
+    /* Rows of another width that are kept: those that end early, those with numbers behind. */
+    struct row_problem shorter, wider;
+    size_t other_line;           /* line of the newest row of another width, 0 before the first */
+    int other_fields;            /* number of its fields */
+    int frequent_fields;         /* width that many lines have, 0 as long as there is none */
+    int long_looks;              /* searches for it so far */
+    struct stamp_column *stamps; /* of each column */
+    struct text recent[RECENT];  /* recent[i % RECENT]: row i, while it is one of the last */
+    size_t capacity;             /* rows there is memory for */
+    bool ended;                  /* the newest row has a line end */
+};
+
+/* ---- memory ---- */
+
+static bool resize(void *array, size_t count, size_t size)
+{
+    void *old, *fresh;
+    memcpy(&old, array, sizeof old);
+    fresh = realloc(old, count * size);
+    if (fresh)
+        memcpy(array, &fresh, sizeof fresh);
+    return fresh != NULL;
+}
+
+/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs
+ * nothing. */
+static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
+{
+    struct recording *recording = reader->recording;
+    const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t),
+                 max = TABLE_BYTES / each;
+    rows = rows < max ? rows : max;
+    if (rows <= reader->capacity) {
+        error_set(error, ERROR_IO,
+                  "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
+                  max, recording->columns, TABLE_BYTES >> 20);
+        return error_hint(error, "export a part of it, or fewer columns");
+    }
+    bool done = resize(&recording->t, rows, sizeof *recording->t) &&
+                resize(&recording->line, rows, sizeof *recording->line);
+    for (int i = 0; i < recording->columns && done; i++)
+        done = resize(&recording->column[i].value, rows, sizeof(double));
+    reader->capacity = rows;
+    return done || error_memory(error);
+}
+
+/* ---- one row ---- */
+
+static void note(struct row_problem *tally, size_t line, struct text example)
+{
+    if (tally->count++ == 0) {
+        tally->first = line;
+        short_name(example, tally->example);
+    }
+}
+
+/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
+ * returns the start of the next line. NULL: the slow way has to look. */
+static const char *plain_row(struct row_reader *reader, const char *at, const char *end)
+{
+    const struct recording *recording = reader->recording;
+    const char separator = reader->layout->separator, decimal = reader->layout->decimal;
+    const size_t row = recording->rows;
+    const char *begin = at;
+    if (separator == decimal || reader->layout->unpadded)
+        return NULL;
+    for (int i = 0; i < recording->columns; i++) {
+        if (i > 0 && (at == end || *at++ != separator))
+            return NULL;
+        at = plain_number(at, end, decimal, &recording->column[i].value[row]);
+        if (!at)
+            return NULL;
+    }
+    reader->recent[row % RECENT] = (struct text){begin, (size_t)(at - begin)};
+    at += at < end && *at == separator && separator != ' ' && separator != '\n';
+    at += at < end && *at == '\r';
+    return at < end && *at == '\n' ? at + 1 : NULL;
+}
+
+static enum cell_kind cell_of(struct text field, const struct table_layout *layout, double *value)
+{
+    const enum cell_kind cell = table_cell(field, layout->decimal, value);
+    return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value)
+               ? CELL_NUMBER
+               : cell;
+}
+
+/* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
+static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
+                      enum cell_kind *cell, double *value)
+{
+    size_t used = 0;
+    if (rest->at == NULL)
+        return false;
+    /* A comma that is both ends a number only behind its quotes. */
+    const enum real_status status = layout->decimal == layout->separator
+                                        ? REAL_MALFORMED
+                                        : real_scan(*rest, layout->decimal, value, &used);
+    if ((status == REAL_OK || status == REAL_UNDERFLOW) &&
+        (used == rest->len || rest->at[used] == layout->separator)) {
+        *field = (struct text){rest->at, used};
+        *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1}
+                                 : (struct text){NULL, 0};
+        *cell = CELL_NUMBER;
+        return true;
+    }
+    if (!table_field(rest, layout->separator, field))
+        return false;
+    *cell = cell_of(*field, layout, value);
+    return true;
+}
+
+static void note_words(struct row_reader *reader, struct text line, size_t number)
+{
+    struct text field;
+    double value;
+    for (int i = 0;
+         i < reader->recording->columns && table_field(&line, reader->layout->separator, &field);
+         i++)
+        if (cell_of(field, reader->layout, &value) == CELL_WORD)
+            note(&reader->words[i], number, field);
+}
+
+/* Returns the number of fields of a row that holds two numbers or more and no words; 0 for any
+ * other line. */
+static int number_fields(const struct table_layout *layout, struct text line)
+{
+    struct text field;
+    enum cell_kind cell;
+    double value;
+    int fields = 0, numbers = 0;
+    while (next_cell(&line, layout, &field, &cell, &value)) {
+        if (cell == CELL_WORD)
+            return 0;
+        numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
+        fields++;
+    }
+    return numbers >= 2 ? fields : 0;
+}
+
+/* Returns true if the fields of a row of another width are those of the first columns: between
+ * blanks any of them could be missing, unless the line above has as many, and the commas of
+ * decimals look like those between fields. */
+static bool fields_are_aligned(const struct table_layout *layout, struct text line, int fields)
+{
+    if (layout->separator == ',')
+        return fields < layout->columns || memchr(line.at, '.', line.len);
+    if (layout->separator != ' ')
+        return layout->separator != '\n';
+    return layout->fields_above == (fields < layout->columns ? fields : layout->columns);
+}
+
+/*
+ * Returns true if a row of another width than the first ones belongs to the table: a formula was
+ * typed beside some rows only. A single such line may be garbled; where WIDTH_RUN lines of the same
+ * width follow each other, or every fourth line has it, they are rows.
+ */
+static bool is_other_width(struct row_reader *reader, struct text line, struct text ahead,
+                           size_t number)
+{
+    enum { WIDTH_RUN = 3, LINES_AHEAD = 64, FREQUENT = LINES_AHEAD / 4, LONG_LOOKS = 64 };
+    const int fields = number_fields(reader->layout, line);
+    if (fields == 0 || !fields_are_aligned(reader->layout, line, fields))
+        return false;
+    const bool follows = reader->other_fields == fields && reader->other_line + 1 == number;
+    /* The first rows may be the ones without the formula: a run of others like them comes later. */
+    const bool first = reader->recording->rows < WIDTH_RUN;
+    const int lines = reader->long_looks < LONG_LOOKS ? LINES_AHEAD : WIDTH_RUN - 1;
+    struct text next;
+    bool found = follows || fields == reader->frequent_fields;
+    reader->long_looks += !found;
+    for (int i = 0, run = 0, same = 0; i < lines && !found && table_line(&ahead, &next); i++) {
+        const bool is_same =
+            next.len <= LIMIT_LINE && number_fields(reader->layout, next) == fields;
+        run = is_same ? run + 1 : 0;
+        same += is_same;
+        found = run == WIDTH_RUN - 1 && (first || i == WIDTH_RUN - 2);
+        if (same == FREQUENT) {
+            reader->frequent_fields = fields;
+            found = true;
+        }
+    }
+    if (!found)
+        return false;
+    reader->other_line = number;
+    reader->other_fields = fields;
+    return true;
+}
+
+/* Takes the unit behind a number for that of its column. Returns false if the column has another.
+ */
+static bool take_unit(struct column *column, const struct table_layout *layout, struct text field)
+{
+    double value;
+    struct text unit;
+    if (!number_with_unit(field, layout->decimal, &value, &unit))
+        return true;
+    if (column->unit[0] == '\0')
+        column_unit(column, unit);
+    return text_is(unit, column->unit);
+}
+
+/* Reads one line, which `ahead` follows, into row recording->rows; false: it is no row of this
+ * table. */
+static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
+{
+    struct recording *recording = reader->recording;
+    struct text rest = line, field, beyond = {0};
+    int fields = 0, numbers = 0;
+    bool words = false, wider = false;
+    enum cell_kind cell;
+    double value;
+    while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
+        if (fields < recording->columns) {
+            if (cell == CELL_STAMP)
+                value = stamp_seconds(&reader->stamps[fields], field);
+            else if (cell == CELL_NUMBER && fields + 1 == reader->layout->unpadded)
+                value = unpadded_value(field, reader->layout);
+            if (cell == CELL_NUMBER &&
+                !take_unit(&recording->column[fields], reader->layout, field)) {
+                value = NAN;
+                cell = CELL_WORD;
+                note(&reader->words[fields], number, field);
+            }
+            recording->column[fields].value[recording->rows] = value;
+            numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
+            words |= cell == CELL_WORD;
+        } else if (cell == CELL_NUMBER) {
+            wider = true;
+        } else if (cell == CELL_WORD && beyond.len == 0) {
+            beyond = field;
+        }
+        fields++;
+    }
+    const bool shorter = fields < recording->columns;
+    if ((shorter || wider) && !is_other_width(reader, line, ahead, number))
+        return false;
+    if (numbers == 0 && (words || beyond.len > 0))
+        return false;
+    for (int i = fields; i < recording->columns; i++)
+        recording->column[i].value[recording->rows] = NAN;
+    if (shorter || wider)
+        note(shorter ? &reader->shorter : &reader->wider, number, line);
+    if (beyond.len > 0)
+        note(&reader->extra, number, beyond);
+    if (words)
+        note_words(reader, line, number);
+    return true;
+}
+
+/* The last that is read: what stands behind it may be a separator that ends the row. */
+static struct text last_field(const struct row_reader *reader, struct text row)
+{
+    struct text field = {0}, next;
+    for (int i = 0;
+         i < reader->recording->columns && table_field(&row, reader->layout->separator, &next); i++)
+        field = next;
+    return field;
+}
+
+static size_t decimals(struct text number, char decimal)
+{
+    const char *point = number.len ? memchr(number.at, decimal, number.len) : NULL;
+    size_t count = 0;
+    for (const char *at = point;
+         point && ++at < number.at + number.len && *at >= '0' && *at <= '9';)
+        count++;
+    return count;
+}
+
+/*
+ * Is the newest row, which has no line end, cut in mid-number? It is if it has fewer decimals than
+ * the rows before agree on; or, where these do not agree or have none, if its last number is the
+ * beginning of the one above (-1 below -120).
+ */
+static bool is_cut(const struct row_reader *reader)
+{
+    const struct table_layout *layout = reader->layout;
+    const size_t row = reader->recording->rows - 1;
+    struct text last = last_field(reader, reader->recent[row % RECENT]);
+    size_t agreed = 0;
+    bool agree = true;
+    if (row == 0)
+        return false;
+    for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
+        size_t here =
+            decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
+        agree = agree && (i == 1 || here == agreed);
+        agreed = here;
+    }
+    double value;
+    enum cell_kind cell = table_cell(last, layout->decimal, &value);
+    struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
+    if (cell == CELL_WORD || text_is(last, "-"))
+        return table_cell(above, layout->decimal, &value) != CELL_WORD;
+    if (agree && agreed > 0)
+        return decimals(last, layout->decimal) < agreed && (cell == CELL_NUMBER || last.len == 0);
+    return last.len < above.len && text_starts(above, last);
+}
+
+static void name_columns(struct recording *recording, const struct table_layout *layout)
+{
+    char stem[SHORT_NAME] = "column";
+    if (layout->stem.len > 0)
+        short_name(layout->stem, stem);
+    for (int i = 0; i < recording->columns; i++) {
+        struct column *column = &recording->column[i];
+        if (!column->name[0])
+            snprintf(column->name, sizeof column->name, "%s %d", stem, i + 1);
+    }
+}
+
+static void warn_rows(struct row_reader *reader)
+{
+    struct recording *recording = reader->recording;
+    if (reader->layout->ambiguous)
+        recording_warn(recording,
+                       "commas are read as separators (%d columns of whole numbers); decimal=comma "
+                       "if they are "
+                       "decimal marks",
+                       recording->columns);
+    if (reader->layout->grouped)
+        recording_warn(
+            recording,
+            "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
+            reader->layout->decimal == '.' ? ',' : '.',
+            reader->layout->decimal == '.' ? "comma" : "point");
+    if (reader->layout->unpadded)
+        recording_warn(recording,
+                       "%s: the digits behind the mark are not padded (the numbers fall where "
+                       "%.0f digits follow): 0%c20 is read as 20 of %.0f parts",
+                       recording->column[reader->layout->unpadded - 1].name,
+                       log10(reader->layout->unpadded_parts), reader->layout->decimal,
+                       reader->layout->unpadded_parts);
+    if (reader->ragged.count > 0)
+        recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')",
+                       reader->ragged.count, reader->ragged.count == 1 ? "line" : "lines",
+                       reader->ragged.count == 1 ? "is" : "are", recording->columns,
+                       reader->ragged.first, reader->ragged.example);
+    if (reader->shorter.count > 0)
+        recording_warn(
+            recording,
+            "%zu rows have fewer than %d columns: the last ones are missing there (first: "
+            "line %zu, '%s')",
+            reader->shorter.count, recording->columns, reader->shorter.first,
+            reader->shorter.example);
+    if (reader->wider.count > 0)
+        recording_warn(recording,
+                       "%zu rows have more than %d columns, the others are not read (first: line "
+                       "%zu, '%s')",
+                       reader->wider.count, recording->columns, reader->wider.first,
+                       reader->wider.example);
+    for (int i = 0; i < recording->columns; i++) {
+        const struct row_problem *words = &reader->words[i];
+        if (words->count > 0 && words->count == recording->rows)
+            recording_warn(recording, "%s holds words, not numbers ('%s')",
+                           recording->column[i].name, words->example);
+        else if (words->count > 0)
+            recording_warn(
+                recording, "%s: %zu %s not a number and taken as missing (first: line %zu, '%s')",
+                recording->column[i].name, words->count,
+                words->count == 1 ? "cell is" : "cells are", words->first, words->example);
+    }
+    if (reader->extra.count > 0)
+        recording_warn(recording,
+                       "%zu %s words behind the last column, not read (first: line %zu, '%s')",
+                       reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have",
+                       reader->extra.first, reader->extra.example);
+}
+
+static bool is_full(struct row_reader *reader, struct error *error)
+{
+    const size_t capacity = reader->capacity;
+    return reader->recording->rows == capacity &&
+           !reserve(reader, capacity + capacity / 2 + 64, error);
+}
+
+/* The line at *rest, whatever it is; `data` counts the lines of the table. */
+static bool read_line(struct row_reader *reader, struct text *rest, size_t number, size_t *data)
+{
+    struct recording *recording = reader->recording;
+    struct text line;
+    if (!table_line(rest, &line))
+        return false;
+    if (table_skipped(line))
+        return true;
+    const bool row = line.len <= LIMIT_LINE && read_row(reader, line, *rest, number);
+    reader->ended = rest->len > 0 || rest->at > line.at + line.len;
+    if (!row && !reader->ended) {
+        recording_warn(recording, "the last line (%zu) is cut short: dropped", number);
+        recording->dropped++;
+    } else if (!row) {
+        note(&reader->ragged, number, line);
+    } else {
+        reader->recent[recording->rows % RECENT] = line;
+        recording->line[recording->rows] = (uint32_t)number;
+        recording->t[recording->rows++] = (double)*data;
+    }
+    ++*data;
+    return true;
+}
+
+bool table_rows(const struct table_text *text, const struct table_layout *layout,
+                struct recording *recording, struct error *error)
+{
+    struct row_reader reader = {.recording = recording, .layout = layout};
+    if (layout->columns == 0 || !layout->begin) { /* a format that was sure without a table */
+        *error = text->problem;
+        if (*error->text == '\0')
+            error_set(error, ERROR_IO, "%s: there is no table of numbers", text->name);
+        return false;
+    }
+    const char *end = text->text.at + text->text.len, *next;
+    struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
+    if (!table_columns(layout, recording, error))
+        return false;
+    reader.words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.words);
+    reader.stamps =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
+    if (!reader.words || !reader.stamps)
+        return error_memory(error);
+    /* As many rows as there are if the first are as long as the others. */
+    size_t lines = 0;
+    while (lines < ESTIMATE && table_line(&line, &first))
+        lines++;
+    const size_t bytes = rest.len - line.len;
+    if (!reserve(&reader,
+                 (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64,
+                 error))
+        return false;
+    recording->separator = layout->separator;
+    recording->decimal = layout->decimal;
+    recording->header_lines = (int)(layout->line - text->header);
+    size_t number = layout->line, data = 0;
+    for (bool more = true; more && rest.len > 0; number++) {
+        if (number % LOOK_EACH_ROWS == 0 && cancelled(recording->cancel))
+            return error_set(error, ERROR_CANCELLED, "reading was stopped");
+        if (is_full(&reader, error))
+            return false;
+        next = plain_row(&reader, rest.at, end);
+        if (next) {
+            recording->line[recording->rows] = (uint32_t)number;
+            recording->t[recording->rows++] = (double)data++;
+            rest = (struct text){next, (size_t)(end - next)};
+            reader.ended = true;
+        } else {
+            more = read_line(&reader, &rest, number, &data);
+        }
+    }
+    if (recording->rows > 0 && !reader.ended &&
+        recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
+        char shown[SHORT_NAME];
+        recording_warn(
+            recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
+            short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
+        recording->rows--;
+        recording->dropped++;
+    }
+    recording->dropped += reader.ragged.count;
+    name_columns(recording, layout);
+    warn_rows(&reader);
+    stamp_columns(recording, reader.stamps);
+    return true;
+}
+
+bool table_read(const struct table_text *text, const struct load_options *options,
+                struct recording *recording, struct error *error)
+{
+    (void)options;
+    return table_rows(text, &text->layout, recording, error);
+}

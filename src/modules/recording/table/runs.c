@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Several recordings in one file: side by side, each with columns of its own, or below each other,
+ * each a block with a header of its own. Users call them as the instrument does ("Run #2",
+ * "Latest"), or by number.
+ */
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define SHOWN 12 /* runs in a list */
+
+static void set_name(struct recording_run *run, struct text name)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, name, false);
+    snprintf(run->name, sizeof run->name, "%.*s", (int)text_fitting(buffer_text(&safe), LIMIT_NAME),
+             safe.data ? safe.data : "");
+    buffer_free(&safe);
+}
+
+static int run_named(const struct recording *recording, struct text name)
+{
+    for (int i = 0; i < recording->runs; i++)
+        if (strlen(recording->run[i].name) == name.len &&
+            (name.len == 0 || strncasecmp(recording->run[i].name, name.at, name.len) == 0))
+            return i;
+    return -1;
+}
+
+/* The number a name ends in: 2 of "Run #2"; -1: none. */
+static double trailing_number(const char *name)
+{
+    size_t at = strlen(name);
+    double number;
+    while (at > 0 && name[at - 1] >= '0' && name[at - 1] <= '9')
+        at--;
+    return real_parse(text_of(name + at), &number) == REAL_OK ? number : -1;
+}
+
+/* By its name, by the number in its name, by its place in the file. */
+bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error)
+{
+    struct text name = text_trim(wanted);
+    char shown[SHORT_NAME];
+    double number;
+    if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
+        name = (struct text){name.at + 1, name.len - 2};
+    *run = run_named(recording, name);
+    if (*run < 0 && real_parse(name, &number) == REAL_OK) {
+        bool numbered = false;
+        for (int i = 0; i < recording->runs && *run < 0; i++) {
+            const double own = trailing_number(recording->run[i].name);
+            numbered |= own >= 0;
+            *run = own == number ? i : -1;
+        }
+        if (*run < 0 && !numbered && number >= 1 && number <= recording->runs &&
+            number == floor(number))
+            *run = (int)number - 1;
+    }
+    if (*run >= 0)
+        return true;
+    struct buffer names = {0};
+    run_list(recording, &names);
+    error_at(error, wanted, "there is no run '%s' in this file", short_name(name, shown));
+    error_hint(error, recording->runs > 0 ? "runs: %s" : "it holds one recording; leave run= out",
+               names.data ? names.data : "");
+    buffer_free(&names);
+    return false;
+}
+
+void run_list(const struct recording *recording, struct buffer *text)
+{
+    for (int i = 0; i < recording->runs && i < SHOWN; i++)
+        buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name,
+                      i == recording->taken ? " = taken" : "");
+    if (recording->runs > SHOWN)
+        buffer_format(text, " and %d more", recording->runs - SHOWN);
+}
+
+bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
+                     struct error *error)
+{
+    struct text name;
+    recording->run =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *recording->run);
+    if (!recording->run)
+        return error_memory(error);
+    for (int i = 0; i < recording->columns; i++) {
+        struct column *column = &recording->column[i];
+        if (!part(text_of(column->name), &name))
+            continue;
+        column->run = run_named(recording, name);
+        if (column->run < 0) {
+            column->run = recording->runs++;
+            set_name(&recording->run[column->run], name);
+        }
+    }
+    return true;
+}
+
+/* ---- below each other ---- */
+
+static bool block_text(const struct table_text *whole, const struct table_block *block,
+                       const struct load_options *options, struct arena *arena,
+                       struct table_text *part)
+{
+    *part = (struct table_text){.name = whole->name,
+                                .text = {block->begin, block->len},
+                                .first = block->line,
+                                .header = block->header};
+    if (!table_head(part, arena))
+        return error_memory(&part->problem);
+    return table_find(part, 0, options, &part->layout, &part->problem);
+}
+
+/* The block wanted, else the first with a table, as a text of its own. */
+static bool choose_block(const struct table_text *whole, const struct table_block *block,
+                         int blocks, const struct load_options *options,
+                         struct recording *recording, struct arena *arena, struct table_text *part,
+                         struct error *error)
+{
+    recording->run = arena_array(&recording->arena, (size_t)blocks, sizeof *recording->run);
+    if (!recording->run)
+        return error_memory(error);
+    for (int i = 0; i < blocks; i++) {
+        struct recording_run *run = &recording->run[i];
+        set_name(run, block[i].name);
+        if (run->name[0] == '\0' ||
+            run_named(recording, text_of(run->name)) >= 0) /* two of one name: by place */
+            snprintf(run->name, sizeof run->name, "block %d", i + 1);
+        recording->runs++;
+    }
+    const bool wanted = options->run.len > 0;
+    if (wanted && !run_find(recording, options->run, &recording->taken, error))
+        return false;
+    for (; recording->taken < blocks; recording->taken++) {
+        if (block_text(whole, &block[recording->taken], options, arena, part))
+            return true;
+        if (wanted)
+            break;
+        arena_reset(arena);
+    }
+    *error = part->problem;
+    return false;
+}
+
+bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
+                    struct recording *recording, table_blocks *find, table_block_read *read,
+                    struct error *error)
+{
+    struct arena arena = {0};
+    struct load_options own = *options;
+    struct table_text part;
+    struct table_block *block = calloc(BLOCKS, sizeof *block);
+    const int blocks = block ? find(text, block, &own) : 0;
+    const bool done =
+        !block        ? error_memory(error)
+        : blocks == 0 ? table_read(text, options, recording, error)
+                      : choose_block(text, block, blocks, &own, recording, &arena, &part, error) &&
+                            read(&part, &block[recording->taken], recording, error);
+    arena_reset(&arena);
+    free(block);
+    return done;
+}

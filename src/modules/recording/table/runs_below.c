@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Several recordings below each other in one table: each begins where the clock goes back to the
+ * start. */
+#include "modules/recording/table/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define RUNS_BELOW_MAX 64
+#define ROWS_MIN 8 /* of a run */
+/* of the time that has passed: a clock that goes back less has only stumbled */
+#define BACK_MIN 0.5
+
+/* First rows of the runs; returns how many runs there are, 1: a table as usual. */
+static int find_starts(const struct recording *recording, size_t start[RUNS_BELOW_MAX + 1])
+{
+    const double *t = recording->t;
+    int runs = 1;
+    start[0] = 0;
+    for (size_t i = 1; i < recording->rows; i++) {
+        const double begin = t[start[runs - 1]], passed = t[i - 1] - begin, back = t[i - 1] - t[i];
+        if (!(back > BACK_MIN * passed) || !(passed > 0) || i - start[runs - 1] < ROWS_MIN)
+            continue;
+        /* It goes on from there: a single wrong stamp does not. */
+        bool on = i + ROWS_MIN <= recording->rows;
+        for (size_t k = i + 1; on && k < i + ROWS_MIN; k++)
+            on = t[k] >= t[k - 1] && t[k] < t[i - 1];
+        if (on && runs < RUNS_BELOW_MAX)
+            start[runs++] = i;
+    }
+    start[runs] = recording->rows;
+    return runs;
+}
+
+static void keep_rows(struct recording *recording, size_t from, size_t to)
+{
+    const size_t n = to - from;
+    for (int i = 0; i < recording->columns; i++)
+        memmove(recording->column[i].value, recording->column[i].value + from, n * sizeof(double));
+    memmove(recording->t, recording->t + from, n * sizeof(double));
+    memmove(recording->line, recording->line + from, n * sizeof *recording->line);
+    recording->rows = n;
+}
+
+bool take_run_below(struct recording *recording, const struct load_options *options,
+                    struct error *error)
+{
+    size_t start[RUNS_BELOW_MAX + 1];
+    if (recording->runs > 0)
+        return true;
+    const bool could = recording->source == TIME_COLUMN && recording->rows >= 2 * ROWS_MIN;
+    const int runs = could ? find_starts(recording, start) : 1;
+    if (runs == 1)
+        return options->run.len == 0 || run_find(recording, options->run, &recording->taken, error);
+    recording->run = arena_array(&recording->arena, (size_t)runs, sizeof *recording->run);
+    if (!recording->run)
+        return error_memory(error);
+    for (int i = 0; i < runs; i++)
+        snprintf(recording->run[i].name, sizeof recording->run[i].name, "Run %d", i + 1);
+    recording->runs = runs;
+    recording->taken = 0;
+    if (options->run.len > 0 && !run_find(recording, options->run, &recording->taken, error))
+        return false;
+    recording_warn(
+        recording,
+        "the clock starts again %d %s: %d runs below each other, of which run=%d is read", runs - 1,
+        runs == 2 ? "time" : "times", runs, recording->taken + 1);
+    keep_rows(recording, start[recording->taken], start[recording->taken + 1]);
+    return true;
+}

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "modules/recording/table/stamp.h"
+
+#include <string.h>
+#include <strings.h>
+
+struct stamp_scan {
+    const char *at, *end;
+};
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool next(struct stamp_scan *s, char c)
+{
+    const bool found = s->at < s->end && *s->at == c;
+    s->at += found;
+    return found;
+}
+
+static void blanks(struct stamp_scan *s)
+{
+    while (s->at < s->end && *s->at == ' ')
+        s->at++;
+}
+
+/* At most `max` digits; returns how many. */
+static int digits(struct stamp_scan *s, int max, int64_t *value)
+{
+    int count = 0;
+    for (*value = 0; count < max && s->at < s->end && is_digit(*s->at); count++)
+        *value = 10 * *value + (*s->at++ - '0');
+    return count;
+}
+
+/* Hinnant 2013, chrono-compatible low-level date algorithms: days_from_civil. */
+static int64_t days_from_civil(int64_t y, int64_t m, int64_t d)
+{
+    y -= m <= 2;
+    const int64_t era = (y >= 0 ? y : y - 399) / 400, of_era = y - era * 400;
+    const int64_t of_year = (153 * (m > 2 ? m - 3 : m + 9) + 2) / 5 + d - 1;
+    return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+}
+
+static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
+{
+    struct stamp_scan saved = *s;
+    int64_t first, second, third;
+    const int wide = digits(s, 4, &first);
+    const char mark = s->at < s->end ? *s->at : '\0';
+    if (wide == 0 || !strchr("-/.", mark) || !mark || !next(s, mark) ||
+        digits(s, 2, &second) == 0 || !next(s, mark) || digits(s, 4, &third) == 0 ||
+        (s->at < s->end && is_digit(*s->at))) {
+        *s = saved;
+        return false;
+    }
+    int64_t year = first, month = second, day = third;
+    if (wide < 3) {
+        year = third < 100 ? 2000 + third : third;
+        day = first;
+        const bool month_first =
+            (mark == '/' || mark == '-') ? second > 12 || first <= 12 : second > 12;
+        if (month_first) {
+            month = first;
+            day = second;
+        }
+    }
+    if (year < 1900 || year > 9999 || month < 1 || month > 12 || day < 1 || day > 31) {
+        *s = saved;
+        return false;
+    }
+    stamp->date = true;
+    stamp->day = days_from_civil(year, month, day);
+    return true;
+}
+
+/* Digits behind the mark, as one division: 0.123 is 123/1000. */
+static double fraction(struct stamp_scan *s)
+{
+    int64_t number;
+    static const double decimal_power10[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                             1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    const int count = digits(s, 15, &number);
+    const double value = (double)number / decimal_power10[count];
+    while (s->at < s->end && is_digit(*s->at)) /* beyond what a double holds */
+        s->at++;
+    return value;
+}
+
+static bool scan_noon(struct stamp_scan *s, int64_t *hour)
+{
+    blanks(s);
+    if (s->end - s->at < 2 || strncasecmp(s->at + 1, "m", 1) != 0 || !strchr("aApP", *s->at))
+        return true;
+    const bool after = strchr("pP", *s->at) != NULL;
+    s->at += 2;
+    if (*hour < 1 || *hour > 12)
+        return false;
+    *hour = *hour % 12 + 12 * after;
+    return true;
+}
+
+/* Z, +01:00, -0530 */
+static bool scan_zone(struct stamp_scan *s, double *second)
+{
+    int64_t hours, minutes = 0;
+    if (next(s, 'Z') || s->at == s->end || !strchr("+-", *s->at))
+        return true;
+    const double sign = *s->at++ == '-' ? 1 : -1;
+    if (digits(s, 2, &hours) != 2)
+        return false;
+    next(s, ':');
+    digits(s, 2, &minutes);
+    *second += sign * (double)(hours * 3600 + minutes * 60);
+    return true;
+}
+
+static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
+{
+    struct stamp_scan saved = *s;
+    int64_t hour, minute, second = 0, thousandth;
+    double part = 0;
+    const int wide = digits(s, 4, &hour);
+    if (wide == 0 || !next(s, ':') || digits(s, 2, &minute) == 0) {
+        *s = saved;
+        return false;
+    }
+    const bool seconds = next(s, ':');
+    if (seconds && digits(s, 2, &second) == 0)
+        return false;
+    const bool decimals = next(s, '.') || next(s, ',');
+    if (decimals)
+        part = fraction(s);
+    else if (seconds && next(s, ':')) {
+        if (digits(s, 3, &thousandth) != 3)
+            return false;
+        part = (double)thousandth / 1000;
+    }
+    if (!seconds && decimals) { /* minutes and seconds */
+        second = minute;
+        minute = hour;
+        hour = 0;
+    } else if (minute > 59 || !scan_noon(s, &hour)) {
+        return false;
+    }
+    if (second > 60)
+        return false;
+    stamp->clock = true;
+    stamp->second = (double)(hour * 3600 + minute * 60 + second) + part;
+    return true;
+}
+
+/* Days that have passed, before a time: 0 00:00:01.234. */
+static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
+{
+    const struct stamp_scan saved = *s;
+    int64_t days;
+    if (digits(s, 4, &days) > 0 && next(s, ' ') && s->end - s->at > 2 && is_digit(*s->at)) {
+        stamp->date = true;
+        stamp->day = days;
+        return true;
+    }
+    *s = saved;
+    return false;
+}
+
+/* "Fri Jan 05 12:30:45.123 2024", as C's ctime. */
+static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
+{
+    static const char months[] = "JanFebMarAprMayJunJulAugSepOctNovDec";
+    int64_t day, year, month = 1;
+    if (s->end - s->at < 20 || s->at[3] != ' ' || s->at[7] != ' ')
+        return false;
+    while (month <= 12 && memcmp(months + 3 * (month - 1), s->at + 4, 3) != 0)
+        month++;
+    s->at += 8;
+    blanks(s);
+    if (month > 12 || digits(s, 2, &day) == 0 || !next(s, ' ') || !scan_clock(s, stamp))
+        return false;
+    blanks(s);
+    if (digits(s, 4, &year) != 4)
+        return false;
+    stamp->date = true;
+    stamp->day = days_from_civil(year, month, day);
+    return true;
+}
+
+bool stamp_parse(struct text text, struct stamp *stamp)
+{
+    text = text_trim(text);
+    struct stamp_scan s = {text.at, text.at + text.len};
+    *stamp = (struct stamp){0};
+    if (text.len < 4 || text.len > 40)
+        return false;
+    if (!is_digit(text.at[0]))
+        return scan_ctime(&s, stamp) && s.at == s.end;
+    if (scan_days(&s, stamp))
+        return scan_clock(&s, stamp) && s.at == s.end;
+    if (scan_date(&s, stamp) && s.at < s.end && !next(&s, 'T') && !next(&s, '_')) {
+        if (*s.at != ' ' && *s.at != ',')
+            return false;
+        s.at++;
+        blanks(&s);
+    }
+    if (s.at < s.end && (!scan_clock(&s, stamp) || !scan_zone(&s, &stamp->second)))
+        return false;
+    return s.at == s.end && (stamp->date || stamp->clock);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Dates and times of day, as instruments write them. */
+#ifndef HOOKE_MODULES_RECORDING_TABLE_STAMP_H
+#define HOOKE_MODULES_RECORDING_TABLE_STAMP_H
+
+#include <hooke/data.h>
+
+struct stamp {
+    bool date, clock; /* which of the two it has */
+    int64_t day;      /* since 1970-01-01, 0 without a date */
+    /* [s] of the day, in the zone it was written in, moved to UTC where it names one */
+    double second;
+};
+
+/*
+ * 2024-01-05T12:30:45.123Z, 2024/01/05 12:30, 05.01.2024 12:30:45,12, 1/5/2024, 12:30:45.123,
+ * 12:30:45:123, 03:45.2 (minutes and seconds), 1:30:45 PM, 0 00:00:01.234 (days that have passed),
+ * Fri Jan 05 12:30:45.123 2024. Where day and month could be either, the day comes first before a
+ * '.', the month before a '/'. The whole text has to be a stamp.
+ */
+bool stamp_parse(struct text text, struct stamp *stamp);
+
+/* What a column has of them. */
+struct stamp_column {
+    size_t count, clocks; /* stamps, and those with a time of day */
+    bool date;            /* in every one of them */
+    int64_t first;        /* day of the first */
+};
+
+/* [s] since the midnight before the column's first stamp. */
+double stamp_seconds(struct stamp_column *column, struct text field);
+/* Columns of stamps become times in seconds from their first: a date beside a time of day is joined
+ * with it, a clock that passes midnight goes on. Says so. */
+void stamp_columns(struct recording *recording, const struct stamp_column *column);
+
+#endif

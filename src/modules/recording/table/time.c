@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * From the chosen columns to time [s] that rises and value [SI]. What is odd about the times is
+ * counted and said.
+ */
+#include "modules/recording/table/table.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/unit.h>
+#include <hooke/base/numeric.h>
+#include <hooke/data/even_times.h>
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MEDIAN_SAMPLE 4096 /* steps looked at for the median */
+#define UNEVEN 0.1         /* of the median step: beyond it the sampling is called uneven */
+#define GAP 1.5            /* median steps */
+
+/* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once.
+ */
+static void to_si(const double *number, size_t n, double factor, double *si)
+{
+    const double inverse = nearbyint(1 / factor);
+    const bool divide = factor < 1 && inverse * factor == 1;
+    for (size_t i = 0; i < n; i++)
+        si[i] = divide ? number[i] / inverse : number[i] * factor;
+}
+
+/* Seconds, milliseconds, micro- or nanoseconds since 1970, told by their size: between 1990 and
+ * 2100. */
+static bool set_epoch(struct recording *recording, struct column *time)
+{
+    static const struct {
+        double per_second;
+        const char *unit;
+    } clocks[] = {{1, "s"}, {1e3, "ms"}, {1e6, "us"}, {1e9, "ns"}};
+    const double first = recording->rows > 0 ? time->value[0] : NAN;
+    for (size_t i = 0; i < COUNT_OF(clocks); i++) {
+        if (!(first > 631152000 * clocks[i].per_second &&
+              first < 4102444800 * clocks[i].per_second))
+            continue;
+        for (size_t row = 0; row < recording->rows; row++)
+            time->value[row] -= first;
+        snprintf(time->unit, sizeof time->unit, "%s", clocks[i].unit);
+        time->quantity = QUANTITY_TIME;
+        time->factor = 1 / clocks[i].per_second;
+        recording_warn(recording,
+                       "%s counts %s since 1970: taken from its first, %.0f; tunit= says otherwise",
+                       time->name, clocks[i].unit, first);
+        return true;
+    }
+    return false;
+}
+
+static bool set_time_unit(struct recording *recording, const struct load_options *options,
+                          struct error *error)
+{
+    const struct unit *unit = options->time_unit;
+    if (recording->source != TIME_COLUMN)
+        return !unit ||
+               error_set(error, ERROR_COMMAND, "tunit= has no meaning together with rate=");
+    struct column *time = &recording->column[recording->time];
+    if (unit && unit->quantity != QUANTITY_TIME)
+        return error_set(error, ERROR_COMMAND, "tunit= needs a time (s, ms, min), got '%s' (%s)",
+                         unit->row.name, quantity_name(unit->quantity));
+    if (unit) {
+        snprintf(time->unit, sizeof time->unit, "%s", unit->row.name);
+        time->quantity = QUANTITY_TIME;
+        time->factor = unit->factor;
+    } else if (time->quantity != QUANTITY_TIME && time->unit[0]) {
+        error_set(error, options->time.len > 0 ? ERROR_COMMAND : ERROR_IO,
+                  "the unit of '%s' is '%s', which is no known time", time->name, time->unit);
+        return error_hint(error, "tunit=s takes its numbers as seconds");
+    } else if (time->quantity != QUANTITY_TIME && set_epoch(recording, time)) {
+        return true;
+    } else if (time->quantity != QUANTITY_TIME) {
+        bool whole = true;
+        for (size_t i = 0; i < recording->rows && whole; i++)
+            whole = !(fabs(time->value[i]) < HUGE_VAL) || time->value[i] == floor(time->value[i]);
+        recording_warn(recording, "%s has no unit: %s; tunit= says otherwise", time->name,
+                       whole
+                           ? "seconds assumed, but whole numbers are often milliseconds (tunit=ms)"
+                           : "seconds assumed");
+    }
+    return true;
+}
+
+static void set_value_unit(struct recording *recording, const struct unit *unit)
+{
+    struct column *value = &recording->column[recording->value];
+    if (unit) {
+        snprintf(value->unit, sizeof value->unit, "%s", unit->row.name);
+        value->quantity = unit->quantity;
+        value->factor = unit->factor;
+    } else if (value->unit[0] && value->quantity == QUANTITY_OTHER) {
+        recording_warn(recording,
+                       "the unit '%s' of %s is not converted: its numbers are taken as they are; "
+                       "unit=cm (or another) "
+                       "says otherwise",
+                       value->unit, value->name);
+    } else if (!value->unit[0]) {
+        recording_warn(recording,
+                       "%s has no unit: its numbers are taken as they are; unit=cm (or m, mm, deg "
+                       "…) says what they are",
+                       value->name);
+    }
+}
+
+struct dropped {
+    size_t count, line; /* how many, line of the first */
+};
+
+static void drop(struct dropped *dropped, size_t line)
+{
+    if (dropped->count++ == 0)
+        dropped->line = line;
+}
+
+static void warn_dropped(struct recording *recording, const struct dropped *dropped,
+                         const char *one, const char *many)
+{
+    if (dropped->count > 0)
+        recording_warn(recording, "%zu %s: dropped (first: line %zu)", dropped->count,
+                       dropped->count == 1 ? one : many, dropped->line);
+    recording->dropped += dropped->count;
+}
+
+static void keep(struct recording *recording, size_t to, size_t from)
+{
+    for (int i = 0; to != from && i < recording->columns; i++)
+        recording->column[i].value[to] = recording->column[i].value[from];
+    recording->line[to] = recording->line[from];
+    recording->t[to] = recording->t[from];
+}
+
+/* ---- rounded stamps ---- */
+
+/* Where this part of the rows repeats the stamp before, the clock was rounded, be it uneven. Less
+ * is a logger that stumbled. */
+static const double repeats_of_rounded_clock = 0.2;
+
+/* Returns the smallest step [s] between stamps that differ. */
+static double stamp_step_min(const struct recording *recording)
+{
+    double smallest = HUGE_VAL;
+    for (size_t i = 1; i < recording->rows; i++) {
+        const double step = recording->t[i] - recording->t[i - 1];
+        if (step > 0 && step < smallest)
+            smallest = step;
+    }
+    return smallest;
+}
+
+/* Rows that share a stamp lie evenly between it and the next. */
+static void spread_groups(struct recording *recording)
+{
+    const size_t n = recording->rows;
+    double last = 0;
+    for (size_t i = 0, next; i < n; i = next) {
+        for (next = i + 1; next < n && recording->t[next] == recording->t[i];)
+            next++;
+        const double at = recording->t[i], count = (double)(next - i);
+        last = next < n ? (recording->t[next] - at) / count : last;
+        for (size_t k = i; k < next; k++)
+            recording->t[k] = at + last * (double)(k - i);
+    }
+}
+
+/*
+ * Times printed with too few digits lie beside the times of the samples, and repeat: 24 pictures a
+ * second in hundredths of a second do. Where all stamps lie within their rounding of a line through
+ * the rows, the times are taken from the line; else rows that share a stamp are spread. Dropping
+ * the repeats would shorten some steps and not others. Only where no stamp goes back.
+ */
+static void spread_stamps(struct recording *recording)
+{
+    size_t repeated = 0;
+    struct even_times even;
+    if (recording->source != TIME_COLUMN || recording->rows < 8 || recording->collected)
+        return;
+    for (size_t i = 1; i < recording->rows; i++) {
+        if (!(recording->t[i] >= recording->t[i - 1]))
+            return;
+        repeated += recording->t[i] == recording->t[i - 1];
+    }
+    even_times_find(recording->t, recording->column[recording->value].value, recording->rows,
+                    recording->cancel, &even);
+    if (even.even && even.resolution > 0) {
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->t[i] = even.first + even.step * (double)i;
+        recording->pace = even.pace;
+    } else if ((double)repeated >= repeats_of_rounded_clock * (double)recording->rows &&
+               repeated + 2 <= recording->rows) {
+        even.even = false;
+        even.resolution = stamp_step_min(recording);
+        spread_groups(recording);
+    } else {
+        return;
+    }
+    if (repeated > 0)
+        recording_warn(recording,
+                       "%zu %s the time before, which was rounded to %.3g s: all rows are kept, %s",
+                       repeated, repeated == 1 ? "row repeats" : "rows repeat", even.resolution,
+                       even.even ? "at even times (a straight line through the stamps)"
+                                 : "spread between the stamps");
+}
+
+/*
+ * Keeps the rows whose time rises. A single time that is ahead of its successor, where the one
+ * before is not, is itself wrong; after any other step back the rows are dropped until the clock
+ * has caught up.
+ */
+static void drop_rows(struct recording *recording)
+{
+    struct dropped missing = {0}, same = {0}, back = {0};
+    size_t rows_used = 0, rising = 0;
+    double last = -HUGE_VAL;
+    for (; rising < recording->rows && recording->t[rising] > last; rising++)
+        last = recording->t[rising];
+    if (rising == recording->rows && last < HUGE_VAL) /* as it should be */
+        return;
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
+        if (isfinite(recording->t[i]))
+            keep(recording, rows_used++, i);
+        else
+            drop(&missing, recording->line[i]);
+    recording->rows = rows_used;
+    rows_used = 0;
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++) {
+        const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL,
+                     now = recording->t[i];
+        const bool ahead =
+            i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
+        if (now > before && !ahead)
+            keep(recording, rows_used++, i);
+        else
+            drop(now == before ? &same : &back, recording->line[i]);
+    }
+    recording->rows = rows_used;
+    recording->repeated = same.count;
+    recording->backward = back.count;
+    warn_dropped(recording, &missing, "row has no time", "rows have no time");
+    warn_dropped(recording, &same, "row repeats the time before", "rows repeat the time before");
+    warn_dropped(recording, &back, "row goes back in time", "rows go back in time");
+}
+
+static void swap(double *a, double *b)
+{
+    const double was = *a;
+    *a = *b;
+    *b = was;
+}
+
+void recording_reverse(struct recording *recording)
+{
+    for (size_t i = 0, j = recording->rows; i + 1 < j && !cancelled_at(recording->cancel, i); i++) {
+        j--;
+        for (int k = 0; k < recording->columns; k++)
+            swap(&recording->column[k].value[i], &recording->column[k].value[j]);
+        const uint32_t line = recording->line[i];
+        recording->line[i] = recording->line[j];
+        recording->line[j] = line;
+    }
+    recording_warn(recording,
+                   "the newest row comes first: the rows are taken in the order of their times");
+}
+
+double recording_median_step(const struct recording *recording)
+{
+    double step[MEDIAN_SAMPLE];
+    const size_t steps = recording->rows - 1, stride = steps / MEDIAN_SAMPLE + 1;
+    size_t count = 0;
+    for (size_t i = 0; i < steps; i += stride)
+        step[count++] = recording->t[i + 1] - recording->t[i];
+    return values_quantile(step, count, 0.5);
+}
+
+static void warn_steps(struct recording *recording)
+{
+    const double median = recording_median_step(recording);
+    double min = HUGE_VAL, max = 0, longest = 0;
+    size_t uneven = 0, gaps = 0, first = 0;
+    for (size_t i = 0; i + 1 < recording->rows && !cancelled_at(recording->cancel, i); i++) {
+        const double step = recording->t[i + 1] - recording->t[i];
+        longest = step > longest ? step : longest;
+        if (step > GAP * median) {
+            first = gaps++ == 0 ? recording->line[i] : first;
+            continue;
+        }
+        min = step < min ? step : min;
+        max = step > max ? step : max;
+        uneven += fabs(step - median) > UNEVEN * median;
+    }
+    if (gaps > 0)
+        recording_warn(recording,
+                       "%zu %s between samples, the longest %.4g s where %.4g s is usual (first: "
+                       "after line %zu)",
+                       gaps, gaps == 1 ? "gap" : "gaps", longest, median, first);
+    if (uneven > 0)
+        recording_warn(recording,
+                       "the sampling is uneven: %zu of %zu steps differ by more than %.0f %% from "
+                       "%.4g s (%.4g to %.4g s)",
+                       uneven, recording->rows - 1, 100 * UNEVEN, median, min, max);
+}
+
+/* Values in SI; what is missing inside is said. */
+static bool fill_values(struct recording *recording)
+{
+    const struct column *column = &recording->column[recording->value];
+    struct dropped missing = {0};
+    assert(recording->rows > 0);
+    if (!(recording->y = malloc(recording->rows * sizeof *recording->y)))
+        return false;
+    to_si(column->value, recording->rows, column->factor, recording->y);
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
+        if (!isfinite(recording->y[i])) {
+            recording->y[i] = NAN;
+            drop(&missing, recording->line[i]);
+        }
+    if (missing.count > 0)
+        recording_warn(recording, "%s: %zu %s missing (first: line %zu)", column->name,
+                       missing.count, missing.count == 1 ? "value is" : "values are", missing.line);
+    return true;
+}
+
+void recording_set_step(struct recording *recording)
+{
+    struct even_times even;
+    even_times_find(recording->t, NULL, recording->rows, recording->cancel, &even);
+    recording->dt = even.step;
+}
+
+bool enough_rows(const struct recording *recording, struct error *error)
+{
+    return recording->rows >= 2 ||
+           error_set(error, ERROR_IO, "only %zu usable %s of data; at least 2 are needed",
+                     recording->rows, recording->rows == 1 ? "row" : "rows");
+}
+
+/* Between two passes over the rows. */
+static bool goes_on(const struct recording *recording, struct error *error)
+{
+    return !cancelled(recording->cancel) ||
+           error_set(error, ERROR_CANCELLED, "reading was stopped");
+}
+
+bool recording_time(struct recording *recording, const struct load_options *options,
+                    struct error *error)
+{
+    if (!set_time_unit(recording, options, error))
+        return false;
+    set_value_unit(recording, options->unit);
+    if (options->calibration && !recording_calibrate(recording, options->calibration, error))
+        return false;
+    const struct column *time = recording->time >= 0 ? &recording->column[recording->time] : NULL;
+    const double rate = options->rate > 0 ? options->rate : recording->header_rate;
+    if (time && recording->source == TIME_COLUMN)
+        to_si(time->value, recording->rows, time->factor, recording->t);
+    else
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) +
+                              (time ? time->value[i] : recording->t[i]) / rate;
+    if (!goes_on(recording, error) || !take_run_below(recording, options, error))
+        return false;
+    mend_clock_jumps(recording);
+    spread_stamps(recording);
+    if (!goes_on(recording, error))
+        return false;
+    drop_rows(recording);
+    if (!goes_on(recording, error) || !enough_rows(recording, error))
+        return false;
+    recording_set_step(recording);
+    recording->rate = recording->source != TIME_COLUMN ? rate : 1 / recording->dt;
+    warn_steps(recording);
+    if (!fill_values(recording))
+        return error_memory(error);
+    recording_restore(recording);
+    return goes_on(recording, error);
+}

@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A hand-in, the folder of `report`, against what its session.hk gives when it is run again. */
+#define _GNU_SOURCE /* memmem */
+#include "modules/recording/known/handed_in.h"
+#include "modules/report/check.h"
+#include <hooke/base/cancel.h>
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/command/handler.h>
+
+#include <hooke/base/fields.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define HANDED_MAX (1u << 28) /* [byte] a file of it */
+
+/* Longest part of a line that a difference quotes: a page holds figures of many kilobytes. */
+enum { QUOTE_MAX_BYTES = 160 };
+
+void check_differs(struct check *check, const char *file, const char *what, struct text detail)
+{
+    struct reply *reply = check->reply;
+    struct buffer safe = {0};
+    size_t length = detail.len < QUOTE_MAX_BYTES ? detail.len : QUOTE_MAX_BYTES;
+    while (length < detail.len && length > 0 && ((unsigned char)detail.at[length] & 0xC0) == 0x80)
+        length--; /* inside a character of UTF-8 */
+    safe_text(&safe, (struct text){detail.at, length}, false);
+    if (length < detail.len)
+        buffer_put(&safe, TEXT(" ..."));
+    check->differences++;
+    reply_line(reply, "differs: %s: %s%s%s", file, what, safe.len ? ": " : "", buffer_view(&safe));
+    reply_object(reply, NULL);
+    reply_string(reply, "file", file);
+    reply_string(reply, "what", what);
+    reply_string(reply, "detail", buffer_view(&safe));
+    reply_close(reply);
+    buffer_free(&safe);
+}
+
+/* ---- what is read ---- */
+
+/* The recording that was taken from the folder, since its own file is not here; NULL: it is. */
+static const struct recording *moved(const struct session *session, int index)
+{
+    const struct recording *recording = session->recording[index]->recording;
+    return strcmp(recording->format, HANDED_IN) == 0 ? recording : NULL;
+}
+
+/* What is said of such a file: rows, separator. */
+static bool is_of_moved(const struct session *session, struct text line)
+{
+    for (int i = 0; i < session->recordings; i++) {
+        struct buffer about = {0};
+        if (moved(session, i))
+            recording_describe(moved(session, i), &about);
+        const char *end = strchr(buffer_view(&about), ',');
+        const bool found =
+            end && about.data && memmem(line.at, line.len, about.data, (size_t)(end - about.data));
+        buffer_free(&about);
+        if (found)
+            return true;
+    }
+    return false;
+}
+
+static bool has_line(struct text text, struct text wanted)
+{
+    struct text line;
+    while (text.len > 0 && text_split(&text, '\n', &line))
+        if (text_equal(text_trim(line), wanted))
+            return true;
+    return false;
+}
+
+/* What carries numbers, figures and commands has to be there as it was; answers, headings and words
+ * are the student's. */
+static void compare_lines(struct check *check, const char *file, struct text handed,
+                          struct text again)
+{
+    struct text line;
+    while (again.len > 0 && text_split(&again, '\n', &line)) {
+        line = text_trim(line);
+        bool digit = false;
+        for (size_t i = 0; i < line.len; i++)
+            digit |= line.at[i] >= '0' && line.at[i] <= '9';
+        if (digit && line.at[0] != '#' && !text_starts(line, TEXT("<h")) &&
+            !has_line(handed, line) && !is_of_moved(check->report.session, line))
+            check_differs(check, file, "this line is not there", line);
+    }
+}
+
+/* ---- files ---- */
+
+static bool ends_in(const char *name, const char *end)
+{
+    const size_t n = strlen(name), m = strlen(end);
+    return n >= m && strcmp(name + n - m, end) == 0;
+}
+
+/* Reads a file of the folder; reports a file that is missing, a folder, a pipe or not readable. */
+static bool read_handed(struct check *check, const char *name, struct buffer *content)
+{
+    struct buffer path = {0};
+    struct error error = {0};
+    struct stat st;
+    buffer_format(&path, "%s/%s", check->folder, name);
+    const bool found = stat(buffer_view(&path), &st) == 0;
+    bool read = false;
+    if (!found)
+        check_differs(check, name, "it is not there", TEXT(""));
+    else if (!S_ISREG(st.st_mode))
+        check_differs(check, name, S_ISDIR(st.st_mode) ? "it is a folder" : "it is not a file",
+                      TEXT(""));
+    else if (!(read = file_read(buffer_view(&path), HANDED_MAX, content, &error)))
+        check_differs(check, name, "it cannot be read", text_of(error.text));
+    buffer_free(&path);
+    return read;
+}
+
+/* Returns true if the folder has something of that name. Reports of earlier versions have no copies
+ * of recordings. */
+static bool is_handed(const struct check *check, const char *name)
+{
+    struct buffer path = {0};
+    struct stat st;
+    buffer_format(&path, "%s/%s", check->folder, name);
+    const bool found = stat(buffer_view(&path), &st) == 0;
+    buffer_free(&path);
+    return found;
+}
+
+/* Compares a file of the report that the session gives with that of the folder. */
+static bool compare_file(void *context, const char *name, struct text again, struct error *error)
+{
+    struct check *check = context;
+    struct buffer handed = {0};
+    const bool copy = text_starts(text_of(name), TEXT("recording-")) && strchr(name + 10, '-');
+    const bool prose = ends_in(name, ".md") || ends_in(name, ".html") || ends_in(name, ".tex");
+    const bool figure = text_starts(text_of(name), TEXT("figure-"));
+    (void)error;
+    if (strcmp(name, "session.hk") == 0 || (copy && !is_handed(check, name)) ||
+        !read_handed(check, name, &handed)) {
+        buffer_free(&handed);
+        return true;
+    }
+    check->files++;
+    check->figures += figure && !ends_in(name, ".txt");
+    if (copy && !text_equal(buffer_text(&handed), again))
+        check_differs(check, name, "it is not the file that the session loads", TEXT(""));
+    else if (copy)
+        ; /* the same bytes */
+    else if (strcmp(name, "values.csv") == 0)
+        check_values(check, buffer_text(&handed), again);
+    else if (prose)
+        compare_lines(check, name, buffer_text(&handed), again);
+    else if (!figure)
+        check_data(check, name, buffer_text(&handed), again);
+    else if (!text_equal(buffer_text(&handed), again))
+        check_differs(check, name, "it is not the figure that the session gives", TEXT(""));
+    buffer_free(&handed);
+    return true;
+}
+
+/* ---- the session, run again ---- */
+
+static bool drop(void *context, struct text text)
+{
+    (void)context;
+    (void)text;
+    return true;
+}
+
+static bool keep_error(void *context, struct text text)
+{
+    struct check *check = context;
+    struct text line;
+    const char *found = text.len ? memmem(text.at, text.len, "error: ", 7) : NULL;
+    if (found && check->failure.len == 0 && text_split(&text, '\n', &line))
+        buffer_put(&check->failure, line);
+    return true;
+}
+
+/* Nothing is shown and nothing written; settings of the output are as they were. False: it cannot
+ * be read. */
+static bool run_again(struct check *check, struct session *session)
+{
+    struct buffer path = {0}, script = {0};
+    struct error error = {0};
+    struct reply silent;
+    const int format = session->setup.settings.format;
+    buffer_format(&path, "%s/session.hk", check->folder);
+    const bool read = file_read(buffer_view(&path), HANDED_MAX, &script, &error);
+    if (!read) {
+        reply_error(check->reply, &error, NULL, (struct text){NULL, 0});
+    } else {
+        const bool fails = memmem(script.data, script.len, "hooke --keep-going", 18) != NULL;
+        reply_init(&silent, (struct sink){drop, keep_error, check});
+        session->options.checking = check->folder;
+        session->options.keep_going = true;
+        script_file(session, buffer_view(&path), NULL, &silent);
+        reply_free(&silent);
+        if (fails)
+            buffer_clear(&check->failure);
+    }
+    session->setup.settings.format = format;
+    buffer_free(&path);
+    buffer_free(&script);
+    return read;
+}
+
+/* Reports if a recording was taken from the folder, as its own file is gone or is another one. */
+static bool tell_taken(struct check *check, int index)
+{
+    const struct session *session = check->report.session;
+    const struct recording *recording = session->recording[index]->recording;
+    const struct text file = text_last_component(text_of(recording->path));
+    struct buffer content = {0}, copy = {0};
+    struct error ignored;
+    const bool found = file_read(recording->path, HANDED_MAX, &content, &ignored),
+               same = found &&
+                      (recording->sum == 0 || bytes_sum(buffer_text(&content)) == recording->sum);
+    buffer_free(&content);
+    if (same && !moved(session, index))
+        return false;
+    buffer_format(&copy, moved(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
+                  index + 1, (int)file.len, file.at);
+    reply_line(check->reply, "%s: its file is not here; %s was taken%s", recording->name,
+               buffer_view(&copy), found ? " (the one of that name is another)" : "");
+    buffer_free(&copy);
+    return true;
+}
+
+static void conclude(struct check *check)
+{
+    struct reply *reply = check->reply;
+    struct buffer safe = {0}, verdict = {0};
+    const int n = check->differences;
+    const struct session *session = check->report.session;
+    int taken = 0;
+    for (int i = 0; i < session->recordings; i++)
+        taken += tell_taken(check, i);
+    safe_text(&safe, text_of(check->folder), false);
+    if (n > 0)
+        buffer_format(&verdict, "%d difference%s from what session.hk gives", n, n == 1 ? "" : "s");
+    else
+        buffer_put(&verdict, TEXT("they agree with session.hk"));
+    reply_line(reply, "%s: %d values, %d figures, %d files: %s", buffer_view(&safe), check->values,
+               check->figures, check->files, buffer_view(&verdict));
+    reply_close(reply);
+    reply_string(reply, "folder", buffer_view(&safe));
+    reply_bool(reply, "agrees", n == 0);
+    reply_int(reply, "values", check->values);
+    reply_int(reply, "figures", check->figures);
+    reply_int(reply, "files", check->files);
+    reply_int(reply, "moved", taken);
+    reply_end(reply);
+    buffer_free(&safe);
+    buffer_free(&verdict);
+}
+
+static int check_folder(struct session *session, const char *folder, struct reply *reply)
+{
+    struct check *check = calloc(1, sizeof *check);
+    struct session *view = malloc(sizeof *view);
+    struct error error = {0};
+    int status = ERROR_USAGE;
+    if (check && view) {
+        check->folder = folder;
+        check->reply = reply;
+        if (run_again(check, session)) {
+            reply_command_begin(reply, (enum output_format)session->setup.settings.format);
+            reply_begin(reply, "check");
+            reply_array(reply, "differences");
+            if (check->failure.len > 0)
+                check_differs(check, "session.hk", "it ends in an error",
+                              buffer_text(&check->failure));
+            *view = *session;
+            check->report = (struct report){.session = session,
+                                            .view = view,
+                                            .arena = &check->arena,
+                                            .put = compare_file,
+                                            .context = check};
+            if (session->runs.count == 0 && session->recordings == 0)
+                check_differs(check, "session.hk", "it gives neither a run nor a recording",
+                              TEXT(""));
+            else if (!report_write(&check->report, &error))
+                check_differs(check, "session.hk", "it gives no report", text_of(error.text));
+            document_free(&check->report.document);
+            conclude(check);
+            reply_command_end(reply, "check");
+            status = check->differences ? ERROR_COMMAND : 0;
+        }
+        buffer_free(&check->failure);
+        arena_reset(&check->arena);
+    }
+    free(view);
+    free(check);
+    return status;
+}
+
+int hand_ins_check(struct session *session, const char *const *folder, int folders,
+                   struct reply *reply)
+{
+    int status = 0;
+    for (int i = 0; i < folders && !cancelled(session->front.cancel); i++) {
+        struct session *own = session_create(&session->front);
+        if (!own)
+            return ERROR_COMMAND;
+        own->options.safe = session->options.safe;
+        own->options.verbose = session->options.verbose;
+        own->setup.settings.format = session->setup.settings.format;
+        const int one = check_folder(own, folder[i], reply);
+        status = one > status ? one : status;
+        session_destroy(own);
+    }
+    return status;
+}

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The tables of a hand-in against those that its session gives: values.csv and the data. */
+#include "modules/report/check.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SAME_DIGITS 1e-6      /* of values without uncertainty, relative */
+#define SAME_UNCERTAINTY 0.05 /* uncertainties have two digits */
+
+/* Largest difference of two numbers of a data file that counts as none, relative to the largest
+ * number of the column. A recording that is read back from recording-N.csv may differ in its last
+ * bits from the file that it was loaded from, and so may every run that starts from its fit. */
+static const double data_tolerance_relative = 1e-9;
+
+/* The same for numbers without a unit, which are often errors relative to something of size 1. */
+static const double data_tolerance_of_one = 1e-13;
+
+/* ---- values ---- */
+
+struct values { /* columns of values.csv; NULL: it has none of that name or kind */
+    const char *const *name, *const *of, *const *source;
+    const double *value, *uncertainty, *t;
+    size_t rows;
+};
+
+static bool find_values(const struct table *table, struct values *values)
+{
+    *values = (struct values){.rows = table->rows};
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        const struct {
+            const char *name;
+            const char *const **text;
+            const double **number;
+        } wanted[] = {
+            {"name", &values->name, NULL},
+            {"of", &values->of, NULL},
+            {"source", &values->source, NULL},
+            {"value", NULL, &values->value},
+            {"uncertainty", NULL, &values->uncertainty},
+            {"t", NULL, &values->t},
+        };
+        for (size_t k = 0; k < COUNT_OF(wanted); k++) {
+            if (strcmp(column->name, wanted[k].name) != 0)
+                continue;
+            if (wanted[k].text)
+                *wanted[k].text = column->text;
+            else
+                *wanted[k].number = column->value;
+        }
+    }
+    return values->name && values->of && values->source && values->value && values->uncertainty;
+}
+
+static double time_of(const struct values *values, size_t row)
+{
+    return values->t && isfinite(values->t[row]) ? values->t[row] : -HUGE_VAL;
+}
+
+static bool same_key(const struct values *a, size_t i, const struct values *b, size_t j)
+{
+    return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->of[i], b->of[j]) == 0 &&
+           strcmp(a->source[i], b->source[j]) == 0 && !(time_of(a, i) < time_of(b, j)) &&
+           !(time_of(a, i) > time_of(b, j));
+}
+
+/* What is named alike is counted: the row of `b` that is as many-th there as row i is in `a`. */
+static size_t find_row(const struct values *a, size_t i, const struct values *b)
+{
+    size_t before = 0;
+    for (size_t k = 0; k < i; k++)
+        before += same_key(a, k, a, i);
+    for (size_t j = 0; j < b->rows; j++)
+        if (same_key(a, i, b, j) && before-- == 0)
+            return j;
+    return b->rows;
+}
+
+/* Within the uncertainty, which has to be the same; exact values in their digits. */
+static bool agree(struct measured stated, struct measured computed)
+{
+    const double u = isfinite(computed.uncertainty) ? fabs(computed.uncertainty) : 0,
+                 v = isfinite(stated.uncertainty) ? fabs(stated.uncertainty) : 0;
+    return fabs(stated.value - computed.value) <= fmax(u, SAME_DIGITS * fabs(computed.value)) &&
+           fabs(v - u) <= SAME_UNCERTAINTY * u;
+}
+
+static void compare_value(struct check *check, const struct values *handed, size_t i,
+                          const struct values *again, size_t j)
+{
+    const struct measured stated = {handed->value[i], handed->uncertainty[i]};
+    const struct measured computed = {again->value[j], again->uncertainty[j]};
+    check->values++;
+    if (agree(stated, computed))
+        return;
+    struct buffer detail = {0};
+    buffer_format(&detail, "%s of %s (%s): it says %.9g +- %.2g, the session gives %.9g +- %.2g",
+                  handed->name[i], handed->of[i], handed->source[i], stated.value,
+                  stated.uncertainty, computed.value, computed.uncertainty);
+    check_differs(check, "values.csv", "a value", buffer_text(&detail));
+    buffer_free(&detail);
+}
+
+static void tell_unmatched(struct check *check, const struct values *values, size_t i,
+                           const char *what)
+{
+    struct buffer detail = {0};
+    buffer_format(&detail, "%s of %s (%s) = %.9g", values->name[i], values->of[i],
+                  values->source[i], values->value[i]);
+    check->values++;
+    check_differs(check, "values.csv", what, buffer_text(&detail));
+    buffer_free(&detail);
+}
+
+void check_values(struct check *check, struct text handed_text, struct text again_text)
+{
+    struct table handed_table = {0}, again_table = {0};
+    struct values handed, again;
+    struct error error = {0};
+    if (!table_parse(handed_text, NULL, &check->arena, &handed_table, &error) ||
+        !find_values(&handed_table, &handed)) {
+        if (!text_equal(handed_text, again_text)) /* else it has a heading alone */
+            check_differs(check, "values.csv", "it is no table of values", text_of(error.text));
+        return;
+    }
+    if (!table_parse(again_text, NULL, &check->arena, &again_table, &error) ||
+        !find_values(&again_table, &again))
+        return;
+    for (size_t i = 0; i < handed.rows; i++) {
+        const size_t j = find_row(&handed, i, &again);
+        if (j < again.rows)
+            compare_value(check, &handed, i, &again, j);
+        else
+            tell_unmatched(check, &handed, i, "the session does not give");
+    }
+    for (size_t j = 0; j < again.rows; j++)
+        if (find_row(&again, j, &handed) == handed.rows)
+            tell_unmatched(check, &again, j, "it lacks");
+}
+
+/* ---- data ---- */
+
+/* Where two tables of the same shape differ, and by how much. */
+struct data_difference {
+    size_t count, row; /* cells that differ, and the row of the largest difference */
+    int column;
+    double relative; /* largest difference, relative to the largest number of its column */
+};
+
+static double column_max(const struct table_column *column, size_t rows)
+{
+    double max = 0;
+    for (size_t i = 0; i < rows; i++)
+        if (isfinite(column->value[i]))
+            max = fmax(max, fabs(column->value[i]));
+    return max;
+}
+
+/* Returns the difference of two numbers relative to `scale`; infinity if only one is a finite
+ * number. */
+static double number_difference(double a, double b, double scale)
+{
+    if (!isfinite(a) || !isfinite(b))
+        return (isnan(a) && isnan(b)) || (!isnan(a) && !isnan(b) && a == b) ? 0 : HUGE_VAL;
+    return scale > 0 ? fabs(a - b) / scale : 0;
+}
+
+static void compare_column(const struct table *handed, const struct table *again, int c,
+                           struct data_difference *found)
+{
+    const struct table_column *a = &handed->column[c], *b = &again->column[c];
+    const double scale =
+        a->value ? fmax(column_max(a, handed->rows), column_max(b, again->rows)) : 0;
+    const bool has_unit = a->unit && *a->unit;
+    const double tolerance =
+        data_tolerance_relative + (has_unit || !(scale > 0) ? 0 : data_tolerance_of_one / scale);
+    for (size_t i = 0; i < handed->rows; i++) {
+        const double relative = a->value ? number_difference(a->value[i], b->value[i], scale)
+                                : strcmp(a->text[i], b->text[i]) != 0 ? HUGE_VAL
+                                                                      : 0;
+        if (relative <= tolerance)
+            continue;
+        found->count++;
+        if (relative > found->relative) {
+            found->relative = relative;
+            found->row = i;
+            found->column = c;
+        }
+    }
+}
+
+static bool same_column(const struct table_column *a, const struct table_column *b)
+{
+    return strcmp(a->name, b->name) == 0 &&
+           strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") == 0 && !a->value == !b->value;
+}
+
+static void put_cell(const struct table_column *column, size_t row, struct buffer *text)
+{
+    if (column->value)
+        buffer_format(text, "%.9g", column->value[row]);
+    else
+        buffer_put(text, text_of(column->text[row]));
+}
+
+/* Names the largest difference and how many there are. */
+static void tell_data(struct check *check, const char *file, const struct table *handed,
+                      const struct table *again, const struct data_difference *found)
+{
+    const struct table_column *column = &handed->column[found->column];
+    struct buffer detail = {0};
+    buffer_format(&detail, "%s of row %zu is ", column->name, found->row + 1);
+    put_cell(column, found->row, &detail);
+    buffer_put(&detail, TEXT(", the session gives "));
+    put_cell(&again->column[found->column], found->row, &detail);
+    if (found->count > 1)
+        buffer_format(&detail, "; %zu numbers differ, this one most", found->count);
+    check_differs(check, file, "it is not the data that the session gives", buffer_text(&detail));
+    buffer_free(&detail);
+}
+
+/* Comments say where a file was and are not compared. */
+void check_data(struct check *check, const char *file, struct text handed_text,
+                struct text again_text)
+{
+    struct table handed = {0}, again = {0};
+    struct data_difference found = {0};
+    struct error error = {0};
+    struct buffer detail = {0};
+    if (!table_parse(again_text, NULL, &check->arena, &again, &error))
+        return;
+    bool same = table_parse(handed_text, NULL, &check->arena, &handed, &error);
+    if (!same)
+        buffer_put(&detail, text_of(error.text));
+    else if (handed.rows != again.rows)
+        buffer_format(&detail, "it has %zu rows, the session gives %zu", handed.rows, again.rows);
+    same = same && handed.rows == again.rows;
+    if (same && handed.columns == again.columns)
+        for (int c = 0; c < handed.columns && same; c++)
+            same = same_column(&handed.column[c], &again.column[c]);
+    else
+        same = false;
+    if (!same) {
+        if (detail.len == 0)
+            buffer_put(&detail, TEXT("it has other columns"));
+        check_differs(check, file, "it is not the data that the session gives",
+                      buffer_text(&detail));
+    } else {
+        for (int c = 0; c < handed.columns; c++)
+            compare_column(&handed, &again, c, &found);
+        if (found.count > 0)
+            tell_data(check, file, &handed, &again, &found);
+    }
+    buffer_free(&detail);
+}

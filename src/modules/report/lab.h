@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The report of a session: what the lab asks to hand in, as far as the session has it. Nothing is
+ * computed here that the session does not hold: runs, recordings, measurements, fits. What it says
+ * depends on nothing else, so that the session's script gives the same bytes.
+ */
+#ifndef HOOKE_MODULES_REPORT_LAB_H
+#define HOOKE_MODULES_REPORT_LAB_H
+
+#include "modules/documents/documents.h"
+#include <hooke/report.h>
+#include <hooke/plot.h>
+
+struct folder;
+
+/* A number of the session with where it comes from. */
+struct report_value {
+    const char *name; /* "period", "gamma, first half" */
+    struct measured value;
+    enum quantity quantity;
+    const char *of;     /* "run 1", "data disk": the second word is a user's */
+    const char *source; /* "measured", "fit damped" */
+    double at;          /* [s] of an amplitude; NAN */
+    size_t statement;   /* of the log that gave it, counted from 1; 0: the scene's own */
+    const char
+        *brief; /* what a parameter of another scene than the lab's is; NULL: its name says */
+};
+
+/* Numbered like those of the lab sheet; what is left is of no lab. */
+enum section {
+    SECTION_RECORDING = 1,
+    SECTION_SIMULATION,
+    SECTION_ENERGY,
+    SECTION_SCHEMES,
+    SECTION_DRAG,
+    SECTION_DAMPED_RECORDING,
+    SECTION_DAMPED_SIMULATION,
+    SECTION_OTHER,
+    SECTION_COUNT
+};
+
+#define REPORT_FIGURES 1024 /* a session that holds as much as it can has fewer */
+#define REPORT_OVERLAY 4    /* runs in one figure: as many as have marks of their own */
+
+struct material; /* private: material.h */
+
+struct report {
+    const struct session *session;
+    struct session *view; /* a copy in which other runs and recordings are the current ones */
+    struct arena *arena;
+    struct folder *folder;
+    /* takes the files, with `context`; NULL: they go into the folder */
+    bool (*put)(void *context, const char *name, struct text content, struct error *error);
+    void *context;
+    struct document document;
+    struct report_value *value;
+    int values;
+    int figures;
+    struct report_figure {
+        enum plot_kind kind;
+        enum section section;
+    } figure[REPORT_FIGURES];
+    bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
+    const struct material *material;                               /* sorted by what it is for */
+    int head; /* lines of session.hk before the first statement */
+    int files;
+    bool latex;       /* also report.tex, with the figures as PDF */
+    char no_pdf[600]; /* why these are text there; "": they are not */
+};
+
+/* Writes all files into the folder, which is open. */
+bool report_write(struct report *report, struct error *error);
+/* A name that a report gives to its files. */
+bool report_owns(const char *name);
+
+/* ---- what the parts share ---- */
+
+bool report_put(struct report *report, const char *name, const struct buffer *content,
+                struct error *error);
+bool collect_values(struct report *report, struct error *error);
+/* After the values: report->material. */
+bool sort_material(struct report *report, struct error *error);
+/* Values of a run or a recording, all or the measured and fitted ones; nothing where there are
+ * none. */
+void put_values(struct report *report, const char *of, bool parameters);
+/* All values, with the line of session.hk that each comes from. */
+void put_all_values(struct report *report);
+/* One that was found, of that ("data disk"); of NULL: of anything. */
+const struct report_value *find_value(const struct report *report, const char *name,
+                                      const char *of);
+/* "damping gamma", "y0 (y at t0)" */
+void say_label(struct document *document, const struct report_value *value);
+/* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */
+void say_value(struct document *document, const struct report_value *value);
+/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without
+ * such a plot. */
+bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
+                int runs, int recording, struct error *error);
+/* Place of the recording that a run is to be compared with; -1: none. */
+int recording_beside(struct report *report, int run, enum plot_kind kind);
+/* The runs as a table; distance: from the recordings beside them. */
+void put_runs(struct report *report, const int *run, int runs, bool distance);
+bool write_tables(struct report *report, struct error *error);
+
+/* ---- sections ---- */
+
+/* Those of a section. */
+void put_questions(struct report *report, enum section section);
+bool write_sections(struct report *report, struct error *error);
+/* The session has something of the lab. */
+bool report_of_lab(const struct report *report);
+/* What the headings lack, each with what to type for it. */
+void report_missing(const struct report *report,
+                    void (*say)(void *context, const char *what, const char *type), void *context);
+
+#endif

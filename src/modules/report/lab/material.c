@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Which question a run answers: by its method, its scene, the recording its parameters come from
+ * and what it was compared with. Damping alone says nothing: the bare bob is damped a little, and
+ * a fit of it is adopted with that.
+ */
+#include "modules/report/lab/material.h"
+
+#include "modules/recording/fits.h"
+#include "modules/recording/known/known.h"
+#include <hooke/base/numeric.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FALLS 0.25 /* share of its amplitude that a recording of the second session loses */
+#define PARTS 5    /* of a recording: the amplitude of the last is compared with the first's */
+#define MORE 2     /* times the damping of another recording, and three uncertainties of both */
+
+bool is_method(const struct run *run, const char *name)
+{
+    return catalog_find(&method_catalog, text_of(name)) == &run->method->row;
+}
+
+/* ---- recordings ---- */
+
+/* Half of the values are no farther from their median: missed echoes do not matter. NAN: no memory.
+ */
+static double spread(struct arena *arena, const double *y, size_t n)
+{
+    double *values = arena_array(arena, n, sizeof *values);
+    if (!values)
+        return NAN;
+    memcpy(values, y, n * sizeof *values);
+    const double median = values_quantile(values, n, 0.5);
+    for (size_t i = 0; i < n; i++)
+        values[i] = fabs(values[i] - median);
+    return values_quantile(values, n, 0.5);
+}
+
+/* The share of the amplitude that is lost from the first part of all of it to the last; NAN: too
+ * short. */
+static double falls(const struct recording *recording)
+{
+    struct recording whole = *recording;
+    struct arena arena = {0};
+    struct series series;
+    struct error error = {0};
+    double lost = NAN;
+    whole.window[0] = -HUGE_VAL;
+    whole.window[1] = HUGE_VAL;
+    if (recording_series(&whole, &arena, 4 * PARTS, &series, &error)) {
+        const size_t n = series.n / PARTS;
+        lost = 1 - spread(&arena, series.y + series.n - n, n) / spread(&arena, series.y, n);
+    }
+    arena_reset(&arena);
+    return lost;
+}
+
+/* How often the decay of a recording was asked for: a decay counts for two amplitudes. */
+static bool decay_asked(const struct report *report, int index)
+{
+    int readings = 0;
+    char of[LIMIT_NAME + 16];
+    snprintf(of, sizeof of, "data %s", report->session->recording[index]->recording->name);
+    for (int k = 0; k < report->values; k++) {
+        const struct report_value *v = &report->value[k];
+        if (strcmp(v->of, of) == 0 && strcmp(v->source, "measured") == 0)
+            readings += strcmp(v->name, "gamma") == 0 ? 2 : isfinite(v->at);
+    }
+    return readings >= 2;
+}
+
+/* The damping that the last fit of a recording found is that many times that of another one's. */
+static bool is_damped_more(const struct report *report, int index)
+{
+    const struct session *session = report->session;
+    struct measured gamma[LIMIT_RECORDINGS];
+    for (int i = 0; i < session->recordings; i++) {
+        gamma[i] = (struct measured){NAN, NAN};
+        for (int k = 0; k < fits_of(session)->stored_fits; k++) {
+            const struct stored_fit *fit = &fits_of(session)->stored_fit[k];
+            const struct text of = text_of(fit->of);
+            if (text_starts(of, TEXT("data ")) && fit->fit.gamma.value > 0 &&
+                text_is((struct text){of.at + 5, of.len - 5},
+                        session->recording[i]->recording->name))
+                gamma[i] = fit->fit.gamma;
+        }
+    }
+    for (int i = 0; i < session->recordings; i++)
+        if (gamma[index].value - 3 * gamma[index].uncertainty >
+            MORE * (gamma[i].value + 3 * gamma[i].uncertainty))
+            return true;
+    return false;
+}
+
+/*
+ * A recording is of the second session if much of its amplitude is lost or a fit of it gives far
+ * more damping than that of another one; and if its decay was asked for, unless another one of
+ * those falls more. Where all would be, those whose decay nobody asked for are of the first.
+ */
+static void sort_recordings(const struct report *report, struct material *m)
+{
+    const int count = report->session->recordings;
+    double fall[LIMIT_RECORDINGS], most = -HUGE_VAL;
+    bool asked[LIMIT_RECORDINGS], any_asked = false, all = true;
+    for (int i = 0; i < count; i++) {
+        fall[i] = falls(report->session->recording[i]->recording);
+        asked[i] = decay_asked(report, i);
+        any_asked |= asked[i];
+        most = asked[i] ? fmax(most, fall[i]) : most;
+    }
+    for (int i = 0; i < count; i++) {
+        m->decays[i] =
+            fall[i] > FALLS || (asked[i] && !(fall[i] < most)) || is_damped_more(report, i);
+        all &= m->decays[i];
+    }
+    for (int i = 0; all && any_asked && i < count; i++)
+        m->decays[i] = asked[i];
+    m->first = m->second = -1;
+    for (int i = count - 1; i >= 0; i--)
+        *(m->decays[i] ? &m->second : &m->first) = i;
+}
+
+/* ---- runs ---- */
+
+static bool same_bits(double a, double b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+int recording_of(const struct report *report, const struct run *run)
+{
+    if (run->system.model != &oscillator_model)
+        return -1;
+    const struct session *session = report->session;
+    const double k = param_value(&run->scene, "k");
+    for (int i = fits_of(session)->stored_fits - 1; i >= 0; i--) {
+        const struct stored_fit *fit = &fits_of(session)->stored_fit[i];
+        const struct text of = text_of(fit->of);
+        if (text_starts(of, TEXT("data ")) && same_bits(fit->k.value, k))
+            return session_find_recording(session, (struct text){of.at + 5, of.len - 5});
+    }
+    return -1;
+}
+
+static bool is_spring(const struct run *run)
+{
+    static const char *const others[] = {"F0", "k3", "mu"};
+    bool spring = run->system.model == &oscillator_model;
+    for (size_t i = 0; spring && i < COUNT_OF(others); i++)
+        spring = !(fabs(param_value(&run->scene, others[i])) > 0);
+    return spring;
+}
+
+/* Its drag is not proportional to the velocity. */
+static bool has_other_drag(const struct run *run)
+{
+    return param_value(&run->scene, "C") > 0 || param_value(&run->scene, "friction") > 0;
+}
+
+bool is_damped(const struct run *run)
+{
+    return fabs(param_value(&run->scene, "gamma")) > 0 || has_other_drag(run);
+}
+
+bool same_motion(const struct run *a, const struct run *b)
+{
+    if (a->system.model != b->system.model)
+        return false;
+    for (int i = 0; i < (int)scene_params(&a->scene)->count; i++)
+        if (!same_bits(a->scene.value[i], b->scene.value[i]))
+            return false;
+    return true;
+}
+
+/* Other methods integrated the same as it: in the same statement, or one by one. */
+static bool is_compared(const struct session *session, int index, bool one_by_one)
+{
+    const struct run_slot *own = session->runs.slot[index];
+    for (int i = 0; i < session->runs.count; i++) {
+        const struct run_slot *other = session->runs.slot[i];
+        if (other->run->method != own->run->method &&
+            (other->statement == own->statement ||
+             (one_by_one && same_motion(other->run, own->run))))
+            return true;
+    }
+    return false;
+}
+
+static enum section section_of(struct report *report, const struct material *m, int index,
+                               bool laws)
+{
+    const struct run *run = run_at(report, index);
+    const bool euler = is_method(run, "euler");
+    const enum section plain = euler ? SECTION_SIMULATION : SECTION_SCHEMES;
+    const int of = is_spring(run) ? recording_of(report, run) : -1;
+    if (!is_spring(run))
+        return SECTION_OTHER;
+    if (!is_damped(run) || is_compared(report->session, index, of < 0 && m->second < 0) ||
+        (euler && m->second < 0))
+        return plain;
+    if (of >= 0)
+        return m->decays[of] ? SECTION_DAMPED_SIMULATION : plain;
+    if (has_other_drag(run))
+        return m->second >= 0 && recording_beside(report, index, PLOT_POSITION) == m->second
+                   ? SECTION_DAMPED_SIMULATION
+                   : SECTION_DRAG;
+    return laws && m->second < 0 ? SECTION_DRAG : SECTION_DAMPED_SIMULATION;
+}
+
+/* ---- schemes side by side ---- */
+
+static bool same_step(const struct run *a, const struct run *b)
+{
+    return a->plan.adaptive || b->plan.adaptive || a->settings.dt == b->settings.dt;
+}
+
+static void take_scheme(const struct report *report, struct material *m, int index)
+{
+    const struct run *run = run_at(report, index), *first = run_at(report, m->scheme[0]);
+    if (m->schemes == REPORT_OVERLAY || !same_motion(first, run) || !same_step(first, run))
+        return;
+    for (int i = 0; i < m->schemes; i++)
+        if (run_at(report, m->scheme[i])->method == run->method)
+            return;
+    m->scheme[m->schemes++] = index;
+}
+
+/* Those beside a run; the lab's own methods first. */
+static void choose_schemes(const struct report *report, struct material *m, int with)
+{
+    static const char *const names[] = {"symplectic-euler", "backward-euler"};
+    const int *other = m->run[SECTION_SCHEMES], others = m->runs[SECTION_SCHEMES];
+    m->schemes = 1;
+    m->scheme[0] = with;
+    for (size_t k = 0; k < COUNT_OF(names); k++)
+        for (int i = 0; i < others; i++)
+            if (is_method(run_at(report, other[i]), names[k]))
+                take_scheme(report, m, other[i]);
+    for (int i = 0; i < others; i++)
+        take_scheme(report, m, other[i]);
+}
+
+/* The run of forward Euler that most others can be laid over, of those the first with the sheet's
+ * step of 0.01 s; without one the first of another method that was compared. */
+static void choose_euler(const struct report *report, struct material *m)
+{
+    int best = -1, most = -1;
+    m->euler = -1;
+    for (int i = 0; i < m->runs[SECTION_SIMULATION]; i++) {
+        const int index = m->run[SECTION_SIMULATION][i];
+        choose_schemes(report, m, index);
+        const int worth = 2 * m->schemes + (run_at(report, index)->settings.dt == 0.01);
+        if (worth > most)
+            m->euler = index;
+        most = worth > most ? worth : most;
+    }
+    for (int i = 0; m->euler < 0 && i < m->runs[SECTION_SCHEMES]; i++) {
+        choose_schemes(report, m, m->run[SECTION_SCHEMES][i]);
+        if (m->schemes > most) {
+            most = m->schemes;
+            best = m->run[SECTION_SCHEMES][i];
+        }
+    }
+    m->schemes = 0;
+    if (m->euler >= 0 || best >= 0)
+        choose_schemes(report, m, m->euler >= 0 ? m->euler : best);
+}
+
+bool sort_material(struct report *report, struct error *error)
+{
+    const struct session *session = report->session;
+    struct material *m = arena_alloc(report->arena, sizeof *m);
+    bool laws = false;
+    if (!m)
+        return error_memory(error);
+    *m = (struct material){.euler = -1};
+    report->material = m;
+    sort_recordings(report, m);
+    for (int i = 0; i < session->runs.count; i++)
+        laws |= is_spring(run_at(report, i)) && has_other_drag(run_at(report, i));
+    for (int i = 0; i < session->runs.count; i++) {
+        if (trace_count(run_at(report, i)->trace) < 2)
+            continue;
+        const enum section s = section_of(report, m, i, laws);
+        m->run[s][m->runs[s]++] = i;
+    }
+    choose_euler(report, m);
+    return true;
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The questions of the lab sheet, each with what it rests on and an empty place for the answer. */
+#include "modules/report/lab/material.h"
+
+#include <hooke/report.h>
+
+#include <string.h>
+
+#define KIND(kind) (1u << PLOT_##kind)
+
+static const struct question {
+    int number;
+    enum section section;
+    const char *words;
+    unsigned figures;      /* kinds, of its section and those before it; 0: it is derived */
+    const char *values[4]; /* that it rests on */
+} questions[] = {
+    {1,
+     SECTION_RECORDING,
+     "From Hooke's law to the equation of motion, and the approximations on the way",
+     0,
+     {NULL}},
+    {3, SECTION_RECORDING, "The spring constant", KIND(POSITION), {"period", "k"}},
+    {2, SECTION_SIMULATION, "The scheme of forward Euler, derived", 0, {NULL}},
+    {4,
+     SECTION_SIMULATION,
+     "What forward Euler shows, and whether that was to be expected",
+     KIND(POSITION) | KIND(VELOCITY) | KIND(PHASE),
+     {NULL}},
+    {5, SECTION_ENERGY, "What the energy suggests", KIND(ENERGY), {"energy", "drift"}},
+    {6,
+     SECTION_ENERGY,
+     "Why the phase plot should be an ellipse, and why it is not one",
+     KIND(PHASE),
+     {NULL}},
+    {7,
+     SECTION_ENERGY,
+     "The leading error of the method, from the Taylor expansion of y(t + dt)",
+     0,
+     {NULL}},
+    {8,
+     SECTION_SCHEMES,
+     "What the other schemes change in energy and phase plot",
+     KIND(ENERGY) | KIND(PHASE),
+     {NULL}},
+    {9,
+     SECTION_DRAG,
+     "The Reynolds number of this system, and what it says of the drag",
+     0,
+     {"reynolds"}},
+    {10, SECTION_DAMPED_SIMULATION, "What damping does to the energy", KIND(ENERGY), {"gamma"}},
+};
+
+static void put_rests(struct report *report, const struct question *q)
+{
+    struct document *document = &report->document;
+    const bool damped = q->section >= SECTION_DRAG;
+    bool begun = false;
+    for (int i = 0; i < report->figures; i++) {
+        const struct report_figure *figure = &report->figure[i];
+        if (!(q->figures & 1u << figure->kind) || figure->section > q->section ||
+            (figure->section >= SECTION_DRAG) != damped ||
+            (q->section != SECTION_RECORDING && figure->section == SECTION_RECORDING))
+            continue;
+        if (!begun)
+            document_open(document, BLOCK_PARAGRAPH);
+        document_say(document, begun ? ", figure %d" : "It rests on figure %d", i + 1);
+        begun = true;
+    }
+    if (begun) {
+        document_say(document, ".");
+        document_close(document, BLOCK_PARAGRAPH);
+    }
+    begun = false;
+    for (int i = 0; i < report->values; i++)
+        for (size_t k = 0; k < COUNT_OF(q->values) && q->values[k]; k++) {
+            const struct report_value *v = &report->value[i];
+            if (strcmp(v->name, q->values[k]) != 0 || strcmp(v->source, "parameter") == 0 ||
+                (q->number != 9 && of_second_session(report, v->of) != damped))
+                continue;
+            if (!begun)
+                document_open(document, BLOCK_LIST);
+            begun = true;
+            document_open(document, BLOCK_ITEM);
+            say_label(document, v);
+            document_say(document, " = ");
+            say_value(document, v);
+            document_say(document, " (%s, ", v->source);
+            document_name(document, text_of(v->of));
+            document_say(document, ")");
+            document_close(document, BLOCK_ITEM);
+        }
+    if (begun)
+        document_close(document, BLOCK_LIST);
+}
+
+void put_questions(struct report *report, enum section section)
+{
+    for (size_t i = 0; i < COUNT_OF(questions); i++) {
+        const struct question *q = &questions[i];
+        if (q->section != section)
+            continue;
+        document_open(&report->document, BLOCK_TOGETHER);
+        document_open(&report->document, BLOCK_QUESTION);
+        document_say(&report->document, "Q%d. %s", q->number, q->words);
+        document_close(&report->document, BLOCK_QUESTION);
+        put_rests(report, q);
+        document_answer(&report->document);
+        document_close(&report->document, BLOCK_TOGETHER);
+    }
+}

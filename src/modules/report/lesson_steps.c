@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lessons as text: their steps, what they wait for, the recordings that they generate. */
+#include "modules/report/lesson.h"
+#include <hooke/base/file.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/statement.h>
+#include <hooke/command/handler.h>
+#include <hooke/session/read.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/session/log.h>
+
+extern const struct module report_module;
+
+/* The lessons of examples/lessons, in the program, wherever it is. */
+#define LESSON(name)                                                                               \
+    __asm__(".pushsection .rodata\nlesson_" #name ":\n"                                            \
+            ".incbin \"examples/lessons/" #name ".hk\"\n.byte 0\n.popsection\n");                  \
+    extern const char lesson_##name[];
+#include "lists/lessons.def"
+#undef LESSON
+
+static const struct {
+    const char *name, *text;
+} lessons[] = {
+#define LESSON(name) {#name, lesson_##name},
+#include "lists/lessons.def"
+#undef LESSON
+};
+#define LESSON(name) " " #name ","
+static const char lesson_names[] =
+#include "lists/lessons.def"
+    ;
+
+#define LESSON_MAX (1u << 16)                                           /* [byte] */
+enum { BARE_MASS, DISK_MASS, SPRING, AMPLITUDE, DRAG, OFFSET, TRUTHS }; /* g, g, N/m, cm, 1/s, cm */
+
+/* What the recordings of a seed were made with. */
+static void truths(long seed, double value[TRUTHS])
+{
+    static const double from[TRUTHS] = {180, 0, 13, 4.2, 0.02, 20},
+                        to[TRUTHS] = {220, 0, 17, 5.6, 0.03, 24};
+    uint64_t state = (uint64_t)seed;
+    for (int i = 0; i < TRUTHS; i++)
+        value[i] = from[i] + (to[i] - from[i]) * random_fraction(&state);
+    value[BARE_MASS] = floor(10 * value[BARE_MASS]) / 10;
+    value[DISK_MASS] = value[BARE_MASS] + 16.6;
+}
+
+static void put_recording(long seed, bool disk, struct buffer *out)
+{
+    double v[TRUTHS];
+    truths(seed, v);
+    const double mass = v[disk ? DISK_MASS : BARE_MASS] / 1000, gamma = disk ? v[DRAG] : 0.008;
+    const double omega = sqrt(v[SPRING] / mass - gamma * gamma / 4);
+    uint64_t state = (uint64_t)seed + (disk ? 1000003 : 1000033);
+    buffer_put(out, TEXT("Time (s)\tDistance (cm)\n"));
+    for (int i = 0; i <= (disk ? 12000 : 1000); i++) {
+        const double t = 0.01 * i, a = random_fraction(&state), b = random_fraction(&state);
+        const double noise = 0.02 * sqrt(-2 * log(1 - a)) * cos(2 * PI * b); /* [cm] */
+        buffer_format(out, "%.2f\t%.3f\n", t,
+                      v[OFFSET] + v[AMPLITUDE] * exp(-gamma * t / 2) * cos(omega * t) + noise);
+    }
+}
+
+static void put_expanded(struct text text, long seed, struct buffer *out)
+{
+    double v[TRUTHS];
+    truths(seed, v);
+    while (text.len > 0) {
+        size_t len = 1;
+        if (text_starts(text, TEXT("$seed"))) {
+            buffer_format(out, "%ld", seed);
+            len = 5;
+        } else if (text_starts(text, TEXT("$bare_mass")) || text_starts(text, TEXT("$disk_mass"))) {
+            buffer_format(out, "%.1f", v[text.at[1] == 'b' ? BARE_MASS : DISK_MASS]);
+            len = 10;
+        } else if (text_starts(text, TEXT("$bare_file")) || text_starts(text, TEXT("$disk_file"))) {
+            buffer_format(out, "%.4s-%ld.txt", text.at + 1, seed);
+            len = 10;
+        } else {
+            buffer_char(out, text.at[0]);
+        }
+        text = (struct text){text.at + len, text.len - len};
+    }
+}
+
+bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step)
+{
+    struct text rest = buffer_text(&lesson->text), line;
+    int at = -1;
+    bool bare = false, disk = false;
+    *step = (struct lesson_step){.done = false};
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        const struct text body =
+            line.len > 2 ? text_trim((struct text){line.at + 2, line.len - 2}) : TEXT("");
+        if (text_starts(line, TEXT("#@"))) {
+            bare |= text_is(body, "bare");
+            disk |= text_is(body, "disk");
+        } else if (text_starts(line, TEXT("#:"))) {
+            at++;
+            if (at == number)
+                *step = (struct lesson_step){.says = body, .bare = bare, .disk = disk};
+            bare = disk = false;
+        }
+        if (at != number)
+            continue;
+        if (text_starts(line, TEXT("#>")))
+            step->command = body;
+        else if (text_starts(line, TEXT("#!")))
+            step->hint = body;
+        else if (text_starts(line, TEXT("#?"))) {
+            struct text kind = peek_word(body, "");
+            step->done = text_is(kind, "done");
+            step->measured = text_is(kind, "measured");
+            step->wanted = text_trim((struct text){body.at + kind.len, body.len - kind.len});
+        }
+    }
+    return at >= number;
+}
+
+struct lesson *session_lesson(const struct session *session)
+{
+    struct lesson *lesson = session_part_if_made(session, &report_module);
+    return lesson && lesson->waits ? lesson : NULL;
+}
+
+bool lesson_done(const struct session *session, struct text command)
+{
+    struct buffer script = {0};
+    bool done = false;
+    history_put(session, session_lesson(session)->begun, HISTORY_RECORD, &script);
+    struct text rest = buffer_text(&script), line;
+    while (rest.len > 0 && text_split(&rest, '\n', &line))
+        done |=
+            text_starts(line, command) && (line.len == command.len || line.at[command.len] == ' ');
+    buffer_free(&script);
+    return done;
+}
+
+bool lesson_found(const struct session *session, const struct lesson_step *step,
+                  struct named_value *value)
+{
+    if (!step->measured)
+        return names_value(session, step->wanted, value);
+    for (int i = session->measurements - 1; i >= 0; i--) {
+        const struct measurement *m = &session->measurement[i];
+        if (!text_is(step->wanted, m->quantity) || m->statement <= session_lesson(session)->begun)
+            continue;
+        *value = (struct named_value){
+            .value = m->value.value, .uncertainty = m->value.uncertainty, .quantity = m->unit};
+        return true;
+    }
+    return false;
+}
+
+bool lesson_files(struct session *session, struct error *error)
+{
+    struct lesson_step step;
+    const struct lesson *lesson = session_lesson(session);
+    if (!lesson_step(lesson, lesson->step, &step) || (!step.bare && !step.disk))
+        return true;
+    struct buffer wanted = {0}, there = {0};
+    struct error missing;
+    char name[64];
+    snprintf(name, sizeof name, "%s-%ld.txt", step.disk ? "disk" : "bare", lesson->seed);
+    put_recording(lesson->seed, step.disk, &wanted);
+    bool ok = !wanted.failed || error_memory(error);
+    if (ok && (!file_read(name, 1u << 24, &there, &missing) ||
+               !text_equal(buffer_text(&there), buffer_text(&wanted))))
+        ok = file_write(name, buffer_text(&wanted), session_policy(session, false), error);
+    buffer_free(&wanted);
+    buffer_free(&there);
+    return ok;
+}
+
+void lesson_free(void *part)
+{
+    struct lesson *lesson = part;
+    buffer_free(&lesson->text);
+    *lesson = (struct lesson){.waits = false};
+}
+
+bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
+                 struct error *error)
+{
+    struct buffer text = {0};
+    struct lesson_step step;
+    bool found = false;
+    for (size_t i = 0; i < COUNT_OF(lessons) && !found; i++) {
+        found = text_is(name, lessons[i].name);
+        if (found)
+            put_expanded(text_of(lessons[i].text), seed, &text);
+    }
+    if (!found) {
+        struct buffer raw = {0}, safe = {0};
+        const char *path = script_path(args->where, name, args->arena);
+        if (!path || !file_read(path, LESSON_MAX, &raw, error)) {
+            error_hint(error, "the lessons are%s or a FILE.hk", lesson_names);
+            return false;
+        }
+        struct text rest = buffer_text(&raw), line;
+        while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+            safe_text(&safe, text_trim(line), true);
+            buffer_char(&safe, '\n');
+        }
+        put_expanded(buffer_text(&safe), seed, &text);
+        text.failed |= safe.failed;
+        buffer_free(&safe);
+        buffer_free(&raw);
+    }
+    struct lesson *lesson = text.failed ? NULL : session_part(session, &report_module);
+    struct lesson opened = {.waits = true, .text = text, .seed = seed};
+    while (lesson && lesson_step(&opened, opened.steps, &step))
+        opened.steps++;
+    if (lesson && opened.steps > 0) {
+        lesson_free(lesson);
+        *lesson = opened;
+        return true;
+    }
+    buffer_free(&text);
+    if (!lesson)
+        return error_memory(error);
+    return error_set(error, ERROR_COMMAND, "this file has no steps: a line '#: TEXT' begins one");
+}
+
+/* ---- in a session's file ---- */
+
+static const struct field fields[] = {
+    FIELD_OF(struct lesson, step),
+    FIELD_OF(struct lesson, steps),
+    FIELD_OF(struct lesson, begun),
+    FIELD_OF(struct lesson, seed),
+};
+
+void lesson_put(const void *part, struct buffer *to)
+{
+    const struct lesson *lesson = part;
+    if (!lesson->waits)
+        return;
+    const size_t begun = field_begin(to, "report");
+    fields_put(to, fields, COUNT_OF(fields), lesson);
+    field_text(to, "text", buffer_text(&lesson->text));
+    field_end(to, begun);
+}
+
+void lesson_read(struct reader *reader)
+{
+    struct text in, text;
+    struct lesson lesson = {.waits = true};
+    if (!field_find(reader->state, "report", &in))
+        return;
+    struct lesson *kept = session_part(reader->session, &report_module);
+    const bool ok = kept && field_find(in, "text", &text) &&
+                    fields_get(in, fields, COUNT_OF(fields), &lesson) && lesson.step >= 0 &&
+                    lesson.step <= lesson.steps;
+    if (ok)
+        buffer_put(&lesson.text, text);
+    if (!ok || lesson.text.failed) {
+        store_tools()->note(reader, "the lesson is left out");
+        buffer_free(&lesson.text);
+        return;
+    }
+    *kept = lesson;
+}

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a student of the lab does next with the recording that was loaded last: offered at the
+ * prompt, where an empty Enter takes it. */
+#include <hooke/data.h>
+#include <hooke/command/handler.h>
+#include "modules/report/lesson.h"
+
+#include "modules/recording/fits.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define LONG_S 30 /* [s] a recording for the decay, above it; for the period, below it */
+#define STEP_S 0.01
+#define UNDAMPED_S 10 /* [s] runs of the lab sheet's first session, and of its second */
+#define DAMPED_S 20
+#define REPORT "lab-report" /* the folder that is handed in */
+
+/* The recording in use, and what was done with it since it was loaded. */
+struct lab {
+    const struct session *session;
+    const struct recording *recording;
+    char name[LIMIT_NAME + 16]; /* as of what was measured: "data swing3" */
+    size_t loaded;              /* statement of the log, counted from 1 */
+    bool decays;                /* it is the long one */
+};
+
+/* Something that is called so, or begins so, was measured after that statement. quantity: NULL,
+ * whatever it is. */
+static bool is_measured(const struct session *session, const char *of, const char *quantity,
+                        size_t after)
+{
+    for (int i = session->measurements; i-- > 0;) {
+        const struct measurement *m = &session->measurement[i];
+        if (m->statement > after && text_starts(text_of(m->of), text_of(of)) &&
+            (!quantity || strcmp(m->quantity, quantity) == 0))
+            return true;
+    }
+    return false;
+}
+
+/* The statement that fitted the recording last; 0: none did. */
+static size_t last_fit(const struct lab *lab)
+{
+    const struct fits *fits = fits_of(lab->session);
+    int i = fits->stored_fits;
+    while (i > 0 && strcmp(fits->stored_fit[i - 1].of, lab->name) != 0)
+        i--;
+    const size_t statement = i > 0 ? fits->stored_fit[i - 1].statement : 0;
+    return statement > lab->loaded ? statement : 0;
+}
+
+/* The statement that gave a parameter of the scene its value last. */
+static size_t last_change(const struct session *session)
+{
+    const struct setup *setup = &session->setup;
+    size_t last = 0;
+    for (size_t i = 0; i < scene_params(&setup->scene)->count; i++)
+        last = setup->origin[i] > last ? setup->origin[i] : last;
+    return last;
+}
+
+/* A run was made after that statement; method: by it, or NULL. */
+static bool has_run(const struct session *session, const char *method, size_t after)
+{
+    for (int i = session->runs.count; i-- > 0;) {
+        const struct run_slot *slot = session->runs.slot[i];
+        if (slot->statement > after &&
+            (!method || strcmp(slot->run->method->row.name, method) == 0))
+            return true;
+    }
+    return false;
+}
+
+static double span(const struct recording *recording)
+{
+    return recording->window[1] - recording->window[0];
+}
+
+static void put_measuring(const struct lab *lab, struct buffer *line)
+{
+    buffer_format(line, "plot position data %s; measure period; ", lab->recording->name);
+    if (!lab->decays) {
+        buffer_put(line, TEXT("measure frequency; measure amplitude"));
+        return;
+    }
+    /* six readings, as the sheet asks, the first and the last away from the ends */
+    const double from = lab->recording->window[0], gap = span(lab->recording) / 6;
+    buffer_put(line, TEXT("measure amplitude at="));
+    for (int i = 0; i < 6; i++)
+        buffer_format(line, "%s%.0f", i ? "," : "", floor(from + (i + 0.25) * gap));
+    buffer_put(line, TEXT("; measure decay"));
+}
+
+static void put_fit(const struct lab *lab, struct buffer *line)
+{
+    const struct setup *setup = &lab->session->setup;
+    const int mass = scene_param(&setup->scene, "m");
+    buffer_put(line, TEXT("fit damped"));
+    if (mass >= 0 && setup->origin[mass] > lab->loaded) /* it is known what hangs there */
+        buffer_put(line, lab->decays ? TEXT("; measure k; measure reynolds") : TEXT("; measure k"));
+}
+
+static void put_adopt(const struct lab *lab, struct buffer *line)
+{
+    const double *window = lab->recording->window;
+    if (lab->decays) /* where gamma is what it is in the run, which is laid over it */
+        buffer_format(line, "fit damped window=%g:%g; adopt", window[0], window[0] + DAMPED_S);
+    else
+        buffer_put(line, TEXT("adopt amplitude; gamma = 0"));
+}
+
+static void put_run(const struct lab *lab, struct buffer *line)
+{
+    const double most = lab->decays ? DAMPED_S : UNDAMPED_S;
+    const double whole = floor(span(lab->recording) + 0.5);
+    buffer_format(line, "method %s dt=%g ms; run %g s", lab->decays ? "rk4" : "euler",
+                  1000 * STEP_S, whole >= 1 && whole < most ? whole : most);
+}
+
+static void put_plots(const struct lab *lab, struct buffer *line)
+{
+    const struct run *run = session_run(lab->session);
+    if (lab->decays)
+        buffer_format(line,
+                      "plot position run %d data %s; plot energy; measure decay of run %d; "
+                      "measure decay of energy",
+                      run->number, lab->recording->name, run->number);
+    else
+        buffer_put(line, TEXT("plot position; plot velocity; plot phase; plot energy; measure "
+                              "energy; measure drift"));
+}
+
+static void put_compare(const struct lab *lab, struct buffer *line)
+{
+    const int number = lab->session->runs.next_number;
+    buffer_format(line,
+                  "compare euler symplectic-euler; plot energy run %d %d; plot phase run %d %d",
+                  number, number + 1, number, number + 1);
+}
+
+/* Once: what it has to say is then read, and checked. */
+static void put_step(const struct session *session, struct buffer *line)
+{
+    const struct lesson *lesson = session_lesson(session);
+    struct lesson_step step;
+    if (!lesson_step(lesson, lesson->step, &step))
+        return;
+    struct text rest = step.command, first = TEXT("");
+    text_split(&rest, ';', &first);
+    if (first.len > 0 && !lesson_done(session, text_trim(first)))
+        buffer_put(line, step.command);
+}
+
+/* What is due follows from what there is: measurements, fits, parameters that were set, runs. */
+static void put_due(const struct lab *lab, struct buffer *line)
+{
+    const struct session *session = lab->session;
+    const struct adopted_fit *adopted = &fits_of(session)->adopted;
+    const size_t fit = last_fit(lab), change = last_change(session);
+    if (!is_measured(session, lab->name, NULL, lab->loaded))
+        put_measuring(lab, line);
+    else if (fit == 0)
+        put_fit(lab, line);
+    else if (adopted->statement < fit || strcmp(adopted->of, lab->name) != 0)
+        put_adopt(lab, line);
+    else if (!has_run(session, NULL, change))
+        put_run(lab, line);
+    else if (!is_measured(session, "run ", lab->decays ? "decay" : "drift", change))
+        put_plots(lab, line);
+    else if (!lab->decays && !has_run(session, "symplectic-euler", change))
+        put_compare(lab, line);
+    else if (lab->decays && access(REPORT, F_OK) != 0)
+        buffer_put(line, TEXT("report " REPORT));
+}
+
+bool report_next(const struct session *session, struct buffer *line, bool *insists)
+{
+    const struct lesson *lesson = session_lesson(session);
+    struct lab lab = {session, session_recording(session), "", 0, false};
+    *insists = lesson != NULL;
+    if (lesson && lesson->step < lesson->steps) {
+        put_step(session, line);
+        return true;
+    }
+    if (lab.recording) {
+        snprintf(lab.name, sizeof lab.name, "data %s", lab.recording->name);
+        lab.loaded = session->recording[session->current_recording]->statement;
+        lab.decays = span(lab.recording) > LONG_S;
+        put_due(&lab, line);
+    }
+    return line->len > 0;
+}

@@ -1,0 +1,421 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes, events, runs and recordings of a session file. */
+#include <hooke/data.h>
+#include <hooke/result.h>
+#include <hooke/base/file.h>
+#include <hooke/session/events.h>
+#include <hooke/session/log.h>
+#include "modules/resume/store/reading.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- scenes and events: made by the commands that made them ---- */
+
+static struct made *find_made(struct reader *reader, struct text script, bool is_events)
+{
+    for (size_t i = 0; i < reader->mades; i++)
+        if (reader->made[i].is_events == is_events && text_equal(reader->made[i].script, script))
+            return &reader->made[i];
+    return NULL;
+}
+
+/* The script is copied. */
+static void add_made(struct reader *reader, const struct buffer *script, struct made made)
+{
+    struct made *more =
+        realloc(reader->made, (reader->mades + 1) * sizeof *more); /* few: one a scene */
+    if (!more)
+        return; /* it is made again then */
+    reader->made = more;
+    made.script = buffer_text(script);
+    made.script.at = arena_text(&reader->arena, made.script);
+    reader->mades += made.script.at != NULL;
+    more[reader->mades - (made.script.at != NULL)] = made;
+}
+
+void reader_made_scene(struct reader *reader, const struct scene *scene)
+{
+    struct buffer script = {0};
+    scene_kind_script(scene, &script);
+    add_made(reader, &script, (struct made){.model = scene->model, .preset = scene->preset});
+    buffer_free(&script);
+}
+
+void reader_made_events(struct reader *reader, const struct events *events)
+{
+    struct buffer script = {0};
+    events_save(events, false, &script);
+    add_made(reader, &script, (struct made){.events = events, .is_events = true});
+    buffer_free(&script);
+}
+
+static bool make(struct reader *reader, struct text script, struct scene *scene,
+                 struct error *error)
+{
+    struct session *session = reader->session;
+    const struct made *made = find_made(reader, script, false);
+    if (made) {
+        scene_init(scene, made->preset);
+        scene->model = made->model;
+        return true;
+    }
+    if (!reader_execute(reader, script, error))
+        return false;
+    *scene = session->setup.scene;
+    reader_made_scene(reader, scene);
+    return true;
+}
+
+/* What a scene's commands would take: flags are flags, and each value is one that it can have. */
+static bool is_sound(const struct scene *scene)
+{
+    const struct field flags[] = {FIELD_OF(struct scene, chosen), FIELD_OF(struct scene, across)},
+                       atol = FIELD_IN(struct scene, atol, 0, DBL_MAX);
+    struct scene same = *scene;
+    struct error ignored;
+    bool sound = fields_sound(flags, COUNT_OF(flags), scene) && fields_sound(&atol, 1, scene);
+    for (size_t i = 0; i < scene_params(scene)->count && sound; i++) {
+        const struct measured value = {scene->value[i], scene->uncertainty[i]};
+        sound = scene_set(&same, (int)i, value, &ignored);
+    }
+    return sound;
+}
+
+void reader_move(const struct field_places *places, void *array, size_t item)
+{
+    char before[PARAM_MAX * sizeof(double)];
+    memcpy(before, array, PARAM_MAX * item);
+    for (int i = 0; i < places->rows; i++) {
+        char *to = (char *)array + (size_t)i * item;
+        if (places->at[i] >= 0)
+            memcpy(to, before + (size_t)places->at[i] * item, item);
+        else
+            memset(to, 0, item);
+    }
+}
+
+/* Names what the file has of a scene and this program has not, once. */
+static void note_unknown(struct reader *reader, struct text names,
+                         const struct field_places *places)
+{
+    for (int i = 0; i < places->count; i++) {
+        const struct text name = text_of(names.at);
+        char line[LIMIT_NAME + 64];
+        snprintf(line, sizeof line, "the parameter %s is left out: this version has none",
+                 names.at);
+        if (places->row[i] < 0 && !strstr(buffer_view(reader->notes), line))
+            reader_note(reader, "%s", line);
+        names = (struct text){name.at + name.len + 1, names.len - name.len - 1};
+    }
+}
+
+bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+                  struct field_places *places, struct error *error)
+{
+    struct field_places found;
+    struct text of, script, names;
+    if (!field_find(in, name, &of) || !field_find(of, "script", &script) ||
+        !field_find(of, "names", &names))
+        return error_set(error, ERROR_IO, "it has no scene");
+    if (!make(reader, script, scene, error))
+        return false;
+    struct scene read = *scene;
+    if (!field_find_places(names, scene_params(scene), &found) ||
+        !field_get_placed(of, "value", &found, read.value, sizeof *read.value) ||
+        !field_get_placed(of, "uncertainty", &found, read.uncertainty, sizeof *read.uncertainty) ||
+        !field_get_placed(of, "chosen", &found, read.chosen, sizeof *read.chosen) ||
+        !field_get(of, "across", &read.across, sizeof read.across) ||
+        !field_get(of, "atol", read.atol, sizeof read.atol))
+        return error_set(error, ERROR_IO, "its scene has other parameters in this version");
+    if (!is_sound(&read))
+        return error_set(error, ERROR_IO, "its scene has values that no scene can have");
+    note_unknown(reader, names, &found);
+    if (places)
+        *places = found;
+    *scene = read;
+    return true;
+}
+
+static bool read_events(struct reader *reader, struct text in, const struct events **events,
+                        struct error *error)
+{
+    struct session *session = reader->session;
+    struct text script;
+    *events = NULL;
+    if (!field_find(in, "events", &script) || script.len == 0)
+        return true;
+    const struct made *made = find_made(reader, script, true);
+    session->setup.events = NULL;
+    if (!made && !reader_execute(reader, script, error))
+        return false;
+    *events = made ? made->events : session->setup.events;
+    if (!made && *events)
+        reader_made_events(reader, *events);
+    return true;
+}
+
+/* ---- runs ---- */
+
+static void get_flag(struct text in, const char *name, bool *flag)
+{
+    fields_get(in, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
+}
+
+/* One thing that was asked of the run. */
+static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text in,
+                      struct error *error)
+{
+    struct request asked = {.kind = REQUEST_GO};
+    struct text condition;
+    if (!field_find(in, "condition", &condition))
+        condition = TEXT("");
+    bool fine = fields_get(in, store_request, store_request_count, &asked);
+    if (fine && asked.kind == REQUEST_SET) {
+        asked.param = asked.param < places->count ? places->row[asked.param] : -1;
+        fine = asked.param >= 0;
+    }
+    return fine && (asked.kind == REQUEST_SET || asked.param < slot->run->system.n)
+               ? journal_add(slot, asked, condition, error)
+               : error_set(error, ERROR_IO, "what was asked of it is damaged");
+}
+
+/* All of it, in order. */
+static bool add_all_asked(struct run_slot *slot, const struct field_places *places, struct text in,
+                          struct error *error)
+{
+    struct text name, value;
+    bool ok = true;
+    while (ok && field_next(&in, &name, &value))
+        ok = !text_is(name, "asked") || add_asked(slot, places, value, error);
+    return ok;
+}
+
+struct run_parts {
+    struct text in, state, note;
+    struct scene scene;
+    struct field_places places;
+    const struct events *events;
+    const struct method *method;
+    int number;
+};
+
+static bool read_parts(struct reader *reader, const struct read_run *of, struct run_parts *parts,
+                       struct error *error)
+{
+    struct text method;
+    parts->in = of->content;
+    if (!field_get(parts->in, "number", &parts->number, sizeof parts->number) ||
+        !field_find(parts->in, "state", &parts->state) ||
+        !field_find(parts->in, "method", &method) || parts->number < 1 ||
+        parts->number > INT_MAX / 2)
+        return error_set(error, ERROR_IO, "it is damaged");
+    const struct row *row = catalog_find(&method_catalog, method);
+    parts->method = method_from(row);
+    if (!field_find(parts->in, "note", &parts->note))
+        parts->note = TEXT("");
+    if (!row)
+        return error_set(error, ERROR_IO, "its method is not there");
+    if (!reader_scene(reader, parts->in, "scene", &parts->scene, &parts->places, error))
+        return false;
+    reader->session->setup.scene = parts->scene; /* events are read in it */
+    return read_events(reader, parts->in, &parts->events, error);
+}
+
+static bool read_run(struct reader *reader, const struct read_run *of, struct run_parts *parts,
+                     struct error *why)
+{
+    struct session *session = reader->session;
+    const int next = session->runs.next_number;
+    const uint64_t next_id = session->runs.next_id;
+    struct run *run = run_restore(&parts->scene, parts->method, parts->state, &parts->places,
+                                  of->piece, of->pieces, why);
+    if (!run || !session_add_run(session, run, why))
+        return false;
+    struct run_slot *slot = session->runs.slot[session->runs.count - 1];
+    bool going = false;
+    get_flag(parts->in, "going", &going);
+    if (going) /* it was on its way, and can go on */
+        run->stop = STOP_CANCELLED;
+    journal_release(slot->last);
+    slot->last = NULL;
+    slot->events = parts->events;
+    slot->id = of->id;
+    field_get(parts->in, "statement", &slot->statement, sizeof slot->statement);
+    if (field_get(parts->in, "origin", slot->origin, sizeof slot->origin))
+        reader_move(&parts->places, slot->origin, sizeof *slot->origin);
+    run->number = parts->number;
+    session->runs.next_number = next;
+    session->runs.next_id = next_id;
+    if (parts->note.len > 0)
+        slot->note = strndup(parts->note.at, parts->note.len);
+    const bool ok = add_all_asked(slot, &parts->places, parts->in, why);
+    if (!ok)
+        session_drop_run(session, session->runs.count - 1);
+    return ok;
+}
+
+void reader_runs(struct reader *reader, struct text ids)
+{
+    uint64_t id;
+    for (; ids.len >= sizeof id; ids.at += sizeof id, ids.len -= sizeof id) {
+        struct run_parts parts = {.number = 0};
+        struct error why = {0};
+        bool left_out = false;
+        memcpy(&id, ids.at, sizeof id);
+        struct read_run *of = reader_run(reader, id);
+        if (of)
+            get_flag(of->content, "left_out", &left_out);
+        if (!of || of->content.len == 0)
+            error_set(&why, ERROR_IO, "it is damaged");
+        else if (read_parts(reader, of, &parts, &why) && read_run(reader, of, &parts, &why))
+            continue;
+        if (left_out)
+            error_set(&why, ERROR_IO, "there was no room for its rows");
+        reader_note(reader, "run %d is left out: %s", parts.number, why.text);
+    }
+}
+
+/* ---- recordings ---- */
+
+bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content)
+{
+    uint64_t of;
+    for (size_t i = 0; i < reader->records; i++)
+        if (reader->record[i].kind == RECORD_BYTES &&
+            field_get(reader->record[i].content, "sum", &of, sizeof of) && of == sum &&
+            field_find(reader->record[i].content, "content", content))
+            return true;
+    return false;
+}
+
+static bool any_name(const char *name)
+{
+    (void)name;
+    return true;
+}
+
+/* The bytes in a file of the same name, in a folder of its own. Caller frees; NULL: no room. */
+static char *put_file(const char *temporary, struct text path, struct text content,
+                      struct folder *folder)
+{
+    const struct write_policy policy = {.force = true, .secret = true};
+    struct buffer at = {0}, name = {0};
+    struct error ignored;
+    size_t begin = path.len;
+    while (begin > 0 && path.at[begin - 1] != '/')
+        begin--;
+    buffer_format(&at, "%s/hooke-%ld", temporary && *temporary ? temporary : "/tmp",
+                  (long)getpid());
+    buffer_put(&name, (struct text){path.at + begin, path.len - begin});
+    bool ok =
+        !at.failed && !name.failed && folder_open(folder, at.data, policy, any_name, &ignored);
+    if (ok && !folder_put(folder, name.data, content, &ignored)) {
+        folder_abandon(folder);
+        ok = false;
+    }
+    const size_t up_to = ok ? (size_t)(folder->at.base - folder->at.path) : 0;
+    buffer_clear(&at);
+    if (ok)
+        buffer_format(&at, "%.*s%s/%s", (int)up_to, folder->at.path, folder->at.temporary,
+                      name.data);
+    buffer_free(&name);
+    if (ok && !at.failed)
+        return at.data;
+    if (ok)
+        folder_abandon(folder);
+    buffer_free(&at);
+    return NULL;
+}
+
+static bool load(struct reader *reader, struct text path, struct text options, struct error *error)
+{
+    struct buffer line = {0};
+    buffer_put(&line, TEXT("load "));
+    buffer_word(&line, path);
+    buffer_put(&line, options);
+    const int before = reader->session->recordings;
+    const bool ok = reader_execute(reader, buffer_text(&line), error);
+    buffer_free(&line);
+    return ok && (reader->session->recordings == before + 1 ||
+                  error_set(error, ERROR_IO, "it has another name now"));
+}
+
+/* From the session file, or from where it was: then it may be another. */
+static bool load_kept(struct reader *reader, struct text in, struct text path, struct error *error)
+{
+    struct text options, content, name;
+    struct folder folder;
+    uint64_t sum = 0;
+    if (!field_find(in, "options", &options) || !field_find(in, "name", &name))
+        return error_set(error, ERROR_IO, "it is damaged");
+    field_get(in, "sum", &sum, sizeof sum);
+    if (!reader_bytes(reader, sum, &content)) {
+        if (!load(reader, path, options, error))
+            return false;
+        reader_note(reader, "recording %.*s was read again from its file, which may have changed",
+                    (int)name.len, name.at);
+        return true;
+    }
+    char *file = put_file(reader->temporary, path, content, &folder);
+    bool ok = file ? load(reader, text_of(file), options, error)
+                   : error_set(error, ERROR_IO, "there is no room for it in the folder TMPDIR");
+    if (file)
+        folder_abandon(&folder);
+    free(file);
+    if (!ok)
+        return false;
+    struct recording_slot *slot = reader->session->recording[reader->session->recordings - 1];
+    struct recording *recording = slot->recording;
+    char *copy = arena_text(&recording->arena, path);
+    if (copy)
+        recording->path = copy;
+    slot->sum = sum;
+    buffer_put(&slot->content, content);
+    return copy && !slot->content.failed ? true : error_memory(error);
+}
+
+static bool read_recording(struct reader *reader, struct text in, struct error *error)
+{
+    struct session *session = reader->session;
+    struct text path;
+    bool cleaned = false;
+    size_t rows = 0;
+    if (!field_find(in, "path", &path))
+        return error_set(error, ERROR_IO, "it is damaged");
+    if (!load_kept(reader, in, path, error))
+        return false;
+    struct recording_slot *slot = session->recording[session->recordings - 1];
+    struct recording *recording = slot->recording;
+    field_get(in, "statement", &slot->statement, sizeof slot->statement);
+    field_get(in, "rows", &rows, sizeof rows);
+    if (recording->rows != rows)
+        return true; /* another file: its window and the like are not this one's */
+    get_flag(in, "cleaned", &cleaned);
+    if (cleaned && !reader_execute(reader, TEXT("data clean apply"), error))
+        return false;
+    const double window[2] = {recording->window[0], recording->window[1]};
+    for (int i = 0; i < RECORDING_FIELDS; i++)
+        fields_get_known(in, &recording_fields[i].field, 1, recording);
+    if (recording->window[0] > recording->window[1])
+        memcpy(recording->window, window, sizeof window);
+    return true;
+}
+
+void reader_recordings(struct reader *reader)
+{
+    struct text in = reader->state, name, value;
+    while (field_next(&in, &name, &value)) {
+        struct error why = {0};
+        struct text called = TEXT("");
+        if (!text_is(name, "recording") || read_recording(reader, value, &why))
+            continue;
+        field_find(value, "name", &called);
+        reader_note(reader, "recording %.*s is left out: %s", (int)called.len, called.at, why.text);
+    }
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Shared by writing and reading of session files: heads of records, tables of what is kept. */
+#ifndef HOOKE_MODULES_RESUME_STORE_READING_H
+#define HOOKE_MODULES_RESUME_STORE_READING_H
+
+#include "modules/resume/store.h"
+
+#include <hooke/run/store.h>
+#include <hooke/session/read.h>
+
+#define RECORD_MAGIC "\xF0HR\n"
+
+struct record_head {
+    char magic[4];
+    uint32_t kind;
+    uint64_t bytes, sum, own; /* own: of the three before it */
+};
+
+struct rows_head {
+    uint64_t id, first, count, row_bytes;
+};
+
+struct read_run {
+    uint64_t id;
+    struct text content; /* of its last R; empty: damaged */
+    struct stored_rows *piece;
+    size_t pieces, piece_capacity;
+};
+
+/* Scenes and events that were made already: what reads the same is the same. */
+struct made {
+    struct text script;
+    const struct model *model;
+    const struct preset *preset;
+    const struct events *events;
+    bool is_events;
+};
+
+/* Tables of members that a file keeps (state.c). */
+extern const struct field store_session[], store_view[], store_request[];
+extern const size_t store_session_count, store_view_count, store_request_count;
+extern const struct store_array store_arrays[]; /* of a session */
+extern const size_t store_array_count;
+
+/* state.c: fields of a record. `owner`: what the array's offsets count from. */
+void store_put_array(const struct store_array *array, const void *owner, struct buffer *to);
+void store_put_scene(const struct scene *scene, const char *name, struct buffer *to);
+void store_put_events(const struct events *events, struct buffer *to);
+void store_put_state(const struct session *session, struct buffer *to);
+
+/* A line of the notes. */
+void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
+
+/* scan.c: all records that count, rows and runs by id. False: no memory, or no S. */
+bool reader_scan(struct reader *reader, struct text content, struct error *error);
+struct read_run *reader_run(struct reader *reader, uint64_t id); /* NULL: not there */
+
+/* restore.c */
+/* Executes the lines; the first that fails ends it. */
+bool reader_execute(struct reader *reader, struct text commands, struct error *error);
+/* Reads an array into `owner`, where its offsets begin; unchanged if one of its elements cannot be
+ * read. */
+void reader_array(struct reader *reader, const struct store_array *array, void *owner);
+
+/* pieces.c */
+/* Moves the items of an array [PARAM_MAX], of at most 8 bytes each, from where the file has them.
+ */
+void reader_move(const struct field_places *places, void *array, size_t item);
+/* Reads a scene; places: of its parameters in the file, or NULL. */
+bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+                  struct field_places *places, struct error *error);
+/* So that the next scene, or events, that read the same are these. */
+void reader_made_scene(struct reader *reader, const struct scene *scene);
+void reader_made_events(struct reader *reader, const struct events *events);
+void reader_runs(struct reader *reader, struct text ids);
+void reader_recordings(struct reader *reader);
+/* The bytes that the file has under that sum. */
+bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content);
+
+#endif

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The records of a session file: what is whole counts, whatever is between. */
+#include "modules/resume/store/reading.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* *list has room for one more; false: no memory. */
+static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
+{
+    if (count < *capacity)
+        return true;
+    const size_t more = *capacity ? 2 * *capacity : 64;
+    void *larger = realloc(*(void **)list, more * item);
+    if (!larger)
+        return false;
+    *(void **)list = larger;
+    *capacity = more;
+    return true;
+}
+
+static bool read_head(struct text at, struct record_head *head)
+{
+    if (at.len < sizeof *head || memcmp(at.at, RECORD_MAGIC, sizeof head->magic) != 0)
+        return false;
+    memcpy(head, at.at, sizeof *head);
+    return head->own == bytes_sum((struct text){at.at, offsetof(struct record_head, own)});
+}
+
+/* From there to the next record; false: there is none. */
+static bool find_record(struct text *at, struct record_head *head)
+{
+    while (at->len >= sizeof *head) {
+        if (read_head(*at, head))
+            return true;
+        const char *next = memchr(at->at + 1, RECORD_MAGIC[0], at->len - 1);
+        if (!next)
+            return false;
+        *at = (struct text){next, at->len - (size_t)(next - at->at)};
+    }
+    return false;
+}
+
+static bool known(uint32_t kind)
+{
+    return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
+}
+
+/* What is torn at the end was being written; elsewhere it is damage. */
+static bool take_record(struct reader *reader, const struct record_head *head, struct text content)
+{
+    if (head->sum != bytes_sum(content)) {
+        reader->damaged++;
+        return true;
+    }
+    if (!known(head->kind)) {
+        reader->unknown++;
+        return true;
+    }
+    if (!reserve(&reader->record, reader->records, &reader->record_capacity,
+                 sizeof *reader->record))
+        return false;
+    reader->record[reader->records++] = (struct read_record){(enum record_kind)head->kind, content};
+    return true;
+}
+
+static bool take_records(struct reader *reader, struct text rest)
+{
+    struct record_head head;
+    while (rest.len > 0) {
+        const char *from = rest.at;
+        if (!find_record(&rest, &head))
+            return true;
+        reader->damaged += rest.at != from;
+        if (head.bytes > rest.len - sizeof head) {
+            /* torn, or its length is a lie that its checksum knows nothing of */
+            rest = (struct text){rest.at + sizeof head, rest.len - sizeof head};
+            continue;
+        }
+        const size_t bytes = (size_t)head.bytes;
+        if (!take_record(reader, &head, (struct text){rest.at + sizeof head, bytes}))
+            return false;
+        rest = (struct text){rest.at + sizeof head + bytes, rest.len - sizeof head - bytes};
+    }
+    return true;
+}
+
+/* ---- runs ---- */
+
+struct read_run *reader_run(struct reader *reader, uint64_t id)
+{
+    for (size_t i = reader->runs; i-- > 0;)
+        if (reader->run[i].id == id)
+            return &reader->run[i];
+    return NULL;
+}
+
+static struct read_run *run_of(struct reader *reader, uint64_t id)
+{
+    struct read_run *run = reader_run(reader, id);
+    if (run)
+        return run;
+    if (!reserve(&reader->run, reader->runs, &reader->run_capacity, sizeof *reader->run))
+        return NULL;
+    reader->run[reader->runs] = (struct read_run){.id = id};
+    return &reader->run[reader->runs++];
+}
+
+/* They take the place of those from the first on. */
+static bool take_rows(struct reader *reader, struct text content)
+{
+    struct rows_head head;
+    if (content.len < sizeof head)
+        return true;
+    memcpy(&head, content.at, sizeof head);
+    content = (struct text){content.at + sizeof head, content.len - sizeof head};
+    struct read_run *run = run_of(reader, head.id);
+    if (!run || !reserve(&run->piece, run->pieces, &run->piece_capacity, sizeof *run->piece))
+        return false;
+    if (head.row_bytes == 0 || head.count > content.len / head.row_bytes ||
+        head.first > SIZE_MAX / 2)
+        return true;
+    while (run->pieces > 0 && run->piece[run->pieces - 1].first >= head.first)
+        run->pieces--;
+    struct stored_rows *last = run->pieces > 0 ? &run->piece[run->pieces - 1] : NULL;
+    if (last && last->first + last->count > head.first)
+        last->count = (size_t)head.first - last->first;
+    run->piece[run->pieces++] = (struct stored_rows){(size_t)head.first, (size_t)head.count,
+                                                     (size_t)head.row_bytes, content.at};
+    return true;
+}
+
+static bool take_run(struct reader *reader, struct text content)
+{
+    uint64_t id;
+    if (!field_get(content, "id", &id, sizeof id))
+        return true;
+    struct read_run *run = run_of(reader, id);
+    if (run)
+        run->content = content;
+    return run != NULL;
+}
+
+bool reader_scan(struct reader *reader, struct text content, struct error *error)
+{
+    content = (struct text){content.at + strlen(STORE_HEADER), content.len - strlen(STORE_HEADER)};
+    bool ok = take_records(reader, content);
+    while (reader->records > 0 && reader->record[reader->records - 1].kind != RECORD_STATE)
+        reader->records--;
+    for (size_t i = 0; i < reader->records && ok; i++) {
+        const struct read_record *record = &reader->record[i];
+        if (record->kind == RECORD_ROWS)
+            ok = take_rows(reader, record->content);
+        else if (record->kind == RECORD_RUN)
+            ok = take_run(reader, record->content);
+    }
+    if (!ok)
+        return error_memory(error);
+    if (reader->records == 0)
+        return error_set(error, ERROR_IO, "no part of it is whole");
+    reader->state = reader->record[reader->records - 1].content;
+    return true;
+}

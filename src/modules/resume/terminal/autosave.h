@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sessions that save themselves, and how one is taken up again. */
+#ifndef HOOKE_MODULES_RESUME_TERMINAL_AUTOSAVE_H
+#define HOOKE_MODULES_RESUME_TERMINAL_AUTOSAVE_H
+
+#include "modules/resume/store.h"
+#include "terminal/parts.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
+
+/* session-DATE-TIME-PID.hks, a file of modules/resume/store.h */
+
+#define AUTOSAVE_PREFIX "session-"
+#define AUTOSAVE_ENDING ".hks"
+#define AUTOSAVE_SECONDS 0.5 /* unless HOOKE_AUTOSAVE says otherwise */
+#define AUTOSAVE_KEPT 5
+
+struct autosaved {
+    char name[64];
+    time_t time;
+    bool living; /* the session is still there */
+    bool empty;  /* it was killed before it had written anything */
+};
+
+struct saved_list {
+    struct autosaved *item; /* the newest first */
+    int count;
+};
+
+/* Caller frees item. */
+struct saved_list saved_list(const char *folder);
+/* So that others see that this session lives; false: the file system cannot say so. */
+bool saved_lock(int fd);
+
+/* With what is still read of a session's file, to take its place once it is on the disk. */
+struct fresh_file {
+    char *path;
+    int fd;         /* -1: none */
+    int64_t from;   /* of the file, the first byte that it has not got */
+    uint64_t bytes; /* that it has */
+};
+
+struct autosave {
+    struct session *session;
+    char *path;           /* NULL: not yet */
+    int fd;               /* -1: not yet */
+    struct stored stored; /* what the file has */
+    struct fresh_file fresh;
+    uint64_t whole;   /* [byte] of the file when it was written anew */
+    uint64_t slack;   /* [byte] so many more it may have */
+    int64_t interval; /* [ns] */
+    bool wished;      /* that somebody asked for: lines wait for it, too */
+    int64_t written;  /* [clock_ns] the last time, and */
+    int64_t spent;    /* [ns] what it took */
+    uint64_t saved;   /* session->changes then */
+    bool warned;      /* that it cannot be written: said once */
+    bool unlocked, said_unlocked, said_unsynced; /* likewise what the file system cannot do */
+    pthread_t thread;                            /* where `syncing`: puts the file on the disk */
+    bool syncing, unsynced;                      /* unsynced: there is more to put there */
+    atomic_bool synced;
+    atomic_int sync_failure; /* errno */
+    int64_t sync_due;        /* [clock_ns] not before */
+};
+
+/* Clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
+void autosave_begin(struct autosave *autosave, struct session *session);
+void autosave_end(struct autosave *autosave);
+/* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
+int64_t autosave_due(const struct autosave *autosave);
+/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. A
+ * Ctrl-C puts the rest off until it is called again. */
+bool autosave_keep(struct autosave *autosave, bool line, struct error *error);
+/* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
+ * written at all is said once a session. */
+bool autosave_write(struct autosave *autosave, struct error *error);
+/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
+ * newest. told: what was done. */
+bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
+                     struct error *error);
+
+#endif

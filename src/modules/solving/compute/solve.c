@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A solve without recording, and its errors on the common grid. */
+#include <hooke/base/cancel.h>
+#include "modules/solving/compute/solve.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_adaptive(const struct method *method, const struct run_settings *settings)
+{
+    return settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
+}
+
+static march_function *march_of(const struct system *system, const struct method *method,
+                                const struct run_settings *settings)
+{
+    const bool plain = settings->kernel != KERNEL_GENERAL && !is_adaptive(method, settings) &&
+                       !settings->compensated;
+    return plain ? method_kernel(method, system, settings->drag) : NULL;
+}
+
+enum kernel study_path(const struct system *system, const struct method *method,
+                       const struct run_settings *settings)
+{
+    const bool special = is_adaptive(method, settings) ? settings->kernel != KERNEL_GENERAL &&
+                                                             method_step_kernel(method, system)
+                                                       : march_of(system, method, settings) != NULL;
+    return special ? KERNEL_SPECIALISED : KERNEL_GENERAL;
+}
+
+bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
+                 const struct run_settings *settings, double span)
+{
+    const size_t size = method_work_size(method, system->n) + 1;
+    *solver = (struct solver){.system = system,
+                              .method = method,
+                              .dt = settings->dt,
+                              .tol = is_adaptive(method, settings) ? settings->tol : 0,
+                              .span = span,
+                              .compensated = settings->compensated};
+    double *work = malloc(2 * size * sizeof *work);
+    if (!work)
+        return false;
+    solver->turns =
+        solver->tol == 0 && (method_turns(method, system) || method_meets_switches(method, system));
+    solver->kernel = march_of(system, method, settings);
+    solver->side = work + size;
+    solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
+    method_choose_kernels(method, &solver->step, settings->kernel != KERNEL_GENERAL);
+    solver_start(solver);
+    if (method_begin(method, &solver->step))
+        return true;
+    solver_free(solver);
+    return false;
+}
+
+void solver_free(struct solver *solver)
+{
+    method_end(solver->method, &solver->step);
+    free(solver->step.work);
+    solver->step.work = solver->side = NULL;
+}
+
+void solver_start(struct solver *solver)
+{
+    const size_t size = (size_t)solver->system->n * sizeof(double);
+    memcpy(solver->y, solver->system->start, size);
+    memset(solver->low, 0, size);
+    solver->steps = 0;
+    solver->step.cost = (struct cost){0};
+}
+
+int64_t solver_cost(const struct solver *solver)
+{
+    const struct cost *cost = &solver->step.cost;
+    return cost->evals + cost->jacobians + cost->solves;
+}
+
+enum stop solver_stop(enum step_status status)
+{
+    return status == STEP_OK            ? STOP_END
+           : status == STEP_NONFINITE   ? STOP_DIVERGED
+           : status == STEP_NO_SOLUTION ? STOP_NO_SOLUTION
+                                        : STOP_STALLED;
+}
+
+/* ---- the common grid ---- */
+
+struct sampler {
+    struct solver *solver;
+    double *grid; /* NULL: nobody asks */
+    int next;     /* the grid time to come */
+};
+
+static double grid_time(const struct solver *solver, int k)
+{
+    return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
+}
+
+/* A multistep method without an output of its own leaves the grid time out: an interpolation would
+ * be the error. */
+static void sample_inside(const struct solver *s, const double *before, double from, double h,
+                          double t, double *y)
+{
+    const int n = s->system->n;
+    if (s->method->dense && !s->turns) {
+        method_dense(s->method, &s->step, before, (t - from) / h, y);
+        return;
+    }
+    if (s->method->flags & METHOD_MULTISTEP)
+        return;
+    struct step step = s->step;
+    step.t = from;
+    step.h = t - from;
+    step.y = y;
+    step.work = s->side;
+    step.error = step.low = NULL;
+    step.warm = step.again = false;
+    memcpy(y, before, (size_t)n * sizeof *y);
+    if (method_turning_step(s->method, &step) != STEP_OK)
+        for (int i = 0; i < n; i++)
+            y[i] = NAN;
+}
+
+/* All times inside the step, a variable after the other: each is prepared once. The same bits as by
+ * method_dense(). */
+static void sample_whole(struct sampler *sampler, double from, double h, double near)
+{
+    const struct solver *s = sampler->solver;
+    const int n = s->system->n;
+    struct dense_polynomial polynomial;
+    int end = sampler->next;
+    while (end < STUDY_TIMES && (grid_time(s, end) - s->step.t) * copysign(1, h) < -near)
+        end++;
+    for (int i = 0; i < n && end > sampler->next; i++) {
+        method_polynomial(s->method, &s->step, i, &polynomial);
+        for (int k = sampler->next; k < end; k++)
+            sampler->grid[k * n + i] =
+                dense_polynomial_at(&polynomial, (grid_time(s, k) - from) / h);
+    }
+    sampler->next = end;
+}
+
+/* After a step of h from `from`, where the state was `before`. */
+static void sample(struct sampler *sampler, const double *before, double from, double h)
+{
+    struct solver *s = sampler->solver;
+    const int n = s->system->n;
+    const double to = s->step.t, near = 1e-9 * fabs(h);
+    if (s->method->dense && s->method->tableau && !s->turns)
+        sample_whole(sampler, from, h, near);
+    for (; sampler->next < STUDY_TIMES; sampler->next++) {
+        const double t = grid_time(s, sampler->next);
+        double *y = sampler->grid + sampler->next * n;
+        if ((t - to) * copysign(1, h) > near)
+            return;
+        if (fabs(t - to) <= near)
+            memcpy(y, s->y, (size_t)n * sizeof *y);
+        else
+            sample_inside(s, before, from, h, t, y);
+    }
+}
+
+static bool spent(const struct solver *s)
+{
+    return s->max > 0 && (solver_cost(s) > s->max || s->steps > s->max);
+}
+
+/* One step more; with a grid, sampled. */
+static enum step_status advance(struct solver *s, struct controller *controller, double end,
+                                struct sampler *sampler)
+{
+    double before[LIMIT_VARIABLES];
+    const double from = s->step.t;
+    if (sampler->grid)
+        memcpy(before, s->y, (size_t)s->system->n * sizeof *before);
+    const enum step_status status = controller ? method_adapt(s->method, &s->step, controller, end)
+                                               : method_turning_step(s->method, &s->step);
+    s->steps += status == STEP_OK;
+    if (status == STEP_OK && sampler->grid)
+        sample(sampler, before, from, s->step.h);
+    return status;
+}
+
+static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
+                              const struct cancel *cancel)
+{
+    struct controller controller = {.tol = s->tol, .h = copysign(s->dt, s->span)};
+    const double end = s->system->t0 + s->span;
+    while (s->step.t != end) {
+        enum step_status status = STEP_OK;
+        if (!sampler->grid && method_adapts_many(&s->step, &controller))
+            s->steps +=
+                method_adapt_many(&s->step, &controller, end, 64 - (s->steps & 63), NULL, &status);
+        else
+            status = advance(s, &controller, end, sampler);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if ((s->steps & 63) == 0 && (spent(s) || cancelled(cancel)))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
+    }
+    return STOP_END;
+}
+
+#define ROOM 1024 /* [double] of states that a kernel leaves behind */
+
+/* each: steps between two grid times, all of which are steps' ends; 0: nobody asks for them. */
+static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
+                            const struct cancel *cancel)
+{
+    const int n = s->system->n;
+    const int64_t max = ROOM / n;
+    double row[ROOM];
+    for (int64_t i = 0; i < steps;) {
+        const int64_t to = each > 0 ? each * sampler->next : steps;
+        const struct march march = {&s->step, s->system->t0, i, to - i < max ? to - i : max, row};
+        enum step_status status;
+        if (method_turning_march(s->method, s->kernel, &march, &status) < march.count)
+            return solver_stop(status);
+        for (int k = 0; k < n; k++)
+            if (!isfinite(s->y[k]))
+                return STOP_DIVERGED;
+        i += march.count;
+        s->steps += march.count;
+        if (each > 0 && i == to)
+            memcpy(sampler->grid + sampler->next++ * n, s->y, (size_t)n * sizeof *s->y);
+        if (spent(s) || cancelled(cancel))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
+    }
+    return STOP_END;
+}
+
+static enum stop run_fixed(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
+{
+    const double ratio = fabs(s->span) / s->dt, t0 = s->system->t0, h = copysign(s->dt, s->span);
+    const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
+    const int64_t all = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
+    const int64_t steps = s->part > 0 && s->part < all ? s->part : all;
+    /* every grid time, by a step's end */
+    const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0;
+    const bool bulk = s->kernel && (!sampler->grid || met);
+    s->step.h = h;
+    const enum stop stop =
+        bulk ? run_kernel(s, steps, sampler->grid ? all / (STUDY_TIMES - 1) : 0, sampler, cancel)
+             : STOP_END;
+    for (int64_t i = 0; i < steps && !bulk; i++) {
+        s->step.t = t0 + (double)i * h;
+        const enum step_status status = advance(s, NULL, 0, sampler);
+        if (status != STEP_OK)
+            return solver_stop(status);
+        if ((i & 255) == 255 && (spent(s) || cancelled(cancel)))
+            return cancelled(cancel) ? STOP_CANCELLED : STOP_FULL;
+    }
+    if (whole || steps < all || stop != STOP_END)
+        return stop;
+    s->step.t = t0 + (double)steps * h;
+    s->step.h = t0 + s->span - s->step.t;
+    s->step.warm = false;
+    return solver_stop(advance(s, NULL, 0, sampler));
+}
+
+enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel)
+{
+    const int n = solver->system->n;
+    struct sampler sampler = {solver, grid, 1};
+    for (int i = 0; grid && i < STUDY_TIMES * n; i++)
+        grid[i] = i < n ? solver->y[i] : NAN;
+    solver->step.t = solver->system->t0;
+    solver->step.warm = solver->step.again = false;
+    solver->step.tol = 0;
+    solver->step.y = solver->y; /* set here: the solver may have moved since */
+    solver->step.low = solver->compensated && solver->tol == 0 ? solver->low : NULL;
+    return (solver->tol > 0 ? run_adaptive : run_fixed)(solver, &sampler, cancel);
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S +
+ * df/dp. */
+#ifndef HOOKE_MODULES_SOLVING_COMPUTE_VARIATION_H
+#define HOOKE_MODULES_SOLVING_COMPUTE_VARIATION_H
+
+#include "modules/solving/compute/solve.h"
+
+#define VARIATION_DIRECTIONS 24 /* at most */
+
+/* A term that a parameter changes: its coefficients at p + delta and p - delta. */
+struct term_change {
+    const struct term_row *row;
+    bool in[2];
+    double c[2][TERM_VALUES];
+};
+
+struct parameter_change { /* one parameter */
+    double apart;         /* 2 delta */
+    struct term_change change[TERM_MAX];
+    int changes;
+    double start[LIMIT_VARIABLES], t0; /* derivatives of the start */
+    bool starts;                       /* some of these are not 0 */
+};
+
+/* False: the scene has no motion on both sides of the value. */
+bool direction_find(const struct scene *scene, int index, struct parameter_change *direction);
+
+struct variation {
+    struct system base; /* the scene */
+    /* base and its derivatives by each direction: n (1 + directions) variables of first order */
+    struct system whole;
+    int directions;
+    struct parameter_change direction[VARIATION_DIRECTIONS];
+    /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this
+     * sign; 0: not */
+    double dry;
+    bool trace; /* the last variable of the whole is the integral of the trace of df/dy */
+};
+
+/* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it.
+ */
+bool variation_bind(struct variation *variation, const struct scene *scene, const int *index,
+                    int count);
+
+/* Derivatives by the state at the start, in units of size [n]: n (1 + n) <= LIMIT_VARIABLES. */
+void variation_of_start(struct variation *variation, const struct system *base, const double *size);
+/* The same by the first `count` of its variables only. */
+void variation_of_tangents(struct variation *variation, const struct system *base,
+                           const double *size, int count);
+/* And by one parameter of the scene, the start fixed. False: as variation_bind(). */
+bool variation_add_parameter(struct variation *variation, const struct scene *scene, int index);
+/* And, after these, the integral of the trace of df/dy from 0: the logarithm of the determinant of
+ * what is derived by the start (Liouville). False: too many variables. */
+bool variation_add_trace(struct variation *variation);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion of a sweep, where it is not of NAME=FROM:TO: sections, and what is measured. */
+#include <hooke/command/complete.h>
+#include "modules/sweep/handlers.h"
+
+#include <string.h>
+
+bool sweep_complete(struct completion *c, const struct command *command, struct text before)
+{
+    struct text name;
+    if (strcmp(command->row.name, "sweep") != 0)
+        return false;
+    if (text_is(last_word(before), "at")) {
+        complete_offer(c, "period", "each of the drive");
+        complete_events(c);
+        complete_columns(c, NULL);
+        return true;
+    }
+    if (!complete_is_item(before, &name) || !text_is(name, "measure"))
+        return false;
+    const char *paren = memchr(c->word.at, '(', c->word.len); /* max(z */
+    if (paren)
+        c->word = (struct text){paren + 1, (size_t)(c->word.at + c->word.len - paren - 1)};
+    else {
+        complete_catalog(c, &sweep_measure_catalog);
+        complete_offer(c, "rms", "root of the mean square: rms(v)");
+    }
+    complete_columns(c, NULL);
+    return true;
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the numbers of measure=attractor stand for. */
+#include "modules/sweep/compute/worker.h"
+
+/* The one with that number; a new one where it is none, if there is room. */
+static struct sweep_attractor *take(struct sweep_attractor *found, int *count, double number)
+{
+    for (int k = 0; k < *count; k++)
+        if (found[k].number == number)
+            return &found[k];
+    if (*count == SWEEP_ATTRACTORS)
+        return NULL;
+    int k = (*count)++;
+    for (; k > 0 && found[k - 1].number > number; k--)
+        found[k] = found[k - 1];
+    found[k] = (struct sweep_attractor){.number = number, .first = -1};
+    return &found[k];
+}
+
+int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
+                     struct sweep_attractor found[SWEEP_ATTRACTORS])
+{
+    int count = 0;
+    for (int64_t i = 0; i < sweep->count; i++) {
+        const double number = sweep->value[i * sweep->measures + measure];
+        struct sweep_attractor *one = isnan(number) ? NULL : take(found, &count, number);
+        if (!one)
+            continue;
+        one->count++;
+        one->first = one->first < 0 ? i : one->first;
+    }
+    for (int k = 0; k < count; k++) {
+        struct scene scene;
+        struct run_settings settings;
+        struct error ignored = {0};
+        sweep_common(request, &scene, &settings);
+        found[k].known = sweep_point(request, sweep, found[k].first, &scene, &settings, &ignored) &&
+                         request->measure[measure].attractor(&scene, request->cancel,
+                                                             &found[k].basin) == found[k].number;
+    }
+    return count;
+}

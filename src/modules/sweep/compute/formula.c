@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Expressions of a sweep: of the columns of a run at each row, of what was measured of a point. */
+#include <hooke/base/catalog.h>
+#include <hooke/scene/formula.h>
+#include <hooke/scene/typed.h>
+#include "modules/sweep/compute/worker.h"
+
+#include <stdlib.h>
+
+double sweep_scene_value(const struct scene *scene, int slot)
+{
+    if (slot < SWEEP_SLOT_DERIVED)
+        return scene->value[slot - SWEEP_SLOT_PARAM];
+    const struct row *row = catalog_row(scene_derived(scene), (size_t)(slot - SWEEP_SLOT_DERIVED));
+    return ((const struct derived_row *)(const void *)row)->value(scene).value;
+}
+
+/* Numbers from slot 0 on, then the scene's. */
+struct numbers {
+    const double *value;
+    const struct scene *scene;
+};
+
+static double load_number(const void *context, int slot)
+{
+    const struct numbers *numbers = context;
+    return slot < SWEEP_SLOT_PARAM ? numbers->value[slot] : sweep_scene_value(numbers->scene, slot);
+}
+
+static bool slot_column(const struct run *run, int slot, double *out)
+{
+    const size_t n = trace_count(run->trace);
+    const int above = slot - run->system.n - model_observed(run->system.model);
+    const struct moving moving = run_scope_moving(run, slot);
+    struct error ignored = {0};
+    if (moving.kind == MOVING_OTHER && above >= 0)
+        return run_column(run, observable_at((size_t)above), out, &ignored);
+    if (moving.kind == MOVING_OTHER)
+        run_observed_column(run, slot - run->system.n, out);
+    else if (moving.kind == MOVING_STATE)
+        run_variable_column(run, moving.index, out);
+    for (size_t i = 0; i < n && moving.kind == MOVING_TIME; i++)
+        out[i] = trace_time(run->trace, i);
+    return true;
+}
+
+bool expression_column(const struct run *run, const struct sweep_expression *of,
+                       const struct scene *scene, double *out)
+{
+    const size_t n = trace_count(run->trace);
+    double *column = calloc(n * (size_t)of->columns + 1, sizeof *column);
+    double value[SWEEP_COLUMNS] = {0};
+    const struct numbers numbers = {value, scene};
+    const struct expr_scope scope = {.context = &numbers, .load = load_number};
+    bool ok = column;
+    for (int c = 0; ok && c < of->columns; c++)
+        ok = slot_column(run, of->column[c], column + (size_t)c * n);
+    for (size_t i = 0; ok && i < n; i++) {
+        for (int c = 0; c < of->columns; c++)
+            value[c] = column[(size_t)c * n + i];
+        out[i] = expr_value(of->expr, &scope);
+    }
+    free(column);
+    return ok;
+}
+
+static double load_measure(const void *context, int slot)
+{
+    return slot >= SWEEP_MEASURES && slot < SWEEP_SLOT_PARAM
+               ? sqrt(load_number(context, slot - SWEEP_MEASURES))
+               : load_number(context, slot);
+}
+
+void sweep_combine(struct sweep_worker *worker, int64_t i)
+{
+    const struct sweep_request *request = worker->job->request;
+    if (request->columns == 0)
+        return;
+    const struct numbers numbers = {worker->part, &worker->scene};
+    const struct expr_scope scope = {.context = &numbers, .load = load_measure};
+    struct error ignored;
+    double *out = worker->job->sweep->value + i * worker->job->sweep->measures;
+    sweep_point(request, worker->job->sweep, i, &worker->scene, &worker->settings, &ignored);
+    for (int c = 0; c < request->columns; c++)
+        out[c] = request->shown[c].formula ? expr_value(request->shown[c].formula->expr, &scope)
+                                           : worker->part[request->place[c]];
+}

@@ -1,0 +1,454 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Points of a sweep in lanes: gathered until they are as many as there are lanes, stepped and
+ * watched side by side. */
+#include "modules/sweep/compute/worker.h"
+
+#include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
+
+#include <string.h>
+
+#define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
+
+/* The last, shorter step, as a run takes it. */
+static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
+{
+    const struct system *system = &worker->system[lane];
+    const struct lane_clock *clock = &worker->clock[lane];
+    const struct method *method = worker->job->request->method;
+    struct step step = {.system = system,
+                        .drag = worker->drag,
+                        .t = system->t0 + (double)clock->whole * clock->h,
+                        .h = clock->rest,
+                        .y = y,
+                        .work = worker->work};
+    const bool ok = method_turning_step(method, &step) == STEP_OK;
+    *evals += step.cost.evals;
+    return ok;
+}
+
+static double lane_measure(const struct sweep_worker *worker, int lane,
+                           const struct sweep_measure *measure, const double *y, int64_t steps,
+                           int64_t evals)
+{
+    const struct sweep_job *job = worker->job;
+    const struct system *system = &worker->system[lane];
+    const double end = system->t0 + job->request->duration;
+    if (sweep_watches(measure))
+        return watch_value(&worker->watch[lane], measure->kind);
+    switch (measure->kind) {
+    case SWEEP_STEPS:
+        return (double)steps;
+    case SWEEP_EVALS:
+        return (double)evals;
+    case SWEEP_OBSERVABLE:
+        return observable_defined(measure->observable, system, false)
+                   ? measure->observable->value(
+                         &(struct sample){.t = end, .y = y, .system = system})
+                   : NAN;
+    default:
+        return sweep_measured(measure, system, end, y);
+    }
+}
+
+bool lane_suspicious(const double *y, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(fabs(y[i]) <= SUSPICIOUS))
+            return true;
+    return false;
+}
+
+static bool all_suspicious(const struct sweep_worker *worker)
+{
+    double y[LIMIT_VARIABLES];
+    for (int lane = 0; lane < LANE_COUNT; lane++) {
+        lanes_state(worker->lanes, lane, y);
+        if (!lane_suspicious(y, worker->system[0].n))
+            return false;
+    }
+    return true;
+}
+
+CLONES static unsigned turning_groups(const double *before, const double *row)
+{
+    unsigned groups = 0;
+    for (int group = 0; group < LANE_COUNT / TURN_GROUP; group++) {
+        uint64_t turned = 0;
+        for (int i = 0; i < TURN_GROUP; i++) {
+            const int lane = group * TURN_GROUP + i;
+            uint64_t a, b;
+            memcpy(&a, before + LANE_COUNT + lane, sizeof a);
+            memcpy(&b, row + LANE_COUNT + lane, sizeof b);
+            turned |= a ^ b;
+        }
+        groups |= (unsigned)(turned >> 63) << group;
+    }
+    return groups;
+}
+
+unsigned lanes_turning_groups(const double *before, const double *row)
+{
+    return turning_groups(before, row);
+}
+
+/* ---- stretches of steps in which no lane comes to its end and no window begins ---- */
+
+struct stretch_watch {
+    int64_t first, count;
+    bool alike;                                           /* all lanes step by one clock */
+    double open[LANE_COUNT];                              /* has the window begun? */
+    double t0[LANE_COUNT], h[LANE_COUNT], to[LANE_COUNT]; /* to: the time after the last step */
+};
+
+CLONES static void add_areas(double h, const double *restrict before, const double *restrict row,
+                             double *restrict area)
+{
+    for (int lane = 0; lane < LANE_COUNT; lane++)
+        area[lane] += watch_area(h, before[lane], before[LANE_COUNT + lane], row[lane],
+                                 row[LANE_COUNT + lane]);
+}
+
+/* The same where lanes have their own steps and windows. */
+CLONES static void add_own_areas(const struct stretch_watch *of, double number, bool last,
+                                 const double *restrict before, const double *restrict row,
+                                 double *restrict area, double *restrict span)
+{
+    for (int lane = 0; lane < LANE_COUNT; lane++) {
+        const double from = of->t0[lane] + number * of->h[lane],
+                     next = of->t0[lane] + (number + 1) * of->h[lane],
+                     h = (last ? of->to[lane] : next) - from,
+                     more = watch_area(h, before[lane], before[LANE_COUNT + lane], row[lane],
+                                       row[LANE_COUNT + lane]);
+        area[lane] += of->open[lane] != 0 ? more : 0;
+        span[lane] += of->open[lane] != 0 ? h : 0;
+    }
+}
+
+/* Comes the lane to its end, which needs no shorter step, with this one? */
+static bool ends_after(const struct lane_clock *clock, int64_t steps)
+{
+    return clock->whole == steps && clock->rest == 0;
+}
+
+/* One row after another: whose velocity has changed its sign? before: the row before these. */
+static void watch_lanes(struct sweep_worker *worker, const double *before,
+                        const struct stretch_watch *of)
+{
+    double *const row_end = worker->row + 2 * (of->count - 1) * LANE_COUNT;
+    for (int lane = 0; lane < worker->used; lane++)
+        if (worker->system[0].order == 1 &&
+            ends_after(&worker->clock[lane], of->first + of->count)) { /* its time is the end's */
+            double y[LIMIT_VARIABLES];
+            lanes_state(worker->lanes, lane, y);
+            row_end[LANE_COUNT + lane] = watch_speed(&worker->system[lane], 0, of->to[lane], y);
+        }
+    const double *row = worker->row;
+    for (int64_t i = 0; i < of->count; i++, before = row, row += 2 * LANE_COUNT) {
+        const unsigned groups = turning_groups(before, row);
+        const bool last = i == of->count - 1;
+        const double number = (double)(of->first + i);
+        for (int lane = next_turning(groups, 0); lane < worker->used;
+             lane = next_turning(groups, lane + 1))
+            if (watch_turns(before[LANE_COUNT + lane], row[LANE_COUNT + lane]) &&
+                of->first < worker->clock[lane].whole)
+                watch_turn(&worker->watch[lane], of->t0[lane] + number * of->h[lane], before[lane],
+                           before[LANE_COUNT + lane],
+                           last ? of->to[lane] : of->t0[lane] + (number + 1) * of->h[lane],
+                           row[lane], row[LANE_COUNT + lane]);
+        if (!worker->job->means)
+            continue;
+        if (!of->alike) {
+            add_own_areas(of, number, last, before, row, worker->area, worker->span);
+        } else if (of->open[0] != 0) {
+            const double from = of->t0[0] + number * of->h[0],
+                         h = (last ? of->to[0] : of->t0[0] + (number + 1) * of->h[0]) - from;
+            add_areas(h, before, row, worker->area);
+            worker->span[0] += h;
+        }
+    }
+}
+
+/* The first step at whose end the window is open. */
+static int64_t opening_step(const struct sweep_job *job, double t0, const struct lane_clock *clock)
+{
+    const double h = clock->h, opens = t0 + job->opens;
+    int64_t i = (int64_t)floor(job->opens / h);
+    while (i > 0 && t0 + (double)i * h >= opens)
+        i--;
+    while (t0 + (double)i * h < opens)
+        i++;
+    return i < clock->whole ? i : clock->whole;
+}
+
+static int64_t min(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Before the first step. */
+static void begin_watching(struct sweep_worker *worker, struct stretch_watch *of)
+{
+    const struct sweep_job *job = worker->job;
+    *of = (struct stretch_watch){.alike = true};
+    for (int lane = 0; lane < LANE_COUNT; lane++) {
+        struct lane_clock *clock = &worker->clock[lane];
+        const double t0 = worker->system[lane < worker->used ? lane : worker->used - 1].t0;
+        if (lane >= worker->used)
+            *clock = worker->clock[worker->used - 1];
+        of->t0[lane] = t0;
+        of->h[lane] = clock->h;
+        of->alike &= t0 == of->t0[0] && clock->h == of->h[0];
+        if (job->clocks || lane == 0)
+            clock->opening =
+                job->watches && !job->replays ? opening_step(job, t0, clock) : clock->whole;
+        else
+            clock->opening = worker->clock[0].opening;
+        worker->area[lane] = worker->span[lane] = 0;
+    }
+    for (int lane = 0; lane < worker->used; lane++)
+        watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
+}
+
+/* How far no lane ends and no window begins after step i; is anybody in its window? */
+static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *open)
+{
+    int64_t next = INT64_MAX;
+    *open = false;
+    for (int lane = 0; lane < worker->used; lane++) {
+        const struct lane_clock *clock = &worker->clock[lane];
+        if (clock->opening > i)
+            next = min(next, clock->opening);
+        if (clock->whole > i)
+            next = min(next, clock->whole);
+        *open |= clock->opening <= i && clock->whole > i;
+    }
+    return next;
+}
+
+/* Those that are at their last whole step, and those that are nowhere in the end. */
+static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
+{
+    for (int lane = 0; lane < worker->used; lane++) {
+        const struct lane_clock *clock = &worker->clock[lane];
+        if (clock->whole == i || (all && clock->whole > i)) {
+            lanes_state(worker->lanes, lane, worker->end[lane].y);
+            worker->end[lane].evals = lanes_evals(worker->lanes, lane);
+        }
+    }
+}
+
+/* False: cancelled. */
+static bool march(struct sweep_worker *worker)
+{
+    const struct sweep_job *job = worker->job;
+    struct stretch_watch of;
+    double before[2 * LANE_COUNT];
+    bool open;
+    begin_watching(worker, &of);
+    if (job->replays)
+        replay_begin(worker);
+    take_ends(worker, 0, false);
+    for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
+        const bool watching = job->replays || job->tops || (job->watches && open);
+        const int64_t count =
+            min(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
+        if (watching)
+            lanes_row(worker->lanes, before);
+        for (int lane = 0; lane < LANE_COUNT; lane++) {
+            const struct lane_clock *clock = &worker->clock[lane];
+            of.open[lane] = clock->opening <= i && i < clock->whole;
+            of.to[lane] = ends_after(clock, i + count)
+                              ? of.t0[lane] + job->request->duration
+                              : of.t0[lane] + (double)(i + count) * of.h[lane];
+            if (watching && lane < worker->used && i == clock->opening && i < clock->whole)
+                watch_open(&worker->watch[lane], before[lane]);
+        }
+        lanes_march(worker->lanes, count, watching ? worker->row : NULL);
+        of.first = i;
+        of.count = count;
+        if (job->replays)
+            replay_keep(worker, i, count);
+        else if (watching)
+            watch_lanes(worker, before, &of);
+        i += count;
+        take_ends(worker, i, false);
+        if (cancelled(job->request->cancel))
+            return false;
+        if (all_suspicious(worker)) {
+            take_ends(worker, i, true);
+            break;
+        }
+    }
+    for (int lane = 1; lane < worker->used && of.alike; lane++)
+        worker->span[lane] = worker->span[0];
+    return true;
+}
+
+void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
+                        int64_t evals)
+{
+    const struct sweep_request *request = worker->job->request;
+    const int64_t i = worker->point[lane];
+    for (int m = 0; m < request->measures; m++)
+        sweep_values(worker, i)[m] =
+            lane_measure(worker, lane, &request->measure[m], y, steps, evals);
+    sweep_combine(worker, i);
+    worker->job->sweep->status[i] = STOP_END;
+    worker->side_by_side++;
+    worker->steps += (double)steps;
+}
+
+/* After the last, shorter step from `was` to y. */
+static void finish_watch(struct sweep_worker *worker, int lane, const double *was, const double *y)
+{
+    const struct lane_clock *clock = &worker->clock[lane];
+    const struct system *system = &worker->system[lane];
+    struct extremes *watch = &worker->watch[lane];
+    const double from = system->t0 + (double)clock->whole * clock->h,
+                 end = system->t0 + worker->job->request->duration;
+    if (!watch->open && (clock->rest == 0 ? end : from) >= system->t0 + worker->job->opens)
+        watch_open(watch, was[0]);
+    const bool stepped = clock->rest != 0;
+    const double speed0 = stepped ? watch_speed(system, 0, from, was) : 0,
+                 speed1 = stepped ? watch_speed(system, 0, end, y) : 0;
+    if (watch_turns(speed0, speed1))
+        watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
+    watch->area = worker->area[lane];
+    watch->span = worker->span[lane];
+    if (!watch->open) {
+        watch_open(watch, y[0]);
+    } else if (stepped) {
+        watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
+        watch->span += end - from;
+    }
+    watch_end(watch, y[0]);
+}
+
+static void finish_lanes(struct sweep_worker *worker)
+{
+    const struct sweep_job *job = worker->job;
+    for (int lane = 0; lane < worker->used; lane++) {
+        const struct lane_clock *clock = &worker->clock[lane];
+        const int n = worker->system[lane].n;
+        const struct lane_end *end = &worker->end[lane];
+        int64_t evals = end->evals;
+        double y[LIMIT_VARIABLES];
+        memcpy(y, end->y, (size_t)n * sizeof *y);
+        if (lane_suspicious(y, n) || (clock->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
+            sweep_alone(worker, worker->point[lane]);
+        } else if (job->replays) {
+            replay_lane(worker, lane, evals);
+        } else {
+            if (job->watches)
+                finish_watch(worker, lane, end->y, y);
+            sweep_measure_lane(worker, lane, y, clock->whole + (clock->rest != 0), evals);
+        }
+    }
+}
+
+/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go
+ * one by one, who steps by its own control waits for the slowest. */
+static int few(const struct sweep_worker *worker)
+{
+    const struct model *model = worker->system[0].model;
+    const int points = model->typed ? 5 : model == &oscillator_model ? SWEEP_FEW : 20;
+    return worker->job->adapts && points < SWEEP_FEW_ADAPTIVE ? SWEEP_FEW_ADAPTIVE : points;
+}
+
+void sweep_flush(struct sweep_worker *worker)
+{
+    const struct sweep_request *request = worker->job->request;
+    const struct system *first = &worker->system[0];
+    if (worker->used == 0)
+        return;
+    const bool begun =
+        worker->used > few(worker) &&
+        lanes_begin(worker->lanes, request->method, worker->drag, first, worker->clock[0].h);
+    for (int lane = 0; begun && lane < LANE_COUNT; lane++) {
+        const int from = lane < worker->used ? lane : worker->used - 1;
+        lanes_set_step(worker->lanes, lane, &worker->system[from], worker->clock[from].h);
+    }
+    for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
+        sweep_alone(worker, worker->point[lane]);
+    if (begun && worker->section)
+        section_march(worker);
+    else if (begun && worker->job->adapts)
+        sweep_adapt(worker);
+    else if (begun && march(worker))
+        finish_lanes(worker);
+    replay_end(worker);
+    worker->used = 0;
+}
+
+/* The potential of typed forces is looked for only where somebody asks for an energy. */
+static bool bind_point(const struct sweep_request *request, const struct scene *scene,
+                       struct system *system, struct error *error)
+{
+    bool energy = request->method->flags & METHOD_POTENTIAL;
+    for (int m = 0; m < request->measures; m++)
+        energy |= request->measure[m].kind == SWEEP_OBSERVABLE &&
+                  request->measure[m].observable->needs & NEED_ENERGY;
+    return energy ? scene_bind(scene, system, error) : scene_bind_motion(scene, system, error);
+}
+
+bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag)
+{
+    const struct sweep_request *request = job->request;
+    return (job->adapts ? lanes_adapt_fit : lanes_fit)(request->method, system, drag,
+                                                       request->settings.dt);
+}
+
+/* False: its steps are too many for lanes, or refused. */
+static bool set_clock(const struct sweep_worker *worker, const struct system *system, double h,
+                      struct lane_clock *clock)
+{
+    const struct sweep_job *job = worker->job;
+    *clock = (struct lane_clock){.h = h, .rest = job->rest, .whole = job->whole};
+    if (!job->clocks || job->adapts)
+        return true;
+    struct plan plan = {.whole = job->whole, .partial = job->rest};
+    struct error ignored;
+    const bool fits =
+        plan_grid(system, h, job->request->duration, &plan, &ignored) &&
+        (!job->watches || plan.steps <= LIMIT_SAMPLES) &&
+        (!job->replays || (plan.whole > 0 && (job->in_pieces || plan.whole <= job->room)));
+    clock->rest = plan.partial;
+    clock->whole = plan.whole;
+    return fits;
+}
+
+void sweep_gather(struct sweep_worker *worker, int64_t i)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    struct lane_clock clock;
+    struct error error; /* not cleared: most points set none */
+    struct system *system = &worker->system[worker->used];
+    enum drag drag = request->settings.drag;
+    if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
+        !bind_point(request, &worker->scene, system, &error) ||
+        !method_applies(request->method, system, &drag, &error) ||
+        (!job->adapts &&
+         !method_fits(request->method, system, drag, worker->settings.dt, &error))) {
+        sweep_refuse(worker, i, &error);
+        return;
+    }
+    const double tol = worker->settings.tol; /* which points that go alone change */
+    if (!sweep_lanes_fit(job, system, drag) ||
+        !set_clock(worker, system, worker->settings.dt, &clock)) {
+        sweep_alone(worker, i);
+        return;
+    }
+    if (worker->used > 0 && (drag != worker->drag || !lanes_alike(&worker->system[0], system))) {
+        const struct system next = *system;
+        sweep_flush(worker);
+        worker->system[0] = next;
+    }
+    worker->drag = drag;
+    worker->tol[worker->used] = tol;
+    worker->clock[worker->used] = clock;
+    worker->point[worker->used++] = i;
+    if (worker->used == LANE_COUNT)
+        sweep_flush(worker);
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a sweep can vary and what it can measure. */
+#include <hooke/base/catalog.h>
+#include <hooke/scene/typed.h>
+#include "modules/sweep/compute/worker.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- axes ---- */
+
+bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_axis *axis)
+{
+    const struct catalog *params = scene_params(scene), *derived = scene_derived(scene);
+    const struct row *row;
+    if (text_is(name, "dt") || text_is(name, "tol")) {
+        const bool dt = text_is(name, "dt");
+        axis->target = dt ? SWEEP_DT : SWEEP_TOL;
+        axis->quantity = dt ? QUANTITY_TIME : QUANTITY_NUMBER;
+    } else if ((row = catalog_find(params, name))) {
+        const struct param_row *param = (const struct param_row *)(const void *)row;
+        axis->target = SWEEP_PARAM;
+        axis->index = (int)(param - (const struct param_row *)params->rows);
+        axis->quantity = param->quantity;
+    } else if ((row = catalog_find(derived, name)) &&
+               ((const struct derived_row *)(const void *)row)->inverse) {
+        axis->target = SWEEP_DERIVED;
+        axis->index = (int)((const struct derived_row *)(const void *)row -
+                            (const struct derived_row *)derived->rows);
+        axis->quantity = ((const struct derived_row *)(const void *)row)->quantity;
+    } else {
+        return false;
+    }
+    snprintf(axis->name, sizeof axis->name, "%.*s", (int)name.len, name.at);
+    return true;
+}
+
+double sweep_axis_value(const struct sweep_axis *axis, int i)
+{
+    if (i == 0 || axis->count < 2)
+        return axis->from;
+    const double fraction = (double)i / (axis->count - 1);
+    if (i == axis->count - 1)
+        return axis->to;
+    return axis->log ? axis->from * pow(axis->to / axis->from, fraction)
+                     : axis->from + (axis->to - axis->from) * fraction;
+}
+
+/* ---- measures ---- */
+
+static const struct row rows[] = {
+    [SWEEP_AMPLITUDE] = {"amplitude", "",
+                         "half the swing of the first variable in the last third of the duration",
+                         "", NULL},
+    [SWEEP_PERIOD] = {"period", "", "mean time between its maxima there", "", NULL},
+    [SWEEP_MEAN] = {"mean", "", "its mean over that time", "", NULL},
+    [SWEEP_MAX] = {"max", "", "its largest value from the start on; max(z) of z, and so on", "",
+                   NULL},
+    [SWEEP_MIN] = {"min", "", "its smallest", "", NULL},
+    [SWEEP_ERROR] = {"error", "", "largest distance from the exact solution, over the amplitude",
+                     "", NULL},
+    [SWEEP_ENERGY_ERROR] = {"energy_error", "", "largest error of the energy balance", "",
+                            "energy-error"},
+    [SWEEP_STEPS] = {"steps", "", "steps taken", "", NULL},
+    [SWEEP_EVALS] = {"evals", "", "force evaluations", "", NULL},
+    [SWEEP_REACHED] = {"reached", "", "the time reached: of what diverges, when it did", "", NULL},
+    [SWEEP_ATTRACTOR] = {"attractor", "",
+                         "what it ends in: 0 equilibrium, 1 orbit, of a drive how many of its "
+                         "periods, -1 does not repeat",
+                         "", NULL},
+};
+
+const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
+
+/* What print knows of a run. */
+static bool find_column(const struct model *model, struct text name, struct sweep_measure *measure)
+{
+    measure->column = SWEEP_VARIABLE;
+    for (measure->variable = 0; measure->variable < model->n; measure->variable++)
+        if (text_is(name, model->variable[measure->variable].name))
+            return true;
+    measure->column = SWEEP_OBSERVED;
+    for (measure->variable = 0; measure->variable < model_observed(model); measure->variable++)
+        if (text_is(name, model_observed_variable(model, measure->variable).name))
+            return true;
+    measure->column = SWEEP_OBSERVABLE;
+    measure->observable = observable_by_name(name);
+    return measure->observable;
+}
+
+static bool unknown(const struct model *model, struct text name, bool column, struct error *error)
+{
+    struct suggestion near = {.wanted = name};
+    for (size_t i = 0; i < COUNT_OF(rows) && !column; i++)
+        suggestion_offer(&near, rows[i].name);
+    for (size_t i = 0; i < observable_catalog.count; i++)
+        suggestion_offer(&near, catalog_row(&observable_catalog, i)->name);
+    for (int i = 0; i < model->n; i++)
+        suggestion_offer(&near, model->variable[i].name);
+    for (int i = 0; i < model_observed(model); i++)
+        suggestion_offer(&near, model_observed_variable(model, i).name);
+    error_at(error, name, "'%.*s' is nothing that a sweep measures",
+             (int)(name.len < 64 ? name.len : 64), name.at);
+    suggestion_hint(&near, error);
+    if (column)
+        return error_hint(error,
+                          "in parentheses stands what 'print' knows of a run: y, energy ...");
+    return error_hint(error,
+                      "measures are amplitude, period, mean, max, min (of z: max(z)), "
+                      "error, energy_error, steps, "
+                      "evals, reached, attractor, and what 'print' knows of a run: y, energy ...");
+}
+
+/* max(z): the name before the parenthesis is a row that is watched. */
+static bool split_watched(struct text name, const struct row **row, struct text *of)
+{
+    const char *paren = memchr(name.at, '(', name.len);
+    if (!paren || name.at[name.len - 1] != ')')
+        return false;
+    const struct text first = {name.at, (size_t)(paren - name.at)};
+    *row = catalog_find(&sweep_measure_catalog, text_trim(first));
+    if (!*row || *row - rows > SWEEP_MIN)
+        return false;
+    *of = text_trim((struct text){paren + 1, name.len - first.len - 2});
+    return true;
+}
+
+bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
+                        struct error *error)
+{
+    const struct row *own = catalog_find(&sweep_measure_catalog, name);
+    struct text of = name;
+    *measure = (struct sweep_measure){.column = SWEEP_VARIABLE};
+    if (own) {
+        measure->kind = (enum sweep_kind)(own - rows);
+        snprintf(measure->name, sizeof measure->name, "%s", own->name);
+        return true;
+    }
+    const bool watched = split_watched(name, &own, &of);
+    if (!find_column(model, of, measure))
+        return unknown(model, of, watched, error);
+    if (measure->column == SWEEP_OBSERVABLE && model->order != 2 &&
+        measure->observable->needs & NEED_MECHANICS)
+        return error_at(error, of, "%.*s needs a scene with positions and velocities", (int)of.len,
+                        of.at);
+    measure->kind = watched ? (enum sweep_kind)(own - rows) : measure->column;
+    if (watched)
+        snprintf(measure->name, sizeof measure->name, "%s(%.*s)", own->name, (int)of.len, of.at);
+    else
+        snprintf(measure->name, sizeof measure->name, "%s",
+                 measure->column == SWEEP_OBSERVABLE ? measure->observable->row.name : "");
+    if (measure->name[0] == 0)
+        snprintf(measure->name, sizeof measure->name, "%.*s", (int)of.len, of.at);
+    return true;
+}
+
+bool sweep_at_section(const struct sweep_measure *measure)
+{
+    return measure->kind == SWEEP_VARIABLE || measure->kind == SWEEP_OBSERVED ||
+           (measure->kind == SWEEP_OBSERVABLE &&
+            !(measure->observable->needs &
+              ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
+}
+
+const char *sweep_measure_name(const struct sweep_measure *measure)
+{
+    if (measure->formula)
+        return measure->formula->text;
+    return measure->name[0] ? measure->name : rows[measure->kind].name;
+}
+
+enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model)
+{
+    const struct system system = {.model = model, .n = model->n, .order = model->order};
+    if (measure->formula)
+        return measure->formula->quantity;
+    if (measure->kind == SWEEP_PERIOD || measure->kind == SWEEP_REACHED)
+        return QUANTITY_TIME;
+    if (!sweep_watches(measure) && measure->kind < SWEEP_VARIABLE)
+        return QUANTITY_NUMBER;
+    switch (measure->column) {
+    case SWEEP_FORMULA:
+        return measure->of->quantity;
+    case SWEEP_OBSERVED:
+        return model_observed_variable(model, measure->variable).quantity;
+    case SWEEP_OBSERVABLE:
+        return observable_quantity(measure->observable, &system);
+    default:
+        return model->variable[measure->variable].quantity;
+    }
+}

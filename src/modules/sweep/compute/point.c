@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
+ * same bits. */
+#include <hooke/base/cancel.h>
+#include <hooke/base/catalog.h>
+#include <hooke/scene/typed.h>
+#include "modules/sweep/compute/worker.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void sweep_common(const struct sweep_request *request, struct scene *scene,
+                  struct run_settings *settings)
+{
+    *scene = *request->scene;
+    *settings = request->settings;
+    if (settings->kernel == KERNEL_PROPAGATOR) /* whose last bits are others than those of lanes */
+        settings->kernel = KERNEL_SPECIALISED;
+}
+
+bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
+{
+    *worker = (struct sweep_worker){.job = job, .refused = -1};
+    sweep_common(job->request, &worker->scene, &worker->settings);
+    worker->system = malloc((job->in_lanes ? LANE_COUNT : 1) * sizeof *worker->system);
+    if (job->in_lanes) {
+        worker->lanes = lanes_create();
+        worker->row = malloc((size_t)SWEEP_ROWS * 3 * LANE_COUNT * sizeof *worker->row);
+        worker->work =
+            malloc(method_work_size(job->request->method, job->request->scene->model->n) *
+                   sizeof *worker->work);
+    }
+    if (job->replays)
+        worker->replay = malloc((size_t)LANE_COUNT * (size_t)job->room * 2 * sizeof(double));
+    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)) &&
+        (!job->replays || worker->replay) &&
+        (!job->request->section.wanted || section_create(worker)))
+        return true;
+    sweep_worker_free(worker);
+    return false;
+}
+
+void sweep_worker_free(struct sweep_worker *worker)
+{
+    free(worker->system);
+    free(worker->row);
+    free(worker->replay);
+    free(worker->work);
+    section_free(worker->section);
+    lanes_destroy(worker->lanes);
+}
+
+static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene,
+                     struct run_settings *settings, struct error *error)
+{
+    switch (axis->target) {
+    case SWEEP_PARAM:
+        return scene_set(scene, axis->index, (struct measured){value, 0}, error);
+    case SWEEP_DERIVED:
+        return scene_set_derived(scene,
+                                 (const struct derived_row *)(const void *)catalog_row(
+                                     scene_derived(scene), (size_t)axis->index),
+                                 (struct measured){value, 0}, error);
+    case SWEEP_DT:
+        settings->dt = value;
+        return value > 0 || error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", value);
+    case SWEEP_TOL:
+        settings->tol = value;
+        return value > 0 || error_set(error, ERROR_COMMAND, "tol must be > 0 (got %.6g)", value);
+    }
+    return false;
+}
+
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
+                 struct scene *scene, struct run_settings *settings, struct error *error)
+{
+    const double *given = request->scene->value;
+    for (int a = 0; a < request->axes; a++)
+        if (request->axis[a].target == SWEEP_DERIVED) /* which sets parameters of other names */
+            memcpy(scene->value, given, scene_params(scene)->count * sizeof *given);
+        else if (request->axis[a].target == SWEEP_PARAM)
+            scene->value[request->axis[a].index] = given[request->axis[a].index];
+    for (int a = 0; a < request->axes; a++)
+        if (!set_axis(&request->axis[a],
+                      sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,
+                      settings, error))
+            return false;
+    return true;
+}
+
+void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error)
+{
+    worker->job->sweep->status[i] = SWEEP_REFUSED;
+    if (worker->refused >= 0 && worker->refused < i)
+        return;
+    worker->refused = i;
+    snprintf(worker->reason, sizeof worker->reason, "%s", error->text);
+}
+
+double *sweep_values(struct sweep_worker *worker, int64_t i)
+{
+    if (worker->job->request->columns > 0)
+        return worker->part;
+    return worker->job->sweep->value + i * worker->job->sweep->measures;
+}
+
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
+                      const double *y)
+{
+    switch (measure->kind) {
+    case SWEEP_REACHED:
+        return t;
+    case SWEEP_VARIABLE:
+        return y[measure->variable];
+    case SWEEP_OBSERVED:
+        return system_observe(system, measure->variable, t, y);
+    default:
+        return NAN;
+    }
+}
+
+static double run_measure(const struct run *run, const struct sweep_measure *measure,
+                          const struct scene *scene, double opens)
+{
+    struct run_errors errors;
+    struct ledger ledger;
+    if (sweep_watches(measure))
+        return watch_run(run, measure, scene, opens);
+    switch (measure->kind) {
+    case SWEEP_ERROR:
+        run_errors(run, &errors);
+        return errors.max;
+    case SWEEP_ENERGY_ERROR:
+        run_ledger(run, &ledger);
+        return ledger.error_max;
+    case SWEEP_ATTRACTOR:
+        return measure->attractor(scene, run->cancel, NULL);
+    case SWEEP_STEPS:
+        return (double)run->steps;
+    case SWEEP_EVALS:
+        return (double)run->cost.evals;
+    case SWEEP_OBSERVABLE:
+        return run_observable(run, measure->observable);
+    default:
+        return sweep_measured(measure, &run->system, run->t, run->y);
+    }
+}
+
+/* Is what a run does not say all that is wanted? */
+static bool needs_no_run(const struct sweep_request *request)
+{
+    bool none = true;
+    for (int m = 0; m < request->measures; m++)
+        none &= request->measure[m].kind == SWEEP_ATTRACTOR;
+    return none;
+}
+
+static bool holds_when_failed(enum sweep_kind kind)
+{
+    return kind == SWEEP_STEPS || kind == SWEEP_EVALS || kind == SWEEP_REACHED ||
+           kind == SWEEP_ATTRACTOR;
+}
+
+bool sweep_needs_trace(const struct sweep_job *job)
+{
+    bool needed = job->watches;
+    for (int m = 0; m < job->request->measures; m++) {
+        const struct sweep_measure *measure = &job->request->measure[m];
+        needed |= measure->kind == SWEEP_ERROR;
+    }
+    return needed;
+}
+
+/* Or the work done on the way? */
+static bool needs_work(const struct sweep_job *job)
+{
+    bool needed = false;
+    for (int m = 0; m < job->request->measures; m++) {
+        const struct sweep_measure *measure = &job->request->measure[m];
+        const bool observes =
+            measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
+        needed |= measure->kind == SWEEP_ENERGY_ERROR || (measure->of && measure->of->works) ||
+                  (observes && measure->observable->needs & NEED_WORK);
+    }
+    return needed;
+}
+
+struct run *sweep_run(struct sweep_worker *worker, int64_t i)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    struct error error = {0};
+    struct run *run = NULL;
+    if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
+        struct run_settings settings = worker->settings;
+        settings.record = sweep_needs_trace(job)
+                              ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
+                              : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
+        settings.unbalanced = !needs_work(job);
+        run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
+    }
+    if (!run)
+        sweep_refuse(worker, i, &error);
+    return run;
+}
+
+void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals)
+{
+    struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    const struct run_target target = {
+        .t = needs_no_run(request) ? run->system.t0 : run->system.t0 + request->duration,
+        .steps = -1};
+    struct error ignored;
+    sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &ignored);
+    while (run_advance(run, &target, 0, request->cancel)) {
+    }
+    if (evals >= 0)
+        run->cost.evals = evals;
+    if (run->stop != STOP_CANCELLED) {
+        for (int m = 0; m < request->measures; m++) {
+            const struct sweep_measure *measure = &request->measure[m];
+            const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
+            sweep_values(worker, i)[m] =
+                there ? run_measure(run, measure, &worker->scene, run->system.t0 + job->opens)
+                      : NAN;
+        }
+        sweep_combine(worker, i);
+        if (!cancelled(request->cancel)) /* a measure may have been cut short */
+            job->sweep->status[i] = (signed char)run->stop;
+    }
+    worker->steps += (double)run->steps;
+    run_destroy(run);
+}
+
+void sweep_alone(struct sweep_worker *worker, int64_t i)
+{
+    if (worker->section) {
+        section_alone(worker, i);
+        return;
+    }
+    struct run *run = sweep_run(worker, i);
+    if (run)
+        sweep_measure_run(worker, i, run, -1);
+}
+
+int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
+{
+    int64_t computed = 0;
+    const struct sweep_job *job = worker->job;
+    const struct sweep *sweep = job->sweep;
+    const int64_t along = sweep->axis[job->along].count,
+                  last = sweep->axes > 1 ? sweep->axis[1].count : 1;
+    for (int64_t k = block * job->width; k < along && k < (block + 1) * job->width; k++) {
+        const int64_t number = sweep->axes < 2   ? k
+                               : job->along == 1 ? line * last + k
+                                                 : k * last + line;
+        const int64_t i = number - sweep->first;
+        if (i < 0 || i >= sweep->count || sweep->status[i] != SWEEP_MISSING)
+            continue;
+        if (cancelled(job->request->cancel))
+            return computed;
+        computed++;
+        if (job->in_lanes)
+            sweep_gather(worker, i);
+        else
+            sweep_alone(worker, i);
+    }
+    if (job->in_lanes && !cancelled(job->request->cancel))
+        sweep_flush(worker);
+    worker->used = 0;
+    return computed;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Points whose measures need a whole run: it is given the states that the lanes come to. Short runs
+ * get them all at once, one run after another; of long ones there is one for each lane, which goes
+ * on by so many steps at a time as there is room for. */
+#include "modules/sweep/compute/worker.h"
+
+#include <string.h>
+
+static int64_t min(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+void replay_begin(struct sweep_worker *worker)
+{
+    for (int lane = 0; lane < worker->used && worker->job->in_pieces; lane++)
+        worker->run[lane] = sweep_run(worker, worker->point[lane]);
+}
+
+/* What has been kept of the steps from `first` on. */
+static void feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
+{
+    const struct sweep_request *request = worker->job->request;
+    struct run *run = worker->run[lane];
+    const struct run_target target = {.t = worker->system[lane].t0 + request->duration,
+                                      .steps = min(count, worker->clock[lane].whole - first)};
+    if (!run || run->steps != first || target.steps <= 0) /* it ended before */
+        return;
+    run_give(run, worker->replay + lane * worker->job->room * 2, target.steps);
+    while (run_advance(run, &target, 0, request->cancel)) {
+    }
+}
+
+/* For each lane by itself: so many rows at once fill a line of the cache. */
+void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
+{
+    enum { AT_ONCE = 4 };
+    const int64_t room = worker->job->room, place = first % room, end = first + count;
+    for (int64_t begin = 0; begin < count; begin += AT_ONCE)
+        for (int lane = 0; lane < worker->used; lane++) {
+            double *kept = worker->replay + (lane * room + place) * 2;
+            for (int64_t i = begin;
+                 i < count && i < begin + AT_ONCE && first + i < worker->clock[lane].whole; i++) {
+                kept[2 * i] = worker->row[i * 2 * LANE_COUNT + lane];
+                kept[2 * i + 1] = worker->row[(i * 2 + 1) * LANE_COUNT + lane];
+            }
+        }
+    for (int lane = 0; lane < worker->used && worker->job->in_pieces; lane++)
+        if (end % room == 0 || end == worker->clock[lane].whole)
+            feed(worker, lane, first - place, end - (first - place));
+}
+
+void replay_lane(struct sweep_worker *worker, int lane, int64_t evals)
+{
+    const struct sweep_job *job = worker->job;
+    struct run *run = worker->run[lane];
+    if (job->in_pieces) {
+        worker->run[lane] = NULL;
+    } else if ((run = sweep_run(worker, worker->point[lane]))) {
+        run_give(run, worker->replay + lane * job->room * 2, worker->clock[lane].whole);
+    }
+    if (run)
+        sweep_measure_run(worker, worker->point[lane], run, evals);
+    worker->side_by_side += run != NULL;
+}
+
+void replay_end(struct sweep_worker *worker)
+{
+    for (int lane = 0; lane < LANE_COUNT; lane++)
+        if (worker->run[lane])
+            run_destroy(worker->run[lane]);
+    memset(worker->run, 0, sizeof worker->run);
+}

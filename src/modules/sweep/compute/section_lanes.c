@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Sections of points in lanes. Lanes say in which step of which point something happens; that step
+ * is taken again by the point's own run, which finds the event as it does alone: the same bits.
+ * Where it is not certain that the run sees the same (values near 0 at the ends of a step, or that
+ * might be 0 between them) the point goes alone.
+ */
+#include "modules/sweep/compute/section.h"
+#include <hooke/base/cancel.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#define UNCERTAIN 1e-9 /* of what a step changes: so near to 0 rounding may have the say */
+#define GRAZES 0.25    /* of a value nearest to 0: what is left of it between steps */
+#define BEYOND 1e100   /* as in lanes.c */
+#define INSIDE 1e-9    /* of a step: the next strobe lies so far in it, or in the one before */
+
+/* ---- what is looked at, in state variables ---- */
+
+struct lane_names {
+    const struct run *run;
+    bool other; /* something else than the state */
+};
+
+static int state_slot(void *context, int slot)
+{
+    struct lane_names *names = context;
+    const struct moving moving = run_scope_moving(names->run, slot);
+    names->other |= moving.kind != MOVING_STATE;
+    return moving.kind == MOVING_STATE ? moving.index : slot;
+}
+
+static bool settle_lane(struct arena *arena, struct crossings *p)
+{
+    const struct event *event = &p->event;
+    struct lane_names names = {.run = p->run};
+    p->left = expr_settle(event->left, &p->scope, state_slot, &names, arena);
+    if (p->left && event->right)
+        p->right = expr_settle(event->right, &p->scope, state_slot, &names, arena);
+    return p->left && (p->right || !event->right) && !names.other && !event->touching;
+}
+
+struct lane_state {
+    const double *at; /* [n][LANE_COUNT] */
+    int lane;
+};
+
+static double load_state(const void *context, int slot)
+{
+    const struct lane_state *state = context;
+    return state->at[(size_t)slot * LANE_COUNT + (size_t)state->lane];
+}
+
+static double value_of(const struct crossings *p, const double *row, int lane)
+{
+    const struct lane_state state = {row, lane};
+    const struct expr_scope scope = {.context = &state, .load = load_state};
+    const double left = expr_value(p->left, &scope);
+    return p->right ? left - expr_value(p->right, &scope) : left;
+}
+
+/* Are values a0 + sum a_k y_k? Then the a are there. */
+static bool is_linear(struct section *s, int n, int used)
+{
+    double unit[LIMIT_VARIABLES * LANE_COUNT] = {0};
+    int slot[LIMIT_VARIABLES];
+    for (int k = 0; k < n; k++)
+        slot[k] = k;
+    for (int lane = 0; lane < used; lane++) {
+        const struct crossings *p = &s->lane[lane];
+        if (!expr_linear(p->left, slot, n) || (p->right && !expr_linear(p->right, slot, n)))
+            return false;
+        s->offset[lane] = value_of(p, unit, lane);
+        for (int k = 0; k < n; k++) {
+            unit[k * LANE_COUNT + lane] = 1;
+            s->slope[k][lane] = value_of(p, unit, lane) - s->offset[lane];
+            unit[k * LANE_COUNT + lane] = 0;
+        }
+    }
+    return true;
+}
+
+static void fill_values(const struct section *s, bool linear, int n, int used, const double *row,
+                        double *value)
+{
+    if (!linear) {
+        for (int lane = 0; lane < used; lane++)
+            value[lane] = value_of(&s->lane[lane], row, lane);
+        return;
+    }
+    for (int lane = 0; lane < used; lane++)
+        value[lane] = s->offset[lane];
+    for (int k = 0; k < n; k++)
+        for (int lane = 0; lane < used; lane++)
+            value[lane] += s->slope[k][lane] * row[(size_t)k * LANE_COUNT + (size_t)lane];
+}
+
+/* ---- steps ---- */
+
+/* Rows 1 ... count of the states; row 0 is the present one. */
+static void march(struct sweep_worker *worker, int64_t count)
+{
+    const int n = worker->system[0].n;
+    double *row = worker->section->state, y[LIMIT_VARIABLES];
+    const size_t size = (size_t)n * LANE_COUNT;
+    if (n == 2 && worker->system[0].order == 2) { /* position and velocity are the state */
+        lanes_march(worker->lanes, count, row + size);
+        return;
+    }
+    for (int64_t i = 1; i <= count; i++) {
+        lanes_march(worker->lanes, 1, NULL);
+        for (int lane = 0; lane < worker->used; lane++) {
+            lanes_state(worker->lanes, lane, y);
+            for (int k = 0; k < n; k++)
+                row[(size_t)i * size + (size_t)k * LANE_COUNT + (size_t)lane] = y[k];
+        }
+    }
+}
+
+/* The step after `step` once more, by the run of the point; false: it has seen nothing there. */
+static bool take_again(const struct sweep_worker *worker, struct crossings *p, int64_t step,
+                       const double *y)
+{
+    const struct sweep_section *section = &worker->job->request->section;
+    struct run *run = p->run;
+    const struct run_target target = {
+        .t = section->strobe
+                 ? run->system.t0 + p->period * ((double)(section->skip + section->keep) + 0.5)
+                 : HUGE_VAL,
+        .steps = 1,
+        .event = &p->event,
+        .events = !section->strobe};
+    const size_t events = run_event_records(run);
+    run_place(run, step, y);
+    run_advance(run, &target, 0, NULL);
+    return section->strobe || run_event_records(run) == events + 1;
+}
+
+static bool wild(const double *y, int n)
+{
+    for (int k = 0; k < n; k++)
+        if (!(fabs(y[k]) <= BEYOND))
+            return true;
+    return false;
+}
+
+/* ---- the strobe ---- */
+
+static int64_t strobe_step(const struct sweep_worker *worker, const struct crossings *p)
+{
+    const double due = p->period * (double)(worker->job->request->section.skip + p->seen + 1),
+                 h = worker->job->request->settings.dt;
+    return (int64_t)floor(due / h - INSIDE);
+}
+
+/* False: the moment is not seen from there on. */
+static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, const double *y)
+{
+    const int64_t period = worker->job->request->section.skip + p->seen + 1;
+    const size_t row = (size_t)p->seen + 1;
+    take_again(worker, p, p->step, y);
+    if (!crossings_strobed(p, row, period)) /* it lies at the very beginning of the next step */
+        take_again(worker, p, p->step + 1, p->run->y);
+    return crossings_strobed(p, row, period);
+}
+
+/* Those whose next moment lies in the step after this one. */
+static void strobe_lanes(struct sweep_worker *worker, int64_t step)
+{
+    const struct sweep_section *section = &worker->job->request->section;
+    double y[LIMIT_VARIABLES];
+    for (int lane = 0; lane < worker->used; lane++) {
+        struct crossings *p = &worker->section->lane[lane];
+        if (p->done || p->step != step)
+            continue;
+        lanes_state(worker->lanes, lane, y);
+        p->alone = wild(y, worker->system[0].n) || !strobe_lane(worker, p, y);
+        p->seen++;
+        p->step = strobe_step(worker, p);
+        p->done = p->alone || p->seen == section->keep;
+    }
+}
+
+static void march_strobe(struct sweep_worker *worker)
+{
+    const struct sweep_job *job = worker->job;
+    int64_t at = 0;
+    while (!cancelled(job->request->cancel)) {
+        int64_t next = INT64_MAX;
+        for (int lane = 0; lane < worker->used; lane++) {
+            const struct crossings *p = &worker->section->lane[lane];
+            next = p->done || p->step > next ? next : p->step;
+        }
+        if (next == INT64_MAX)
+            return;
+        for (int64_t steps; (steps = next - at) > 0 && !cancelled(job->request->cancel);) {
+            steps = steps < 16 * SWEEP_ROWS ? steps : 16 * SWEEP_ROWS;
+            lanes_march(worker->lanes, steps, NULL);
+            at += steps;
+        }
+        strobe_lanes(worker, next);
+    }
+}
+
+/* ---- events ---- */
+
+/* The smallest value between steps, by the parabola through three, has another sign or nearly so.
+ */
+static bool may_graze(double a, double b, double c)
+{
+    if (!(fabs(b) <= fabs(a) && fabs(b) <= fabs(c)) || signbit(a) != signbit(c))
+        return false;
+    const double slope = (c - a) / 2, bend = a - 2 * b + c;
+    return !((b - slope * slope / (2 * bend)) / b > GRAZES);
+}
+
+/* Lane values before the step before, at its beginning and at its end. */
+static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const double *row,
+                      const double value[3])
+{
+    const struct sweep_section *section = &worker->job->request->section;
+    struct crossings *p = &worker->section->lane[lane];
+    const double a = value[1], b = value[2], change = fabs(b - a);
+    const int direction = p->event.direction;
+    double y[LIMIT_VARIABLES];
+    p->done = crossings_end(worker->job->request, p->run, step + 1 - p->last, 0);
+    if (p->done || (step == 0 && a == 0 && b != 0)) /* what it starts at is none */
+        return;
+    const bool crosses = signbit(a) != signbit(b);
+    p->alone = !isfinite(b) || b == 0 || a == 0 ||
+               ((crosses || step == 0) && !(fmin(fabs(a), fabs(b)) > UNCERTAIN * change)) ||
+               (!crosses && signbit(value[0]) == signbit(a) && may_graze(value[0], a, b));
+    if (!p->alone && crosses && (direction == 0 || (b > a) == (direction > 0))) {
+        for (int k = 0; k < worker->system[0].n; k++)
+            y[k] = row[(size_t)k * LANE_COUNT + (size_t)lane];
+        p->last = step + 1;
+        p->alone = wild(y, worker->system[0].n) ||
+                   (++p->seen > section->skip && !take_again(worker, p, step, y));
+    }
+    p->done = p->alone || p->seen == section->skip + section->keep;
+}
+
+/* After the steps whose states are in the rows; is anybody on the way? */
+static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
+{
+    struct section *s = worker->section;
+    const int n = worker->system[0].n, used = worker->used;
+    const size_t size = (size_t)n * LANE_COUNT;
+    bool more = false;
+    for (int64_t i = 0; i < count; i++) {
+        const double *row = s->state + (size_t)i * size;
+        fill_values(s, linear, n, used, row + size, s->value[2]);
+        for (int lane = 0; lane < used; lane++)
+            if (!s->lane[lane].done)
+                look_lane(worker, lane, first + i, row,
+                          (double[]){s->value[0][lane], s->value[1][lane], s->value[2][lane]});
+        memmove(s->value[0], s->value[1], 2 * sizeof s->value[0]);
+    }
+    for (int lane = 0; lane < used; lane++)
+        more |= !s->lane[lane].done;
+    memcpy(s->state, s->state + (size_t)count * size, size * sizeof *s->state);
+    return more;
+}
+
+static void march_events(struct sweep_worker *worker)
+{
+    struct section *s = worker->section;
+    const int n = worker->system[0].n;
+    const bool linear = is_linear(s, n, worker->used);
+    for (int lane = 0; lane < LANE_COUNT; lane++)
+        for (int k = 0; k < n; k++)
+            s->state[(size_t)k * LANE_COUNT + (size_t)lane] =
+                worker->system[lane < worker->used ? lane : 0].start[k];
+    fill_values(s, linear, n, worker->used, s->state, s->value[1]);
+    memcpy(s->value[0], s->value[1], sizeof s->value[0]);
+    for (int64_t at = 0; !cancelled(worker->job->request->cancel); at += SWEEP_ROWS) {
+        march(worker, SWEEP_ROWS);
+        if (!look_rows(worker, linear, at, SWEEP_ROWS))
+            return;
+    }
+}
+
+/* ---- all of it ---- */
+
+static void finish_lane(struct sweep_worker *worker, int lane)
+{
+    struct crossings *p = &worker->section->lane[lane];
+    const struct sweep_section *section = &worker->job->request->section;
+    const int64_t i = worker->point[lane];
+    crossings_take(worker, i, p, 0, section->strobe ? p->seen : (int64_t)run_event_records(p->run));
+    worker->job->sweep->status[i] = STOP_END;
+    worker->side_by_side++;
+    worker->steps += (double)(section->strobe ? p->step : p->last);
+}
+
+void section_march(struct sweep_worker *worker)
+{
+    struct section *s = worker->section;
+    const struct sweep_section *section = &worker->job->request->section;
+    bool lanes = !lanes_carry(worker->job->request->method, worker->drag);
+    arena_reset(&s->arena);
+    for (int lane = 0; lane < worker->used; lane++) {
+        struct crossings *p = &s->lane[lane];
+        p->done = p->alone = !lanes || !crossings_begin(worker, worker->point[lane], p);
+        if (!p->alone && section->strobe)
+            p->step = strobe_step(worker, p);
+        else if (!p->alone)
+            lanes = settle_lane(&s->arena, p);
+    }
+    if (lanes && section->strobe)
+        march_strobe(worker);
+    else if (lanes)
+        march_events(worker);
+    for (int lane = 0; lane < worker->used; lane++) {
+        struct crossings *p = &s->lane[lane];
+        if (lanes && p->done && !p->alone)
+            finish_lane(worker, lane);
+        if (p->run)
+            run_destroy(p->run);
+        p->run = NULL;
+    }
+    for (int lane = 0; lane < worker->used && !cancelled(worker->job->request->cancel); lane++)
+        if (!lanes || s->lane[lane].alone)
+            section_alone(worker, worker->point[lane]);
+}

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a sweep sees of a trajectory that goes by. */
+#include "modules/sweep/compute/worker.h"
+
+#include <stdlib.h>
+
+void watch_begin(struct extremes *watch, double y)
+{
+    *watch = (struct extremes){.top = y, .bottom = y};
+}
+
+void watch_open(struct extremes *watch, double y)
+{
+    watch->open = true;
+    watch->low = watch->high = y;
+}
+
+/* Hairer, Norsett, Wanner 1993, eq. II.6.7 */
+static double between(double h, double y0, double v0, double y1, double v1, double theta)
+{
+    const double rise = y1 - y0, rest = 1 - theta;
+    return rest * y0 + theta * y1 +
+           theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
+}
+
+void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
+                double v1)
+{
+    if (v0 == v1) /* both 0 */
+        return;
+    const double theta = v0 / (v0 - v1), h = t1 - t0, y = between(h, y0, v0, y1, v1, theta);
+    if (signbit(v0)) {
+        watch->bottom = y < watch->bottom ? y : watch->bottom;
+        watch->low = y < watch->low ? y : watch->low;
+        return;
+    }
+    watch->top = y > watch->top ? y : watch->top;
+    watch->high = y > watch->high ? y : watch->high;
+    if (watch->open) {
+        watch->last = t0 + theta * h;
+        if (watch->maxima++ == 0)
+            watch->first = watch->last;
+    }
+}
+
+void watch_end(struct extremes *watch, double y)
+{
+    watch->top = y > watch->top ? y : watch->top;
+    watch->bottom = y < watch->bottom ? y : watch->bottom;
+    watch->low = y < watch->low ? y : watch->low;
+    watch->high = y > watch->high ? y : watch->high;
+}
+
+double watch_value(const struct extremes *watch, enum sweep_kind kind)
+{
+    switch (kind) {
+    case SWEEP_AMPLITUDE:
+        return watch->open ? (watch->high - watch->low) / 2 : NAN;
+    case SWEEP_PERIOD:
+        return watch->maxima > 1 ? (watch->last - watch->first) / (double)(watch->maxima - 1) : NAN;
+    case SWEEP_MEAN:
+        return watch->span > 0 ? watch->area / watch->span : watch->open ? watch->high : NAN;
+    case SWEEP_MAX:
+        return watch->top;
+    case SWEEP_MIN:
+        return watch->bottom;
+    default:
+        return NAN;
+    }
+}
+
+/* ---- recorded runs ---- */
+
+double watch_speed(const struct system *system, int variable, double t, const double *y)
+{
+    if (system->order == 2 && variable < system->n / 2)
+        return y[system->n / 2 + variable];
+    double dydt[LIMIT_VARIABLES];
+    system_derivative(system, t, y, dydt);
+    return dydt[variable];
+}
+
+/* The parabola through a row and both beside it. */
+static double column_speed(const struct trace *trace, const double *column, size_t n, size_t i)
+{
+    const size_t a = i > 0 ? i - 1 : 0, b = i + 1 < n ? i + 1 : n - 1;
+    const double before = trace_time(trace, i) - trace_time(trace, a),
+                 behind = trace_time(trace, b) - trace_time(trace, i);
+    const double rise = i > a ? (column[i] - column[a]) / before : 0,
+                 next = b > i ? (column[b] - column[i]) / behind : 0;
+    return before + behind > 0 ? i == a   ? next
+                                 : i == b ? rise
+                                          : (rise * behind + next * before) / (before + behind)
+                               : 0;
+}
+
+/* What is no state variable, at all rows; NULL: it is one, or there is none of it. */
+static bool make_column(const struct run *run, const struct sweep_measure *measure,
+                        const struct scene *scene, double **column)
+{
+    struct error ignored;
+    *column = NULL;
+    if (measure->column < SWEEP_OBSERVED)
+        return true;
+    if (!(*column = malloc(trace_count(run->trace) * sizeof **column)))
+        return false;
+    if (measure->column == SWEEP_FORMULA)
+        return expression_column(run, measure->of, scene, *column);
+    if (measure->column == SWEEP_OBSERVED)
+        run_observed_column(run, measure->variable, *column);
+    else if (!run_column(run, measure->observable, *column, &ignored))
+        return false;
+    return true;
+}
+
+double watch_run(const struct run *run, const struct sweep_measure *measure,
+                 const struct scene *scene, double opens)
+{
+    const struct trace *trace = run->trace;
+    const size_t n = trace_count(trace);
+    struct extremes watch = {0};
+    double *column, t0 = 0, y0 = 0, v0 = 0;
+    const bool there = make_column(run, measure, scene, &column);
+    for (size_t i = 0; there && i < n; i++) {
+        const double *state = trace_state(trace, i);
+        const double t1 = trace_time(trace, i), y1 = column ? column[i] : state[measure->variable];
+        const double v1 = column ? column_speed(trace, column, n, i)
+                                 : watch_speed(&run->system, measure->variable, t1, state);
+        if (i == 0)
+            watch_begin(&watch, y1);
+        else if (watch_turns(v0, v1))
+            watch_turn(&watch, t0, y0, v0, t1, y1, v1);
+        if (watch.open) {
+            watch.area += watch_area(t1 - t0, y0, v0, y1, v1);
+            watch.span += t1 - t0;
+        } else if (t1 >= opens) {
+            watch_open(&watch, y1);
+        }
+        t0 = t1;
+        y0 = y1;
+        v0 = v1;
+    }
+    watch_end(&watch, y0);
+    free(column);
+    return there ? watch_value(&watch, measure->kind) : NAN;
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep … --dry-run: what a shard costs, by computing points from all over it. */
+#include "modules/sweep/file.h"
+#include "modules/sweep/handlers.h"
+
+#include <math.h>
+
+#define PLACES 8    /* evenly over the shard */
+#define SECONDS 1.0 /* that are measured, unless one place takes longer */
+#define HOUR 3600.0
+
+struct cost_sample {
+    int64_t points;
+    double seconds, bytes;
+};
+
+/* Computes so many points at each place: in the middle of each of as many parts as there are
+ * places, so that ends which take longer have no more than their share; where blocks of lanes
+ * begin. */
+static bool take_sample(struct session *session, const struct sweep_request *request,
+                        const struct sweep *shard, int64_t each, struct cost_sample *sample,
+                        struct error *error)
+{
+    struct sweep_request part = *request;
+    const int64_t batch = study_sweep_batch(request);
+    part.count = each < shard->count ? each : shard->count;
+    part.progress = NULL;
+    const int64_t fit = shard->count / part.count;
+    const int places = fit < PLACES ? (int)fit : PLACES;
+    bool ok = true;
+    *sample = (struct cost_sample){.points = 0};
+    for (int i = 0; i < places && ok; i++) {
+        struct sweep sweep;
+        struct buffer rows = {0};
+        struct error why = {0};
+        const double middle = (double)shard->count * (2 * i + 1) / (2 * places);
+        const int64_t at = shard->first + (int64_t)fmax(0, middle - (double)part.count / 2);
+        part.first = at - at % batch < shard->first ? at : at - at % batch;
+        study_sweep(&part, &sweep, &why);
+        ok = sweep.finished == part.count &&
+             (sweep_rows(&part, &sweep, &rows) || error_memory(&why));
+        if (!ok)
+            *error = why;
+        sample->points += part.count;
+        sample->seconds += sweep.seconds;
+        sample->bytes += (double)rows.len;
+        buffer_free(&rows);
+        sweep_free(&sweep);
+        report_fraction(&session->front, -1);
+    }
+    return ok;
+}
+
+bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
+                struct error *error)
+{
+    struct sweep shard;
+    struct cost_sample sample;
+    struct buffer seal = {0};
+    int64_t each = study_sweep_batch(request);
+    study_sweep_stretch(request, &shard);
+    if (shard.count == 0)
+        return error_set(error, ERROR_COMMAND, "this shard has no points");
+    for (double wanted = 2; wanted >= 2; each = (int64_t)((double)each * fmin(wanted, 16))) {
+        if (!take_sample(session, request, &shard, each, &sample, error))
+            return false;
+        wanted = PLACES * each < shard.count ? SECONDS / fmax(sample.seconds, 1e-3) : 0;
+    }
+    sweep_seal(TEXT(""), shard.total, 1, &seal);
+    const double rate = (double)sample.points / fmax(sample.seconds, 1e-9),
+                 seconds = (double)shard.count / rate, whole = (double)shard.total / rate,
+                 bytes = (sample.bytes / (double)sample.points +
+                          (double)seal.len / (double)sweep_cell(shard.total)) *
+                         (double)shard.count,
+                 shards = fmax(1, ceil(whole / HOUR));
+    buffer_free(&seal);
+    reply_begin(reply, "sweep-cost");
+    reply_int(reply, "points", shard.count);
+    reply_int(reply, "total", shard.total);
+    reply_int(reply, "measured", sample.points);
+    reply_quantity(reply, "rate", rate, "1/s");
+    reply_quantity(reply, "seconds", seconds, "s");
+    reply_real(reply, "bytes", bytes);
+    reply_real(reply, "shards", shards);
+    reply_line(reply, "%lld of %lld points: %.3g s at %.3g points a second, %.3g bytes of CSV",
+               (long long)shard.count, (long long)shard.total, seconds, rate, bytes);
+    reply_line(reply, "all %lld: %.3g s; %.0f shard%s of an hour each at most (measured on %lld)",
+               (long long)shard.total, whole, shards, shards > 1 ? "s" : "",
+               (long long)sample.points);
+    reply_end(reply);
+    return true;
+}

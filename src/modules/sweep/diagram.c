@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sweeps at a section: orbit diagrams as densities in text. */
+#include "modules/sweep/swept.h"
+
+#include <math.h>
+
+enum {
+    DIAGRAM_ROWS = 20,    /* at least, of the whole answer */
+    DIAGRAM_ROWS_MIN = 6, /* of the short one */
+    DIAGRAM_COLUMNS = 200
+};
+
+/* ---- densities ---- */
+
+struct density {
+    int columns, rows;
+    double from, step; /* of a row */
+    double *value;     /* [columns][rows] log2(1 + points) */
+};
+
+static void count_points(const struct swept *swept, const struct density *d)
+{
+    for (int64_t i = 0; i < swept->sweep->count; i++)
+        for (int64_t k = swept_events(swept, i) - 1; k >= 0; k--) {
+            const double y = swept_value(swept, i, k, 0);
+            const int column = (int)(i * d->columns / swept->sweep->count),
+                      row = (int)((y - d->from) / d->step);
+            if (isfinite(y) && row >= 0)
+                d->value[column * d->rows + (row < d->rows ? row : d->rows - 1)]++;
+        }
+    for (int c = 0; c < d->columns * d->rows; c++)
+        d->value[c] = log2(1 + d->value[c]);
+}
+
+static void put_density(const struct session *session, const struct swept *swept, int height,
+                        struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    int width, whole;
+    double high;
+    session_size(session, &width, &whole);
+    struct density d = {.columns = width - 12 > 8 ? width - 12 : 8,
+                        .rows = height > DIAGRAM_ROWS_MIN ? height : DIAGRAM_ROWS_MIN};
+    d.columns = d.columns < DIAGRAM_COLUMNS ? d.columns : DIAGRAM_COLUMNS;
+    d.columns = sweep->count < d.columns ? (int)sweep->count : d.columns;
+    swept_range(swept, 0, &d.from, &high);
+    const double span = high - d.from;
+    d.step = (span > 0 ? span : fmax(fabs(d.from), 1) * 1e-6) / d.rows;
+    double *y = arena_array(arena, (size_t)d.rows, sizeof *y);
+    d.value = arena_array(arena, (size_t)(d.columns * d.rows), sizeof *d.value);
+    const struct heat_axis x = swept_axis(sweep, 0, sweep->first, sweep->count, d.columns, arena);
+    if (!x.value || !y || !d.value || !isfinite(d.from))
+        return;
+    for (int r = 0; r < d.rows; r++)
+        y[r] = d.from + (r + 0.5) * d.step;
+    count_points(swept, &d);
+    const enum quantity quantity = swept_quantity(swept, 0);
+    const struct unit *unit = swept_unit(fmax(fabs(d.from), fabs(high)), quantity);
+    const struct heat heat = {.title = "log2(1 + points)",
+                              .unit = "",
+                              .factor = 1,
+                              .x = x,
+                              .y = {sweep_measure_name(&swept->measure[0]),
+                                    swept_unit_name(unit, quantity), unit ? unit->factor : 1, y,
+                                    d.rows},
+                              .value = d.value};
+    heat_print(&heat, width, d.rows + 5, session_charset(session), text);
+}
+
+/* Over two parameters: after how many events states come again, -1 if they do not. */
+static double repeats_of(const struct swept *swept, int64_t i, int m)
+{
+    (void)m;
+    const double after = swept_repeats(swept, i);
+    return swept_events(swept, i) == 0 ? NAN : isnan(after) ? -1 : after;
+}
+
+static void put_repeats(const struct session *session, const struct swept *swept, int height,
+                        struct arena *arena, struct buffer *text)
+{
+    swept_map(session, swept,
+              (struct heat){.title = "repeats", .unit = "", .factor = 1, .letters = "*0123456789+"},
+              repeats_of, 0, height, arena, text);
+    buffer_put(text, TEXT("1, 2 ..: after so many events its states come again, +: after 10 or "
+                          "more, *: they do not, or not yet\n"));
+}
+
+/* ---- in words ---- */
+
+/* Where what repeats does so after another number of events than the point before. */
+static void put_stretches(const struct swept *swept, int max, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const struct sweep_axis *axis = &sweep->axis[0];
+    int lines = 0;
+    for (int64_t i = 0, end; i < sweep->count; i = end) {
+        const double after = swept_repeats(swept, i);
+        end = i + 1;
+        while (end < sweep->count && (swept_repeats(swept, end) == after ||
+                                      (isnan(after) && isnan(swept_repeats(swept, end)))))
+            end++;
+        if (++lines > max) {
+            buffer_put(text, TEXT("  ... (all of them: export FILE table)\n"));
+            return;
+        }
+        buffer_format(text, "  %s = ", axis->name);
+        buffer_quantity(text, swept_position(sweep, 0, i), axis->quantity, 6);
+        if (end > i + 1) {
+            buffer_put(text, TEXT(" to "));
+            buffer_quantity(text, swept_position(sweep, 0, end - 1), axis->quantity, 6);
+        }
+        if (swept_events(swept, i) == 0)
+            buffer_put(text, TEXT(": no event\n"));
+        else if (isnan(after))
+            buffer_put(text, TEXT(": does not repeat, or not yet\n"));
+        else
+            buffer_format(text, ": %.0f point%s\n", after, after == 1 ? "" : "s");
+    }
+}
+
+void diagram_text(const struct session *session, const struct swept *swept, int rows,
+                  struct arena *arena, struct buffer *text)
+{
+    /* [row] Of the answer, besides those of the diagram and of the stretches. */
+    enum { AXES = 5, SUMMARY = 4, SHORT_STRETCHES = 4 };
+    const struct sweep *sweep = swept->sweep;
+    const struct sweep_section *section = swept->section;
+    int width, height;
+    session_size(session, &width, &height);
+    const int left = rows - AXES - SUMMARY;
+    int64_t all = 0, fewer = 0;
+    for (int64_t i = 0; i < sweep->count; i++) {
+        const int64_t count = swept_events(swept, i);
+        all += count;
+        fewer += count < section->keep && sweep->status[i] == STOP_END;
+    }
+    if (sweep->axes > 1)
+        put_repeats(session, swept, rows > 0 ? rows - SUMMARY : height - 4, arena, text);
+    else {
+        const int whole = height - 9 > DIAGRAM_ROWS ? height - 9 : DIAGRAM_ROWS;
+        put_density(session, swept, rows > 0 ? left - SHORT_STRETCHES : whole, arena, text);
+        put_stretches(swept, rows > 0 ? SHORT_STRETCHES - 1 : DIAGRAM_ROWS, text);
+    }
+    buffer_format(text, "%lld points of the section, after %lld left out at each value\n",
+                  (long long)all, (long long)section->skip);
+    sweep_summary(sweep, text);
+    if (fewer > 0)
+        buffer_format(text,
+                      "%lld have fewer than %lld: no event came for as long as the duration\n",
+                      (long long)fewer, (long long)section->keep);
+    sweep_failures(sweep, text);
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The plot of the last sweep, from its table: point, the parameter, of a section event and t, then
+ * what was measured. */
+#include "modules/sweep/plots.h"
+#include <hooke/plot/drawing.h>
+
+bool sweep_known(const struct session *session)
+{
+    return table_store_find(&session->studies.found, TEXT("sweep"));
+}
+
+bool sweep_figure(struct drawing *d, struct figure *figure)
+{
+    const struct stored_table *found = table_store_find(&d->session->studies.found, TEXT("sweep"));
+    struct figure_request *request = arena_alloc(d->arena, sizeof *request);
+    struct text *name = arena_alloc(d->arena, sizeof *name);
+    if (!found) {
+        error_set(d->error, ERROR_COMMAND, "there is no sweep to plot");
+        return error_hint(d->error, "type: sweep NAME=FROM:TO");
+    }
+    if (!request || !name)
+        return error_memory(d->error);
+    const struct table_column *column = found->table.column;
+    const bool section = text_is(text_of(column[2].name), "event");
+    *request = *d->request;
+    request->table = &found->table;
+    request->against = text_of(column[1].name);
+    *name = text_of(column[section ? 4 : 2].name);
+    if (request->columns == 0) {
+        request->column = name;
+        request->columns = 1;
+    }
+    if (!section && found->table.rows > 1 && column[1].value[0] == column[1].value[1]) {
+        error_set(d->error, ERROR_COMMAND, "a sweep over two parameters is a map");
+        return error_hint(d->error, "'plot COLUMN against COLUMN of sweep' draws its columns");
+    }
+    d->request = request;
+    return drawing_table(d, figure);
+}

@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sweeps in files that grow: reading, adding, making whole, and checking shards. */
+#define _GNU_SOURCE /* O_CLOEXEC, getline */
+#include "modules/sweep/file.h"
+#include <hooke/base/file.h>
+#include <hooke/base/cancel.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/fields.h>
+#include "modules/sweep/compute/sweep.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- line by line, in memory that does not grow with the file ---- */
+
+struct line_reader {
+    FILE *stream;
+    char *data;
+    size_t capacity;
+    int64_t at, number; /* [byte] behind the line, and which one it is, from 1 */
+};
+
+/* The file is left open for others. */
+static bool lines_begin(struct line_reader *reader, int fd, int64_t at)
+{
+    const int copy = dup(fd);
+    *reader = (struct line_reader){.at = at, .stream = copy < 0 ? NULL : fdopen(copy, "r")};
+    if (!reader->stream && copy >= 0)
+        close(copy);
+    return reader->stream && fseeko(reader->stream, (off_t)at, SEEK_SET) == 0;
+}
+
+/* Reads the next line with its newline, which the last one may lack. Returns false at the end of
+ * the file, or if it cannot be read. */
+static bool next_line(struct line_reader *reader, struct text *line)
+{
+    const ssize_t len = getline(&reader->data, &reader->capacity, reader->stream);
+    *line = (struct text){reader->data, len > 0 ? (size_t)len : 0};
+    reader->at += (int64_t)line->len;
+    reader->number++;
+    return len > 0;
+}
+
+static void lines_end(struct line_reader *reader)
+{
+    if (reader->stream)
+        fclose(reader->stream);
+    free(reader->data);
+}
+
+/* ---- reading ---- */
+
+struct sweep_scan {
+    struct sweep_file *file;
+    struct line_reader lines;
+    struct buffer head;                /* its lines so far */
+    size_t begun;                      /* blocks of other files */
+    int64_t point_at, rows, rows_seen; /* of the last point; rows_seen: most of any */
+    bool sealed;                       /* the last line was a seal */
+    struct error *error;
+};
+
+static bool is_wrong(const struct sweep_scan *scan, const char *what)
+{
+    char name[SAFE_NAME_SIZE];
+    error_set(scan->error, ERROR_IO, "%s, line %lld: %s",
+              safe_name(text_of(scan->file->path), name), (long long)scan->lines.number, what);
+    return error_hint(scan->error, "the file is left as it is");
+}
+
+static uint64_t head_sum(struct text head)
+{
+    uint64_t sum = 0;
+    struct text line;
+    while (text_split(&head, '\n', &line) && line.len > 0)
+        sum = (sum ^ bytes_sum(line)) * 0x100000001b3u;
+    return sum;
+}
+
+#define SEAL "# sweep %016" PRIx64 ": %lld points in all, at most %lld row%s each\n"
+
+void sweep_seal(struct text head, int64_t total, int64_t rows_max, struct buffer *seal)
+{
+    buffer_format(seal, SEAL, head_sum(head), (long long)total, (long long)rows_max,
+                  rows_max == 1 ? "" : "s");
+}
+
+/* A seal belongs to the head of its file, and to the seals of all files. */
+static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
+{
+    struct sweep_file *file = scan->file;
+    const bool other = (file->seal.len > 0 && !text_equal(buffer_text(&file->seal), line)) ||
+                       (file->heads > 0 && head_sum(buffer_text(&file->head)) != sum);
+    if (other)
+        return is_wrong(scan, "this is of another sweep than what comes before");
+    if (file->seal.len == 0)
+        buffer_put(&file->seal, line);
+    if (scan->rows_seen > file->rows_max)
+        return is_wrong(scan, "a point above is there twice");
+    file->seals++;
+    scan->sealed = true;
+    return !file->seal.failed || error_memory(scan->error);
+}
+
+/* The names of the columns are the end of a head. */
+static bool take_head(struct sweep_scan *scan, struct text line)
+{
+    struct sweep_file *file = scan->file;
+    buffer_put(&scan->head, line);
+    if (scan->head.failed)
+        return error_memory(scan->error);
+    if (line.at[0] == '#')
+        return true;
+    if (file->heads++ == 0) {
+        file->head = scan->head;
+        scan->head = (struct buffer){0};
+    } else if (!text_equal(buffer_text(&file->head), buffer_text(&scan->head))) {
+        return is_wrong(scan, "this is of another sweep than what comes before");
+    }
+    buffer_clear(&scan->head);
+    return true;
+}
+
+static bool add_block(struct sweep_file *file, struct sweep_block block, struct error *error)
+{
+    if (file->blocks == file->capacity) {
+        const size_t capacity = 2 * file->capacity + 16;
+        struct sweep_block *more = realloc(file->block, capacity * sizeof *more);
+        if (!more)
+            return error_memory(error);
+        file->block = more;
+        file->capacity = capacity;
+    }
+    file->block[file->blocks++] = block;
+    return true;
+}
+
+static bool take_row(struct sweep_scan *scan, struct text line)
+{
+    struct sweep_file *file = scan->file;
+    struct sweep_block *last = file->blocks > scan->begun ? &file->block[file->blocks - 1] : NULL;
+    char *end;
+    errno = 0;
+    const int64_t point = strtoll(line.at, &end, 10), at = scan->lines.at - (int64_t)line.len;
+    if (!(line.at[0] >= '0' && line.at[0] <= '9') || *end != ',' || errno != 0)
+        return is_wrong(scan, "this is no row of a sweep");
+    scan->sealed = false;
+    const int64_t next = last ? last->first + last->count : -1;
+    const bool same = last && point == next - 1 && at == last->end;
+    if (!same)
+        scan->point_at = at;
+    scan->rows = same ? scan->rows + 1 : 1;
+    scan->rows_seen = scan->rows > scan->rows_seen ? scan->rows : scan->rows_seen;
+    if (!last || (!same && point != next))
+        return add_block(file, (struct sweep_block){point, 1, at, scan->lines.at}, scan->error);
+    last->count += point == next;
+    last->end = scan->lines.at;
+    return true;
+}
+
+static bool take_line(struct sweep_scan *scan, struct text line)
+{
+    struct sweep_file *file = scan->file;
+    const bool comment = line.at[0] == '#';
+    uint64_t sum;
+    long long a, b;
+    if (file->unfinished && (comment || text_starts(line, TEXT("point,"))))
+        return is_wrong(scan, "what comes before was not whole when it was put here");
+    if (comment && sscanf(line.at, "# unfinished, shard %lld/%lld", &a, &b) == 2) {
+        file->unfinished = true;
+        file->shard = a;
+        file->shards = b;
+        return true;
+    }
+    if (comment && sscanf(line.at, "# sweep %" SCNx64 ": %lld points in all, at most %lld", &sum,
+                          &a, &b) == 3) {
+        file->total = a;
+        file->rows_max = b;
+        return take_seal(scan, line, sum);
+    }
+    if (text_starts(line, TEXT("# ")) || text_starts(line, TEXT("point,")))
+        return take_head(scan, line);
+    return take_row(scan, line);
+}
+
+/* Leaves out the last point where rows of it may be missing. */
+static void cut_point(struct sweep_scan *scan)
+{
+    struct sweep_file *file = scan->file;
+    struct sweep_block *last = file->blocks > scan->begun ? &file->block[file->blocks - 1] : NULL;
+    if (!last || scan->sealed || (file->rows_max > 0 && scan->rows >= file->rows_max))
+        return;
+    file->end = last->end = scan->point_at;
+    file->blocks -= --last->count == 0;
+}
+
+bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
+{
+    struct sweep_scan scan = {.file = file, .error = error, .begun = file->blocks};
+    struct text line = {0};
+    bool ok = lines_begin(&scan.lines, fd, 0) || error_memory(error), torn = false;
+    file->shard = file->shards = 1;
+    file->unfinished = false;
+    while (ok && !torn && next_line(&scan.lines, &line)) {
+        /* This is the beginning of what a killed program was writing. */
+        torn = line.at[line.len - 1] != '\n' && strchr("#p0123456789", line.at[0]);
+        if (!torn) {
+            ok = take_line(&scan, line);
+            file->end = scan.lines.at;
+        }
+        if (ok && cancelled_at(file->cancel, (size_t)scan.lines.number))
+            ok = error_set(error, ERROR_CANCELLED, "stopped: nothing was changed");
+    }
+    if (ok && !torn && !feof(scan.lines.stream))
+        ok = is_wrong(&scan, "it cannot be read from here on");
+    if (ok && file->blocks > scan.begun && file->rows_max > 0 && scan.rows_seen > file->rows_max)
+        ok = is_wrong(&scan, "a point above is there twice");
+    file->size = scan.lines.at;
+    if (ok)
+        cut_point(&scan);
+    lines_end(&scan.lines);
+    buffer_free(&scan.head);
+    return ok;
+}
+
+void sweep_file_free(struct sweep_file *file)
+{
+    buffer_free(&file->head);
+    buffer_free(&file->seal);
+    free(file->block);
+    file->block = NULL;
+}
+
+static int by_first(const void *a, const void *b)
+{
+    const struct sweep_block *x = a, *y = b;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+void sweep_file_sort(struct sweep_file *file)
+{
+    if (file->blocks > 0)
+        qsort(file->block, file->blocks, sizeof *file->block, by_first);
+}
+
+/* ---- writing ---- */
+
+bool sweep_file_put(struct sweep_file *file, int fd, struct text lines, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct error why = {0};
+    if (!append_lines(fd, lines, true, &why)) {
+        error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(file->path), name),
+                  why.text);
+        return error_hint(error, "what it has is kept; the same statement goes on with it");
+    }
+    file->end = file->size = file->end + (int64_t)lines.len;
+    return true;
+}
+
+bool sweep_file_add(struct sweep_file *file, int fd, int64_t first, int64_t count, struct text rows,
+                    struct error *error)
+{
+    const int64_t at = file->end;
+    return sweep_file_put(file, fd, rows, error) &&
+           add_block(file, (struct sweep_block){first, count, at, file->end}, error);
+}
+
+static bool ends_cell(const struct sweep_file *file, int64_t point)
+{
+    return (point + 1) % sweep_cell(file->total) == 0 || point + 1 == file->total;
+}
+
+bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t count)
+{
+    if (file->total == 0)
+        return false;
+    const int64_t cell = sweep_cell(file->total);
+    return !file->unfinished && file->blocks == 1 && file->block[0].first == first &&
+           file->block[0].count == count && file->heads == (first == 0) &&
+           file->seals == (count + cell - 1) / cell && file->size == file->end;
+}
+
+bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
+                           struct text seal, struct writer *writer, struct error *error)
+{
+    struct line_reader lines = {0};
+    struct text line;
+    int64_t last = -1;
+    bool ok = true;
+    if (file->block[0].first == 0)
+        writer_put(writer, head);
+    for (size_t i = 0; i < file->blocks && ok; i++) {
+        ok = lines_begin(&lines, fd, file->block[i].at);
+        for (size_t k = 0; ok && lines.at < file->block[i].end; k++) {
+            ok = next_line(&lines, &line) && !cancelled_at(file->cancel, k);
+            if (!ok || line.at[0] < '0' || line.at[0] > '9')
+                continue;
+            const int64_t point = strtoll(line.at, NULL, 10);
+            if (last >= 0 && point != last && ends_cell(file, last))
+                writer_put(writer, seal);
+            writer_put(writer, line);
+            last = point;
+        }
+        lines_end(&lines);
+    }
+    writer_put(writer, seal);
+    if (!ok && cancelled(file->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped: all points are there, not yet in order");
+    return ok || error_set(error, ERROR_IO, "what was written cannot be read again");
+}
+
+/* ---- checking files together ---- */
+
+static bool read_one(const char *path, struct sweep_file *all, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct stat st;
+    const size_t blocks = all->blocks;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    all->path = path;
+    safe_name(text_of(path), name);
+    if (fd < 0)
+        return error_set(error, ERROR_IO, "cannot read %s: %s", name, system_message(errno));
+    bool ok = (fstat(fd, &st) == 0 && S_ISREG(st.st_mode)) ||
+              error_set(error, ERROR_IO, "cannot read %s: it is no file", name);
+    ok = ok && sweep_file_read(fd, all, error) &&
+         ((all->blocks > blocks && all->total > 0) ||
+          error_set(error, ERROR_IO, "%s has no points of a sweep", name));
+    close(fd);
+    return ok;
+}
+
+enum { DIFFERENCES_SHOWN = 20 };
+
+struct differences {
+    struct reply *reply;
+    int64_t count;
+};
+
+static void put_difference(struct differences *differences, int64_t first, int64_t end,
+                           const char *what)
+{
+    char line[128];
+    if (end <= first || differences->count++ >= DIFFERENCES_SHOWN)
+        return;
+    if (end == first + 1)
+        snprintf(line, sizeof line, "point %lld is %s", (long long)first, what);
+    else
+        snprintf(line, sizeof line, "points %lld to %lld are %s", (long long)first,
+                 (long long)end - 1, what);
+    reply_line(differences->reply, "%s", line);
+    reply_string(differences->reply, NULL, line);
+}
+
+static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
+{
+    struct differences differences = {.reply = reply};
+    int64_t next = 0, points = 0, missing = 0;
+    sweep_file_sort(all);
+    reply_begin(reply, "check-sweep");
+    reply_array(reply, "differences");
+    for (size_t i = 0; i <= all->blocks; i++) {
+        const struct sweep_block block =
+            i < all->blocks ? all->block[i] : (struct sweep_block){.first = all->total};
+        const int64_t end = block.first + block.count;
+        put_difference(&differences, next, block.first, "missing");
+        put_difference(&differences, block.first, end < next ? end : next, "there more than once");
+        points += block.count;
+        missing += block.first > next ? block.first - next : 0;
+        next = end > next ? end : next;
+    }
+    put_difference(&differences, all->total, next, "none of this sweep");
+    if (differences.count > DIFFERENCES_SHOWN)
+        reply_line(reply, "and %lld more", (long long)differences.count - DIFFERENCES_SHOWN);
+    reply_close(reply);
+    reply_bool(reply, "whole", differences.count == 0);
+    reply_int(reply, "files", files);
+    reply_int(reply, "points", points);
+    reply_int(reply, "total", all->total);
+    reply_int(reply, "missing", missing);
+    reply_line(reply, "%d file%s, %lld points of %lld: %s", files, files == 1 ? "" : "s",
+               (long long)points, (long long)all->total,
+               differences.count ? "not whole" : "whole, each there once");
+    reply_end(reply);
+    return differences.count == 0;
+}
+
+int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply)
+{
+    struct sweep_file all = {.cancel = session->front.cancel};
+    struct error error = {0};
+    bool ok = true;
+    int status = 0;
+    reply_command_begin(reply, (enum output_format)session->setup.settings.format);
+    for (int i = 0; i < count && ok; i++)
+        ok = read_one(path[i], &all, &error);
+    if (ok) {
+        status = reply_check(&all, count, reply) ? 0 : ERROR_COMMAND;
+    } else {
+        reply_error(reply, &error, NULL, (struct text){NULL, 0});
+        status = (int)error.code;
+    }
+    sweep_file_free(&all);
+    reply_command_end(reply, "check-sweep");
+    return status;
+}

@@ -1,0 +1,429 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure= of a sweep: names, and expressions of them and of the way: max(y) - min(y), rms(v),
+ * mean(y^2)/k. */
+#include <hooke/scene/dimension.h>
+#include <hooke/scene/typed.h>
+#include <hooke/command/handler.h>
+#include "modules/sweep/reading.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- the measures that are computed ---- */
+
+/* As sweep_measure_find(); what motions end in is found by a module. */
+static bool find_measure(const struct model *model, struct text name, struct sweep_measure *measure,
+                         struct error *error)
+{
+    if (!sweep_measure_find(model, name, measure, error))
+        return false;
+    for (size_t i = 0; module_list[i] && measure->kind == SWEEP_ATTRACTOR; i++)
+        if (module_list[i]->attractor)
+            measure->attractor = module_list[i]->attractor;
+    return measure->kind != SWEEP_ATTRACTOR || measure->attractor ||
+           module_is_in("sweep measure=attractor", name, error);
+}
+
+static bool same_measure(const struct sweep_measure *a, const struct sweep_measure *b)
+{
+    return a->kind == b->kind && a->column == b->column && a->variable == b->variable &&
+           a->observable == b->observable && a->of == b->of;
+}
+
+/* Its place; -1: too many. */
+static int add_measure(struct sweep_request *request, const struct sweep_measure *measure,
+                       struct text where, struct error *error)
+{
+    for (int m = 0; m < request->measures; m++)
+        if (same_measure(&request->measure[m], measure))
+            return m;
+    if (request->measures == SWEEP_MEASURES) {
+        error_at(error, where, "a sweep takes %d measures at once", SWEEP_MEASURES);
+        return -1;
+    }
+    request->measure[request->measures] = *measure;
+    return request->measures++;
+}
+
+/* ---- expressions of the columns of a run ---- */
+
+struct column_slots {
+    struct expr_scope *scope;
+    struct sweep_expression *of;
+    const struct model *model;
+    bool many;
+};
+
+static int column_slot(void *context, int slot)
+{
+    struct column_slots *slots = context;
+    struct sweep_expression *of = slots->of;
+    const int place = slot_of_point(slots->scope, slot),
+              above = place - slots->model->n - model_observed(slots->model);
+    if (place < 0 || place >= SWEEP_SLOT_PARAM)
+        return place;
+    const struct row *row = above >= 0 ? catalog_row(&observable_catalog, (size_t)above) : NULL;
+    of->works |= row && (observable_from(row))->needs & NEED_WORK;
+    for (int c = 0; c < of->columns; c++)
+        if (of->column[c] == place)
+            return c;
+    slots->many |= of->columns == SWEEP_COLUMNS;
+    if (slots->many)
+        return 0;
+    of->column[of->columns] = place;
+    return of->columns++;
+}
+
+/* Returns the quantity of an expression, by the units of its names. */
+static enum quantity quantity_of(const struct expr *expr)
+{
+    const enum quantity quantity = dimension_quantity(expr_dimension(expr));
+    return quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : quantity;
+}
+
+/* text: an expression of what print knows of a run. */
+static const struct sweep_expression *read_column(struct parser *parser, struct text text,
+                                                  struct error *error)
+{
+    const struct names names = {.session = parser->session, .expects_run = true};
+    struct expr_scope scope = names_scope(&names);
+    struct sweep_expression *of = arena_alloc(parser->arena, sizeof *of);
+    struct column_slots slots = {&scope, of, parser->session->setup.scene.model, false};
+    size_t used;
+    const struct expr *expr = of ? expr_compile(text, &scope, parser->arena, &used, error) : NULL;
+    if (!expr) {
+        if (!of)
+            error_memory(error);
+        return NULL;
+    }
+    const struct text rest = text_trim((struct text){text.at + used, text.len - used});
+    if (rest.len > 0) {
+        error_at(error, rest, "this does not belong to an expression");
+        return NULL;
+    }
+    of->quantity = quantity_of(expr);
+    of->expr = expr_settle(expr, &scope, column_slot, &slots, parser->arena);
+    if (slots.many)
+        error_at(error, text, "more than %d columns in an expression", SWEEP_COLUMNS);
+    else if (!of->expr)
+        error_memory(error);
+    return slots.many ? NULL : of->expr ? of : NULL;
+}
+
+/* ---- expressions of measures ---- */
+
+enum { REDUCTIONS_MAX = 32 };
+
+/* Such a piece is a name in the copy of the text, as long as it. */
+struct reduction {
+    const char *at;
+    size_t len;
+    int place;
+    bool root;              /* rms: of the mean square */
+    enum quantity quantity; /* of the root */
+};
+
+struct formula_reader {
+    struct parser *parser;
+    struct sweep_request *request;
+    struct text text; /* as it was typed */
+    char *copy;
+    struct reduction reduction[REDUCTIONS_MAX];
+    int reductions;
+    struct names names;
+    struct error *error;
+};
+
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_' || c == '\'';
+}
+
+static bool is_plain(struct text text)
+{
+    bool plain = text.len > 0 && !isdigit((unsigned char)text.at[0]);
+    for (size_t i = 0; i < text.len; i++)
+        plain &= is_word(text.at[i]);
+    return plain;
+}
+
+/* The parenthesis that closes the one at `open`; len: there is none. One argument? */
+static size_t closing(struct text text, size_t open, bool *one)
+{
+    int depth = 0;
+    *one = true;
+    for (size_t i = open; i < text.len; i++) {
+        depth += (text.at[i] == '(') - (text.at[i] == ')');
+        *one &= !(depth == 1 && text.at[i] == ',');
+        if (depth == 0)
+            return i;
+    }
+    return text.len;
+}
+
+static struct text slice(struct text text, size_t from, size_t to)
+{
+    return (struct text){text.at + from, to - from};
+}
+
+/* word(inner) as a measure. */
+static bool read_reduction(struct formula_reader *r, struct text whole, struct text word,
+                           struct text inner, struct reduction *made)
+{
+    struct sweep_measure measure = {.kind = SWEEP_MEAN, .column = SWEEP_FORMULA};
+    const struct model *model = r->request->scene->model;
+    const bool root = text_is(word, "rms");
+    if (text_is(inner, "end")) {
+        if (!find_measure(model, word, &measure, r->error))
+            return false;
+    } else if (is_plain(inner) && !root) {
+        if (!find_measure(model, whole, &measure, r->error))
+            return false;
+    } else {
+        struct sweep_measure kind;
+        struct error ignored = {0};
+        struct buffer square = {0};
+        measure.of = read_column(r->parser, inner, r->error);
+        if (!measure.of)
+            return false;
+        made->quantity = measure.of->quantity;
+        buffer_format(&square, "(%.*s)^2", (int)inner.len, inner.at);
+        const char *text = root ? arena_text(r->parser->arena, buffer_text(&square)) : "";
+        buffer_free(&square);
+        if (root)
+            measure.of = text ? read_column(r->parser, text_of(text), r->error) : NULL;
+        if (!measure.of)
+            return text ? false : error_memory(r->error);
+        if (!root && find_measure(model, word, &kind, &ignored))
+            measure.kind = kind.kind;
+    }
+    made->root = root;
+    made->place = add_measure(r->request, &measure, whole, r->error);
+    return made->place >= 0;
+}
+
+/* The pieces that reduce a run to a number become names in the copy. */
+static bool find_reductions(struct formula_reader *r)
+{
+    static const char *const words[] = {"amplitude", "period", "mean", "max", "min", "rms"};
+    const struct text text = r->text;
+    for (size_t i = 0; i < text.len; i++) {
+        size_t end = i;
+        while (end < text.len && is_word(text.at[end]))
+            end++;
+        if (end == i)
+            continue;
+        size_t open = end;
+        while (open < text.len && text.at[open] == ' ')
+            open++;
+        bool one, reduces = false;
+        const size_t close =
+            open < text.len && text.at[open] == '(' ? closing(text, open, &one) : text.len;
+        const struct text word = slice(text, i, end);
+        i = end - 1;
+        if (close == text.len)
+            continue;
+        const struct text inner = text_trim(slice(text, open + 1, close));
+        for (size_t w = 0; w < COUNT_OF(words); w++)
+            reduces |= text_is(word, words[w]) && one;
+        if (!reduces && !(text_is(inner, "end") && is_plain(word)))
+            continue;
+        const size_t from = (size_t)(word.at - text.at), len = close + 1 - from;
+        struct reduction *made = &r->reduction[r->reductions];
+        if (r->reductions == REDUCTIONS_MAX)
+            return error_at(r->error, word, "more than %d reductions in an expression",
+                            REDUCTIONS_MAX);
+        if (!read_reduction(r, slice(text, from, close + 1), word, inner, made))
+            return false;
+        r->reductions++;
+        made->at = r->copy + from;
+        made->len = len;
+        memset(r->copy + from, 'q', len);
+        i = close;
+    }
+    return true;
+}
+
+/* Parameters that a user has typed come before observables. */
+static bool is_own_parameter(const struct scene *scene, struct text name)
+{
+    return scene->model->typed && model_state(scene->model, name) < 0 &&
+           catalog_find(scene_params(scene), name);
+}
+
+/* A piece, a measure without parentheses or a column at the end, what a session knows. */
+static bool formula_find(const void *context, struct text name, int *slot)
+{
+    struct formula_reader *r = *(struct formula_reader *const *)context;
+    struct sweep_measure measure;
+    struct error ignored = {0};
+    const struct expr_scope scope = names_scope(&r->names);
+    for (int k = 0; k < r->reductions; k++)
+        if (name.at == r->reduction[k].at && name.len == r->reduction[k].len) {
+            *slot = r->reduction[k].place + (r->reduction[k].root ? SWEEP_MEASURES : 0);
+            return true;
+        }
+    if (!is_own_parameter(r->request->scene, name) &&
+        find_measure(r->request->scene->model, name, &measure, &ignored)) {
+        *slot = add_measure(r->request, &measure, name, r->error);
+        return *slot >= 0;
+    }
+    if (!scope.find(scope.context, name, slot))
+        return false;
+    *slot += 2 * SWEEP_MEASURES;
+    return true;
+}
+
+static double formula_load(const void *context, int slot)
+{
+    const struct formula_reader *r = *(struct formula_reader *const *)context;
+    const struct expr_scope scope = names_scope(&r->names);
+    return slot < 2 * SWEEP_MEASURES ? NAN : scope.load(scope.context, slot - 2 * SWEEP_MEASURES);
+}
+
+static enum quantity formula_quantity(const void *context, int slot)
+{
+    const struct formula_reader *r = *(struct formula_reader *const *)context;
+    const struct expr_scope scope = names_scope(&r->names);
+    if (slot >= 2 * SWEEP_MEASURES)
+        return scope.quantity(scope.context, slot - 2 * SWEEP_MEASURES);
+    for (int k = 0; k < r->reductions; k++)
+        if (r->reduction[k].root && r->reduction[k].place == slot - SWEEP_MEASURES)
+            return r->reduction[k].quantity;
+    return sweep_measure_quantity(&r->request->measure[slot], r->request->scene->model);
+}
+
+static void formula_offer(const void *context, struct suggestion *suggestion)
+{
+    const struct formula_reader *r = *(struct formula_reader *const *)context;
+    const struct expr_scope scope = names_scope(&r->names);
+    for (size_t i = 0; i < sweep_measure_catalog.count; i++)
+        suggestion_offer(suggestion, catalog_row(&sweep_measure_catalog, i)->name);
+    scope.offer(scope.context, suggestion);
+}
+
+static int formula_slot(void *context, int slot)
+{
+    struct formula_reader *r = context;
+    struct expr_scope scope = names_scope(&r->names);
+    return slot < 2 * SWEEP_MEASURES ? slot : slot_of_point(&scope, slot - 2 * SWEEP_MEASURES);
+}
+
+static const struct sweep_formula *read_formula(struct formula_reader *r)
+{
+    struct formula_reader *self = r;
+    const struct expr_scope scope = {&self,         formula_find, formula_load,
+                                     formula_offer, NULL,         formula_quantity};
+    struct sweep_formula *formula = arena_alloc(r->parser->arena, sizeof *formula);
+    const char *text = arena_text(r->parser->arena, r->text);
+    r->copy = arena_alloc(r->parser->arena, r->text.len + 1);
+    if (!formula || !text || !r->copy) {
+        error_memory(r->error);
+        return NULL;
+    }
+    memcpy(r->copy, text, r->text.len);
+    if (!find_reductions(r))
+        return NULL;
+    size_t used;
+    const struct text copy = {r->copy, r->text.len};
+    const struct expr *expr = expr_compile(copy, &scope, r->parser->arena, &used, r->error);
+    if (expr && text_trim(slice(copy, used, copy.len)).len > 0) {
+        error_at(r->error, text_trim(slice(copy, used, copy.len)),
+                 "this does not belong to an expression");
+        expr = NULL;
+    }
+    /* errors point into what was typed */
+    const char *where = r->error->where.at;
+    if (!expr && where && where >= r->copy && where <= r->copy + copy.len)
+        r->error->where.at = r->text.at + (where - r->copy);
+    if (!expr)
+        return NULL;
+    *formula =
+        (struct sweep_formula){.text = text,
+                               .expr = expr_settle(expr, &scope, formula_slot, r, r->parser->arena),
+                               .quantity = quantity_of(expr)};
+    if (!formula->expr)
+        error_memory(r->error);
+    return formula->expr ? formula : NULL;
+}
+
+/* ---- the list ---- */
+
+/* The next item, up to a comma that stands in no parentheses; quotes around it are left out. */
+static bool next_item(struct text *rest, struct text *item)
+{
+    int depth = 0;
+    size_t end = 0;
+    if (rest->len == 0)
+        return false;
+    for (; end < rest->len && !(depth <= 0 && rest->at[end] == ','); end++)
+        depth += (rest->at[end] == '(') - (rest->at[end] == ')');
+    *item = text_trim(slice(*rest, 0, end));
+    *rest = slice(*rest, end < rest->len ? end + 1 : end, rest->len);
+    const char quote = item->len > 0 && strchr("\"'", item->at[0]) ? item->at[0] : '"';
+    if (item->len > 0 && item->at[0] == quote)
+        *item = text_trim(slice(*item, 1, item->len));
+    if (item->len > 0 && item->at[item->len - 1] == quote)
+        *item = text_trim(slice(*item, 0, item->len - 1));
+    return true;
+}
+
+/* Else it is a name, or NAME(COLUMN), that nobody knows. */
+static bool is_formula(struct text item)
+{
+    bool one;
+    const char *paren = memchr(item.at, '(', item.len);
+    const size_t open = paren ? (size_t)(paren - item.at) : item.len;
+    if (!paren || closing(item, open, &one) != item.len - 1)
+        return !is_plain(item) && item.len > 0;
+    const struct text word = text_trim(slice(item, 0, open)),
+                      inner = text_trim(slice(item, open + 1, item.len - 1));
+    return !catalog_find(&sweep_measure_catalog, word) || !is_plain(inner) || text_is(inner, "end");
+}
+
+static bool read_item(struct parser *parser, struct text item, struct sweep_request *request,
+                      struct error *error)
+{
+    struct sweep_measure *shown = &request->shown[request->columns];
+    struct error why = {0};
+    if (request->columns == SWEEP_MEASURES)
+        return error_at(error, item, "a sweep takes %d measures at once", SWEEP_MEASURES);
+    if (find_measure(request->scene->model, item, shown, &why)) {
+        request->place[request->columns++] = add_measure(request, shown, item, error);
+        return request->place[request->columns - 1] >= 0;
+    }
+    if (!is_formula(item)) {
+        *error = why;
+        return false;
+    }
+    struct formula_reader reader = {.parser = parser,
+                                    .request = request,
+                                    .text = item,
+                                    .names = {.session = parser->session, .expects_run = true},
+                                    .error = error};
+    *shown = (struct sweep_measure){.kind = SWEEP_FORMULA, .column = SWEEP_VARIABLE};
+    shown->formula = read_formula(&reader);
+    request->columns += shown->formula != NULL;
+    return shown->formula;
+}
+
+bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error)
+{
+    struct text rest = text_trim(parser->rest), item;
+    bool formulas = false;
+    request->measures = request->columns = 0;
+    while (next_item(&rest, &item))
+        if (!read_item(parser, item, request, error))
+            return false;
+    if (request->columns == 0)
+        return error_at(error, parser->rest, "measure= needs a name, as in measure=amplitude");
+    for (int c = 0; c < request->columns; c++)
+        formulas |= request->shown[c].formula != NULL;
+    if (formulas)
+        return true;
+    memcpy(request->measure, request->shown, sizeof request->shown);
+    request->measures = request->columns;
+    request->columns = 0;
+    return true;
+}

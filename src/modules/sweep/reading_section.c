@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* 'at EVENT' of a sweep: an event that is defined, each period of the drive, or an expression. */
+#include <hooke/base/statement.h>
+#include <hooke/scene/formula.h>
+#include <hooke/session/events.h>
+#include "modules/sweep/compute/sweep.h"
+#include <hooke/command/handler.h>
+#include "modules/sweep/reading.h"
+
+#include <string.h>
+
+/* Up to what can follow it. */
+static struct text section_text(struct text rest)
+{
+    static const char *const keys[] = {"skip", "keep", "measure"};
+    size_t end = 1;
+    for (; end < rest.len; end++) {
+        const struct text after = {rest.at + end, rest.len - end}, name = peek_name(after);
+        struct text behind = {after.at + name.len, after.len - name.len};
+        bool key = false;
+        if (!strchr(" \t", rest.at[end - 1]))
+            continue;
+        text_skip_blanks(&behind);
+        for (size_t k = 0; k < COUNT_OF(keys); k++)
+            key |= text_is(name, keys[k]) && text_starts(behind, TEXT("="));
+        if (key || text_starts(after, TEXT("--")))
+            break;
+    }
+    return (struct text){rest.at, end < rest.len ? end : rest.len};
+}
+
+struct text next_section(struct text *rest)
+{
+    *rest = (struct text){rest->at + 2, rest->len - 2};
+    const struct text section = section_text(*rest);
+    *rest = (struct text){rest->at + section.len, rest->len - section.len};
+    return text_trim(section);
+}
+
+/* ---- names: of the point, or numbers as they are now ---- */
+
+int slot_of_point(const struct expr_scope *scope, int slot)
+{
+    const int own = scope->moving(scope->context, slot);
+    bool derived;
+    const int place = names_of_scene(slot, &derived);
+    if (own >= 0 || place < 0)
+        return own;
+    return place + (int)(derived ? SWEEP_SLOT_DERIVED : SWEEP_SLOT_PARAM);
+}
+
+static int point_slot(void *context, int slot)
+{
+    return slot_of_point(context, slot);
+}
+
+static const struct expr *expr_of_point(const struct expr *expr, struct expr_scope *scope,
+                                        struct arena *arena, struct error *error)
+{
+    const struct expr *settled = expr_settle(expr, scope, point_slot, scope, arena);
+    if (!settled)
+        error_memory(error);
+    return settled;
+}
+
+/* ---- what is typed ---- */
+
+/* EXPR = EXPR or EXPR rising VALUE: the other side. */
+static bool read_side(struct parser *parser, const struct expr_scope *scope, struct event *event,
+                      struct error *error)
+{
+    struct event other = {.stop = false};
+    size_t used;
+    if (!event_compile(parser->rest, scope, parser->arena, &other, &used, error))
+        return names_explain(parser->session, error);
+    const bool turns = other.direction != 0 || other.touching;
+    if (other.right || (turns && (event->direction != 0 || event->touching)))
+        return error_at(error, parser->rest, "of a section both sides are expressions");
+    if (!expr_compare(event->left, &other.left, parser->arena, error))
+        return false;
+    event->right = other.left;
+    event->direction = turns ? other.direction : event->direction;
+    event->touching |= other.touching;
+    parser->rest = text_trim((struct text){parser->rest.at + used, parser->rest.len - used});
+    return true;
+}
+
+static bool read_event_text(struct parser *parser, const struct expr_scope *scope,
+                            struct event *event, struct error *error)
+{
+    size_t used;
+    const struct text all = parser->rest;
+    if (!event_compile(all, scope, parser->arena, event, &used, error))
+        return names_explain(parser->session, error);
+    parser->rest = text_trim((struct text){all.at + used, all.len - used});
+    const bool equals = text_starts(parser->rest, TEXT("="));
+    if (equals && !event->right)
+        parser->rest = text_trim((struct text){parser->rest.at + 1, parser->rest.len - 1});
+    if (!event->right && (equals || (event->direction != 0 && parser->rest.len > 0)) &&
+        !read_side(parser, scope, event, error))
+        return false;
+    return refuse_rest(parser, NULL, error);
+}
+
+static bool read_event_in(struct parser *parser, struct expr_scope *scope,
+                          const struct event_line *line, struct event *event, struct error *error)
+{
+    if (line)
+        parser->rest = text_of(line->when);
+    if (!read_event_text(parser, scope, event, error)) {
+        if (line) {
+            error->where = (struct text){NULL, 0};
+            error_hint(error, "in the event %s", line->name);
+        }
+        return false;
+    }
+    event->left = expr_of_point(event->left, scope, parser->arena, error);
+    if (event->left && event->right)
+        event->right = expr_of_point(event->right, scope, parser->arena, error);
+    else if (event->left)
+        return true;
+    return event->left && event->right;
+}
+
+/* In a scope of the scene's own names, which is the parser's no longer than this. */
+static bool read_event_of(struct parser *parser, const struct event_line *line, struct event *event,
+                          struct error *error)
+{
+    const struct names names = {
+        .session = parser->session, .expects_run = true, .saved_only = line != NULL};
+    const struct expr_scope *before = parser->scope;
+    struct expr_scope scope = names_scope(&names);
+    parser->scope = &scope;
+    const bool ok = read_event_in(parser, &scope, line, event, error);
+    parser->scope = before;
+    return ok;
+}
+
+static bool is_driven(const struct session *session, struct text where, struct error *error)
+{
+    struct system system;
+    if (!scene_bind_motion(&session->setup.scene, &system, error))
+        return false;
+    if (system_drive(&system) > 0)
+        return true;
+    error_at(error, where, "nothing is driven with one period here");
+    return error_hint(error,
+                      "sections are where an expression passes a value, too: at v = 0 falling");
+}
+
+bool read_section(struct session *session, const struct arguments *args, struct text text,
+                  struct sweep_section *section, struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, text};
+    const struct events *events = session->setup.events;
+    const struct event_line *line = NULL;
+    if (text.len == 0)
+        return error_at(error, text, "after 'at' comes an event: at period, at v = 0 falling");
+    for (int i = 0; events && i < events->count; i++)
+        if (text_is(text, events->line[i].name))
+            line = &events->line[i];
+    section->wanted = true;
+    section->text = arena_text(args->arena, text);
+    if (!section->text)
+        return error_memory(error);
+    section->strobe = !line && text_is(text, "period");
+    return section->strobe ? is_driven(session, text, error)
+                           : read_event_of(&parser, line, &section->event, error);
+}
+
+/* ---- what is kept there ---- */
+
+static bool all_variables(const struct model *model, struct sweep_request *request,
+                          struct error *error)
+{
+    request->measures = 0;
+    for (int k = 0; k < model->n && k < SWEEP_MEASURES; k++)
+        if (!sweep_measure_find(model, text_of(model->variable[k].name),
+                                &request->measure[request->measures++], error))
+            return false;
+    return true;
+}
+
+bool finish_section(struct sweep_request *request, bool measured, struct error *error)
+{
+    const struct sweep_section *section = &request->section;
+    if (!section->wanted)
+        return section->skip < 0 && section->keep < 0
+                   ? true
+                   : error_set(error, ERROR_COMMAND,
+                               "skip= and keep= are for sections: sweep ... at period skip=100");
+    request->section.skip = section->skip < 0 ? SWEEP_SKIP_USUAL : section->skip;
+    request->section.keep = section->keep < 0 ? SWEEP_KEEP_USUAL : section->keep;
+    if (section->skip + section->keep > LIMIT_EVENT_RECORDS)
+        return error_set(error, ERROR_COMMAND, "skip= and keep= are at most %d together",
+                         LIMIT_EVENT_RECORDS);
+    if (request->columns > 0)
+        return error_set(error, ERROR_COMMAND,
+                         "at a section columns are kept, no expressions: measure=%s",
+                         request->scene->model->variable[0].name);
+    for (int m = 0; m < request->measures && measured; m++)
+        if (!sweep_at_section(&request->measure[m])) {
+            error_set(error, ERROR_COMMAND, "'%s' is not known at one moment",
+                      sweep_measure_name(&request->measure[m]));
+            return error_hint(error, "at a section columns are kept: measure=%s",
+                              request->scene->model->variable[0].name);
+        }
+    return measured || all_variables(request->scene->model, request, error);
+}

@@ -1,0 +1,464 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep … --resume FILE: piece by piece into a file that can be gone on with. */
+#define _GNU_SOURCE /* O_CLOEXEC */
+#include <hooke/base/cancel.h>
+#include <hooke/run/timing.h>
+#include <hooke/base/file.h>
+#include <hooke/base/number.h>
+#include <hooke/base/safe_text.h>
+#include "modules/sweep/file.h"
+#include "modules/sweep/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
+/* Of results; as text, which is copied once, they take ten times as much. */
+#define PIECE_BYTES ((size_t)1 << 23)
+#define PIECE_SECONDS 0.5 /* that a piece takes, between this and four times as much */
+
+/* ---- which sweep it is, as lines of the head ---- */
+
+static void put_axis(const struct sweep_axis *axis, struct buffer *text)
+{
+    const double steps = axis->count - 1;
+    buffer_format(text, "%s=", axis->name);
+    buffer_real(text, axis->from);
+    buffer_char(text, ':');
+    buffer_real(text, axis->to);
+    if (axis->count > 1 && !axis->log && axis->count < 100000) {
+        buffer_format(text, ":%.12g", (axis->to - axis->from) / steps); /* enough to count by */
+    } else if (axis->count > 1) {
+        buffer_put(text, axis->log ? TEXT(":x") : TEXT(":"));
+        buffer_real(text, axis->log ? pow(axis->to / axis->from, 1 / steps)
+                                    : (axis->to - axis->from) / steps);
+    }
+}
+
+/* The names of the columns are its last line. */
+static bool put_head(const struct session *session, const struct sweep_request *request,
+                     struct buffer *text)
+{
+    struct buffer setup = {0};
+    session_save_motion(session, &setup);
+    struct text rest = buffer_text(&setup), line;
+    buffer_put(text, TEXT("# hooke = " HOOKE_VERSION "\n"));
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0)
+            buffer_format(text, "# set-up = %.*s\n", (int)line.len, line.at);
+    buffer_put(text, TEXT("# sweep = "));
+    for (int a = 0; a < request->axes; a++) {
+        put_axis(&request->axis[a], text);
+        buffer_char(text, ' ');
+    }
+    const struct sweep_measure *shown = request->columns ? request->shown : request->measure;
+    for (int m = 0; m < (request->columns ? request->columns : request->measures); m++)
+        buffer_format(text, "%s%s", m ? "," : "measure=", sweep_measure_name(&shown[m]));
+    if (request->section.wanted)
+        buffer_format(text, " at %s skip=%lld keep=%lld", request->section.text,
+                      (long long)request->section.skip, (long long)request->section.keep);
+    buffer_char(text, '\n');
+    text->failed |= setup.failed;
+    buffer_free(&setup);
+    struct sweep none;
+    study_sweep_stretch(request, &none);
+    none.count = 0;
+    return sweep_rows(request, &none, text) && !text->failed;
+}
+
+/* The sweep that the head says, read as if it were typed. */
+static bool read_statement(struct session *session, const struct arguments *args,
+                           const struct sweep_file *file, struct sweep_request *request,
+                           struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct text rest = buffer_text(&file->head), line, found = {NULL, 0};
+    const struct text key = TEXT("# sweep = ");
+    while (text_split(&rest, '\n', &line))
+        if (text_starts(line, key))
+            found = (struct text){line.at + key.len, line.len - key.len};
+    const char *copy = found.at ? arena_text(args->arena, found) : NULL;
+    struct sweep_options none = {0};
+    struct error why = {0};
+    safe_name(text_of(file->path), name);
+    if (!copy) {
+        error_set(error, ERROR_IO, "%s does not say which sweep it is of", name);
+        return error_hint(error, file->blocks > 0
+                                     ? "it is a shard that is whole: what it is of, the first says"
+                                     : "sweep NAME=FROM:TO --resume FILE begins one");
+    }
+    struct sweep_request read = sweep_request_begin(session);
+    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0)
+        return error_set(error, ERROR_IO, "the sweep of %s cannot be read in this set-up: %s", name,
+                         why.text);
+    read.shard = request->shards > 1 ? request->shard : file->shard;
+    read.shards = request->shards > 1 ? request->shards : file->shards;
+    read.threads = request->threads;
+    *request = read;
+    return true;
+}
+
+/* ---- the file, locked ---- */
+
+struct growing_file {
+    struct session *session;
+    struct sweep_request *request;
+    struct sweep_file file;
+    int fd; /* -1: not open */
+    struct writer writer;
+    struct buffer head, seal;
+    struct sweep all; /* no results: which points */
+    int64_t computed, missing, piece;
+};
+
+static bool is_there(const char *path)
+{
+    struct stat st;
+    return lstat(path, &st) == 0;
+}
+
+/* Another program may have made it whole between opening and locking. */
+static bool open_locked(struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    for (int look = 0; look < 3; look++) {
+        struct stat opened, there;
+        g->fd = append_open(g->file.path, session_policy(g->session, false), 0666, error);
+        if (g->fd < 0)
+            return false;
+        const bool locked = file_lock(g->fd, true);
+        if (locked && fstat(g->fd, &opened) == 0 && stat(g->file.path, &there) == 0 &&
+            opened.st_ino == there.st_ino && opened.st_dev == there.st_dev)
+            return true;
+        close(g->fd);
+        g->fd = -1;
+        if (!locked)
+            break;
+    }
+    return error_set(error, ERROR_IO, "%s is being written by another program",
+                     safe_name(text_of(g->file.path), name));
+}
+
+/* Says which line is another one. */
+static bool refuse_head(const struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct text has = buffer_text(&g->file.head), wants = buffer_text(&g->head), a, b;
+    struct buffer one = {0}, other = {0};
+    for (;;) {
+        const bool more = text_split(&has, '\n', &a), wanted = text_split(&wants, '\n', &b);
+        a = more ? a : TEXT("");
+        b = wanted ? b : TEXT("");
+        if (!text_equal(a, b) || !(more && wanted))
+            break;
+    }
+    safe_text(&one, text_starts(a, TEXT("# ")) ? (struct text){a.at + 2, a.len - 2} : a, false);
+    safe_text(&other, text_starts(b, TEXT("# ")) ? (struct text){b.at + 2, b.len - 2} : b, false);
+    error_set(error, ERROR_IO, "%s is of another sweep: it has '%.200s', here it is '%.200s'",
+              safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
+    buffer_free(&one);
+    buffer_free(&other);
+    return error_hint(error, "the file is left as it is: take another name, or the set-up that "
+                             "its # lines say");
+}
+
+/* A file without points is the beginning of a head, as of a program that was killed. */
+static bool compare_begun(const struct growing_file *g, struct error *error)
+{
+    const struct text head = buffer_text(&g->head);
+    const size_t size = g->file.size < (int64_t)head.len ? (size_t)g->file.size : head.len;
+    char *begun = malloc(size + 1);
+    if (!begun)
+        return error_memory(error);
+    const bool same =
+        pread(g->fd, begun, size, 0) == (ssize_t)size && memcmp(begun, head.at, size) == 0;
+    free(begun);
+    return same || refuse_head(g, error);
+}
+
+static bool compare_sweep(const struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    const struct sweep_file *file = &g->file;
+    const struct sweep_request *request = g->request;
+    if (file->blocks == 0)
+        return compare_begun(g, error);
+    if (file->heads > 0 && !text_equal(buffer_text(&file->head), buffer_text(&g->head)))
+        return refuse_head(g, error);
+    safe_name(text_of(file->path), name);
+    if (!text_equal(buffer_text(&file->seal), buffer_text(&g->seal))) {
+        error_set(error, ERROR_IO, "%s is of another sweep, or of this one in another set-up",
+                  name);
+        return error_hint(error, "the file is left as it is");
+    }
+    return !file->unfinished ||
+           (file->shard == request->shard && file->shards == request->shards) ||
+           error_set(error, ERROR_IO, "%s is shard %lld/%lld of this sweep, not %lld/%lld", name,
+                     (long long)file->shard, (long long)file->shards, (long long)request->shard,
+                     (long long)request->shards);
+}
+
+/* Sorts the blocks. Returns false if a point is there twice, or is not of this shard. */
+static bool arrange_points(struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct sweep_file *file = &g->file;
+    const int64_t end = g->all.first + g->all.count;
+    int64_t next = g->all.first;
+    sweep_file_sort(file);
+    for (size_t i = 0; i < file->blocks; i++) {
+        const struct sweep_block *block = &file->block[i];
+        const bool outside = block->first < g->all.first || block->first + block->count > end;
+        if (outside || block->first < next) {
+            error_set(error, ERROR_IO, "%s has point %lld %s", safe_name(text_of(file->path), name),
+                      (long long)block->first,
+                      outside ? "or some behind it that are not of this shard" : "twice");
+            return error_hint(error, "the file is left as it is");
+        }
+        next = block->first + block->count;
+    }
+    return true;
+}
+
+/* Without what may not be whole; then points can be added. */
+static bool begin_adding(struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct sweep_file *file = &g->file;
+    struct buffer lines = {0};
+    const bool fresh = file->blocks == 0;
+    if (fresh)
+        file->end = 0;
+    if (file->size > file->end && ftruncate(g->fd, (off_t)file->end) != 0)
+        return error_set(error, ERROR_IO, "cannot write %s", safe_name(text_of(file->path), name));
+    if (fresh) {
+        buffer_put(&lines, buffer_text(&g->head));
+        buffer_put(&lines, buffer_text(&g->seal));
+    }
+    if (fresh || !file->unfinished)
+        buffer_format(&lines, "# unfinished, shard %lld/%lld\n", (long long)g->request->shard,
+                      (long long)g->request->shards);
+    file->unfinished = true;
+    file->total = g->all.total;
+    const bool ok = !lines.failed ? sweep_file_put(file, g->fd, buffer_text(&lines), error)
+                                  : error_memory(error);
+    buffer_free(&lines);
+    return ok;
+}
+
+/* ---- computing what is missing ---- */
+
+static void report_growth(void *context, double fraction)
+{
+    const struct growing_file *g = context;
+    report_fraction(&g->session->front,
+                    ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
+}
+
+/* Each run of points that are finished; of a stopped piece these may be some. */
+static bool add_finished(struct growing_file *g, const struct sweep *piece, struct error *error)
+{
+    for (int64_t from = 0, to; from < piece->count; from = to) {
+        for (to = from; to < piece->count && piece->status[to] != SWEEP_MISSING;)
+            to++;
+        if (to == from) {
+            to++;
+            continue;
+        }
+        struct sweep part = *piece;
+        struct buffer rows = {0};
+        part.first += from;
+        part.count = to - from;
+        part.value += from * part.measures;
+        part.status += from;
+        bool ok = sweep_rows(g->request, &part, &rows) || error_memory(error);
+        const char *end = ok ? memchr(rows.data, '\n', rows.len) : NULL; /* of the names */
+        if (end) {
+            const struct text view = {end + 1, (size_t)(rows.data + rows.len - end - 1)};
+            ok = sweep_file_add(&g->file, g->fd, part.first, part.count, view, error);
+        }
+        buffer_free(&rows);
+        if (!ok)
+            return false;
+        g->computed += part.count;
+    }
+    return true;
+}
+
+static bool compute_piece(struct growing_file *g, int64_t first, int64_t count, double *seconds,
+                          struct error *error)
+{
+    struct sweep sweep;
+    struct error why = {0};
+    struct sweep_request request = *g->request;
+    request.first = first;
+    request.count = g->piece = count;
+    request.progress = report_growth;
+    request.context = g;
+    study_sweep(&request, &sweep, &why);
+    g->piece = 0;
+    *seconds = sweep.seconds;
+    /* That every point of a piece is refused is no reason to stop. */
+    const bool finished = sweep.finished == count;
+    const bool ok = (sweep.finished == 0 || add_finished(g, &sweep, error)) && finished;
+    if (!finished && error->code == ERROR_NONE)
+        *error = why;
+    sweep_free(&sweep);
+    return ok;
+}
+
+/* At a section a point has many numbers. */
+static int64_t most_points(const struct growing_file *g)
+{
+    const size_t each = (size_t)g->all.measures * sizeof(double);
+    return each < PIECE_BYTES ? (int64_t)(PIECE_BYTES / each) : 1;
+}
+
+static bool fill_gap(struct growing_file *g, int64_t first, int64_t count, struct error *error)
+{
+    const int64_t room = most_points(g), wanted = study_sweep_batch(g->request),
+                  batch = wanted < room ? wanted : room, end = first + count,
+                  usual = batch > PIECE_MOST ? batch : PIECE_MOST,
+                  most = usual < room ? usual : room;
+    int64_t size = batch;
+    double seconds = 0;
+    for (int64_t at = first, n; at < end; at += n) {
+        n = size - at % batch; /* so that the next ones begin where a batch does */
+        n = n < end - at ? n : end - at;
+        if (!compute_piece(g, at, n, &seconds, error))
+            return false;
+        if (seconds < PIECE_SECONDS && 2 * size <= most)
+            size *= 2;
+        else if (seconds > 4 * PIECE_SECONDS && size >= 2 * batch)
+            size /= 2;
+    }
+    return true;
+}
+
+static bool fill(struct growing_file *g, bool force, struct error *error)
+{
+    double steps, seconds;
+    const size_t blocks = g->file.blocks; /* those that are added go behind them */
+    int64_t next = g->all.first;
+    g->missing = g->all.count;
+    for (size_t i = 0; i < blocks; i++)
+        g->missing -= g->file.block[i].count;
+    g->session->studies.points = (double)g->missing;
+    study_sweep_predict(g->request, &steps, &seconds);
+    const double share = (double)g->missing / (double)g->all.count;
+    if (!allow_long(g->session, share * seconds, share * steps, force, error))
+        return false;
+    for (size_t i = 0; i <= blocks; i++) {
+        const struct sweep_block block =
+            i < blocks ? g->file.block[i]
+                       : (struct sweep_block){.first = g->all.first + g->all.count};
+        if (!fill_gap(g, next, block.first - next, error))
+            return false;
+        next = block.first + block.count;
+    }
+    return arrange_points(g, error);
+}
+
+/* ---- all of it ---- */
+
+static bool prepare(struct growing_file *g, const struct arguments *args, struct error *error)
+{
+    struct sweep_request *request = g->request;
+    if (!open_locked(g, error) || !sweep_file_read(g->fd, &g->file, error) ||
+        (request->axes == 0 && !read_statement(g->session, args, &g->file, request, error)))
+        return false;
+    study_sweep_stretch(request, &g->all);
+    if (g->all.count == 0)
+        return error_set(error, ERROR_COMMAND,
+                         "this shard has no points: there are more shards than points");
+    if (!put_head(g->session, request, &g->head))
+        return error_memory(error);
+    sweep_seal(buffer_text(&g->head), g->all.total,
+               request->section.wanted ? request->section.keep : 1, &g->seal);
+    return (!g->seal.failed || error_memory(error)) && compare_sweep(g, error) &&
+           arrange_points(g, error);
+}
+
+/* What is whole is left alone. */
+static bool complete(struct growing_file *g, bool force, struct error *error)
+{
+    if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
+        return true;
+    return writer_open(&g->writer, g->file.path, session_policy(g->session, true), error) &&
+           begin_adding(g, error) && fill(g, force, error) &&
+           sweep_file_make_whole(&g->file, g->fd, buffer_text(&g->head), buffer_text(&g->seal),
+                                 &g->writer, error) &&
+           writer_commit(&g->writer, error);
+}
+
+static void reply_file(const struct growing_file *g, double seconds, struct reply *reply)
+{
+    const struct sweep *all = &g->all;
+    char name[SAFE_NAME_SIZE];
+    safe_name(text_of(g->file.path), name);
+    reply_begin(reply, "sweep-file");
+    reply_string(reply, "file", name);
+    reply_int(reply, "first", all->first);
+    reply_int(reply, "points", all->count);
+    reply_int(reply, "total", all->total);
+    reply_int(reply, "computed", g->computed);
+    const bool timed = g->session->setup.settings.timing != TIMING_OFF;
+    char took[32] = "";
+    if (timed)
+        snprintf(took, sizeof took, " in %.3g s", seconds);
+    reply_real(reply, "seconds", timed ? seconds : NAN);
+    reply_line(reply, "%s: points %lld to %lld of %lld, whole; %lld computed now%s", name,
+               (long long)all->first, (long long)(all->first + all->count - 1),
+               (long long)all->total, (long long)g->computed, took);
+    reply_end(reply);
+}
+
+static void say_kept(const struct growing_file *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    int64_t has = 0;
+    for (size_t i = 0; i < g->file.blocks; i++)
+        has += g->file.block[i].count;
+    error_set(error, ERROR_CANCELLED, "stopped: %s has %lld of %lld points",
+              safe_name(text_of(g->file.path), name), (long long)has, (long long)g->all.count);
+    error_hint(error, "'continue', or the same statement, goes on with it");
+}
+
+bool sweep_into_file(struct session *session, const struct arguments *args,
+                     struct sweep_request *request, const struct sweep_options *options,
+                     struct reply *reply, struct error *error)
+{
+    const int64_t begin = clock_ns();
+    struct growing_file g = {.session = session,
+                             .request = request,
+                             .fd = -1,
+                             .writer = {.fd = -1, .folder = -1},
+                             .file.cancel = session->front.cancel};
+    *error = (struct error){.code = ERROR_NONE};
+    g.file.path = arena_text(args->arena, options->file);
+    if (!g.file.path)
+        return error_memory(error);
+    char name[SAFE_NAME_SIZE];
+    bool ok = request->axes > 0 || is_there(g.file.path) ||
+              (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
+               error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
+    ok = ok && prepare(&g, args, error) && complete(&g, options->force, error);
+    report_fraction(&session->front, 2);
+    if (ok)
+        reply_file(&g, clock_seconds(begin), reply);
+    else if (error->code == ERROR_CANCELLED && g.computed > 0)
+        say_kept(&g, error);
+    if (!ok && !error->where.at)
+        error->where = options->file;
+    writer_abandon(&g.writer);
+    if (g.fd >= 0)
+        close(g.fd);
+    sweep_file_free(&g.file);
+    buffer_free(&g.head);
+    buffer_free(&g.seal);
+    return ok;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The module sweep: one or two quantities varied, a trajectory for each value. */
+#include "modules/sweep/file.h"
+#include "modules/sweep/handlers.h"
+
+static const struct catalog *const catalogs[] = {&sweep_measure_catalog, NULL};
+
+const struct module sweep_module = {
+    .row = {"sweep", "", "one or two quantities varied: tables, maps, orbit diagrams", "", NULL},
+    .needs = "lanes",
+    .part_size = sizeof(struct sweep_part),
+    .part_free = sweep_part_free,
+    .stopped = {.waits = sweep_waits, .go_on = sweep_continue, .forget = sweep_forget_stopped},
+    .option =
+        {
+            .word = "check-sweep",
+            .shown = " FILES",
+            .brief = "whether they, shards of a sweep or a whole one, have each point once",
+            .wants = "files",
+            .run = sweep_check,
+        },
+    .catalogs = catalogs,
+    .complete = sweep_complete,
+};

@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/number.h>
+#include "modules/sweep/swept.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    TABLE_ROWS = 40,
+    FIGURE_ROWS_MIN = 10, /* [row] below which a figure says less than a table */
+    THIN_BLOCKS = 2048    /* of a curve with more points the extremes of each block are drawn */
+};
+
+static double value_at(const struct swept *swept, int64_t i, int m)
+{
+    return swept_value(swept, i, 0, m);
+}
+
+/* A column: its heading with the unit, then numbers. */
+struct sweep_column {
+    const char *name;
+    enum quantity quantity;
+    const struct unit *unit;
+};
+
+static void put_number(struct text_table *table, const struct sweep_column *column, double value,
+                       int digits)
+{
+    struct buffer text = {0};
+    if (isfinite(value))
+        buffer_short(&text, value / (column->unit ? column->unit->factor : 1) + 0.0, digits);
+    else
+        buffer_char(&text, '-');
+    cell_take(table, &text);
+}
+
+/* The unit is one in which most values say something: that of the largest. */
+static struct sweep_column column_of(const struct swept *swept, int index)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int measure = index - sweep->axes;
+    double low, high;
+    struct sweep_column column;
+    if (measure < 0) { /* the largest value of a parameter is at an end */
+        low = swept_position(sweep, index, 0);
+        high = swept_position(sweep, index, sweep->count - 1);
+        column.name = sweep->axis[index].name;
+        column.quantity = sweep->axis[index].quantity;
+    } else {
+        swept_range(swept, measure, &low, &high);
+        column.name = sweep_measure_name(&swept->measure[measure]);
+        column.quantity = swept_quantity(swept, measure);
+    }
+    column.unit =
+        swept_unit(low <= high || measure < 0 ? fmax(fabs(low), fabs(high)) : 0, column.quantity);
+    return column;
+}
+
+/* Every so many points, so that the table can be read. */
+static void put_table(const struct session *session, const struct swept *swept, struct arena *arena,
+                      struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int64_t every = (sweep->count + TABLE_ROWS - 1) / TABLE_ROWS;
+    const bool failures = sweep->failed + sweep->refused > 0 || sweep->finished < sweep->count;
+    const int columns = sweep->axes + sweep->measures;
+    struct sweep_column column[2 + SWEEP_MEASURES];
+    int width, height;
+    session_size(session, &width, &height);
+    struct text_table table = {
+        .arena = arena, .columns = columns + failures, .gap = 3, .max = width};
+    for (int c = 0; c < columns; c++) {
+        column[c] = column_of(swept, c);
+        struct buffer heading = {0};
+        const char *unit = swept_unit_name(column[c].unit, column[c].quantity);
+        buffer_put(&heading, text_of(column[c].name));
+        if (*unit)
+            buffer_format(&heading, " [%s]", unit);
+        cell_take(&table, &heading);
+    }
+    if (failures)
+        cell_text(&table, "status");
+    for (int64_t i = 0; i < sweep->count; i += every) {
+        for (int c = 0; c < columns; c++)
+            put_number(&table, &column[c],
+                       c < sweep->axes ? swept_position(sweep, c, i)
+                                       : value_at(swept, i, c - sweep->axes),
+                       session->setup.settings.digits);
+        if (failures)
+            cell_text(&table, sweep_status_name(sweep->status[i]));
+    }
+    text_table_put(&table, text);
+    if (every > 1)
+        buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n",
+                      (long long)every,
+                      every == 2   ? "nd"
+                      : every == 3 ? "rd"
+                                   : "th");
+}
+
+/* Takes the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
+ * how many points these are. */
+static size_t thin(const struct swept *swept, int measure, int64_t each, double *x, double *y)
+{
+    const struct sweep *sweep = swept->sweep;
+    size_t kept = 0;
+    for (int64_t begin = 0; begin < sweep->count; begin += each) {
+        const int64_t end = begin + each < sweep->count ? begin + each : sweep->count;
+        int64_t low = begin, high = begin;
+        double lowest = value_at(swept, begin, measure), highest = lowest;
+        for (int64_t i = begin + 1; i < end; i++) {
+            const double value = value_at(swept, i, measure);
+            if (value < lowest || isnan(lowest))
+                lowest = value, low = i;
+            if (value > highest || isnan(highest))
+                highest = value, high = i;
+        }
+        const int64_t point[] = {begin, low < high ? low : high, low < high ? high : low, end - 1};
+        for (size_t k = 0; k < COUNT_OF(point); k++)
+            if (k == 0 || point[k] > point[k - 1]) {
+                x[kept] = swept_position(sweep, 0, point[k]);
+                y[kept++] = value_at(swept, point[k], measure);
+            }
+    }
+    return kept;
+}
+
+static void put_curve(const struct session *session, const struct swept *swept, int measure,
+                      int height, struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const size_t n = (size_t)sweep->count;
+    const int64_t each = sweep->count / THIN_BLOCKS;
+    const bool many = each > 4;
+    const size_t room = many ? 4 * (n / (size_t)each + 1) : n;
+    double *x = arena_array(arena, room, sizeof *x), *y = arena_array(arena, room, sizeof *y);
+    double low, high;
+    int width, whole;
+    if (n < 3 || !x || !y)
+        return;
+    swept_range(swept, measure, &low, &high);
+    const struct sweep_column across = column_of(swept, 0), up = column_of(swept, 1 + measure);
+    const struct curve curve = {
+        .x = x, .y = y, .n = thin(swept, measure, many ? each : 1, x, y), .thinned = many};
+    const struct figure figure = {.title = "sweep",
+                                  .x = {.label = across.name,
+                                        .unit = swept_unit_name(across.unit, across.quantity),
+                                        .factor = across.unit ? across.unit->factor : 1,
+                                        .log = sweep->axis[0].log && x[0] > 0},
+                                  .y = {.label = up.name,
+                                        .unit = swept_unit_name(up.unit, up.quantity),
+                                        .factor = up.unit ? up.unit->factor : 1,
+                                        .log = low > 0 && high > 300 * low},
+                                  .curve = &curve,
+                                  .curves = 1};
+    session_size(session, &width, &whole);
+    figure_print(&figure, width, height > 8 ? height : 8, session_charset(session), false, text);
+}
+
+static void put_map(const struct session *session, const struct swept *swept, int measure,
+                    int height, struct arena *arena, struct buffer *text)
+{
+    const struct sweep_column column = column_of(swept, 2 + measure);
+    const bool attractor = swept->measure[measure].kind == SWEEP_ATTRACTOR;
+    swept_map(session, swept,
+              (struct heat){.title = column.name,
+                            .unit = swept_unit_name(column.unit, column.quantity),
+                            .factor = column.unit ? column.unit->factor : 1,
+                            .letters = attractor ? "*012345678+" : NULL},
+              value_at, measure, height, arena, text);
+}
+
+static bool has_values(const struct swept *swept, int measure)
+{
+    bool some = false;
+    for (int64_t i = 0; i < swept->sweep->count && !some; i++)
+        some = isfinite(value_at(swept, i, measure));
+    return some;
+}
+
+/* Of a scene in which more than one thing moves. */
+static void put_watched(const struct swept *swept, struct buffer *text)
+{
+    const struct model *model = swept->model;
+    const int coordinates = model->order == 2 ? model->n / 2 : model->n;
+    const char *first = NULL;
+    for (int m = 0; m < swept->sweep->measures && coordinates > 1; m++) {
+        const char *name = sweep_measure_name(&swept->measure[m]);
+        if (!sweep_watches(&swept->measure[m]) || strchr(name, '('))
+            continue;
+        buffer_format(text, "%s%s", first ? ", " : "", name);
+        first = first ? first : name;
+    }
+    if (first)
+        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n",
+                      model->variable[0].name, first, model->variable[1].name);
+}
+
+/* What its number stands for, how often, and the first of them. */
+static void put_attractor(const struct swept *swept, const struct sweep_attractor *a,
+                          struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const struct model *model = swept->model;
+    const struct basin *b = &a->basin;
+    const bool irregular = a->number == ATTRACTOR_IRREGULAR;
+    if (irregular && sweep->axes > 1)
+        buffer_put(text, TEXT("  *  "));
+    else
+        buffer_format(text, " %2.0f  ", a->number);
+    if (irregular)
+        buffer_put(text, TEXT("does not repeat within 1000 looks"));
+    else if (a->number == 0)
+        buffer_put(text, TEXT("equilibrium"));
+    else if (a->known && b->kind == BASIN_ORBIT)
+        buffer_put(text, TEXT("closed orbit"));
+    else
+        buffer_format(text, "response of %.0f period%s of the drive", a->number,
+                      a->number == 1 ? "" : "s");
+    buffer_format(text, ": %lld of %lld points, the first at ", (long long)a->count,
+                  (long long)sweep->count);
+    for (int axis = 0; axis < sweep->axes; axis++) {
+        buffer_format(text, "%s%s = ", axis ? ", " : "", sweep->axis[axis].name);
+        buffer_quantity(text, swept_position(sweep, axis, a->first), sweep->axis[axis].quantity, 6);
+    }
+    for (int i = 0; i < model->n && a->known && !irregular; i++) {
+        buffer_format(text, "%s%s = ",
+                      i                              ? ", "
+                      : b->kind == BASIN_EQUILIBRIUM ? ": "
+                                                     : ", through ",
+                      model->variable[i].name);
+        buffer_quantity(text, b->state[i], model->variable[i].quantity, 6);
+    }
+    if (a->known && b->kind == BASIN_ORBIT) {
+        buffer_put(text, TEXT(", period "));
+        buffer_quantity(text, b->period, QUANTITY_TIME, 6);
+    }
+    buffer_char(text, '\n');
+}
+
+/* Where nothing but starts is varied, all points have the same attractors. */
+static void put_starts(const struct swept *swept, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    int starts = 0;
+    for (int a = 0; a < sweep->axes; a++) {
+        const struct text name = text_of(sweep->axis[a].name);
+        starts += name.len > 1 && name.at[name.len - 1] == '0' &&
+                  model_state(swept->model, (struct text){name.at, name.len - 1}) >= 0;
+    }
+    if (starts == sweep->axes)
+        buffer_put(text, TEXT("only starts differ: 'basins' says which attractor each comes to\n"));
+}
+
+void sweep_summary(const struct sweep *sweep, struct buffer *text)
+{
+    buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
+                  sweep->count == 1 ? "" : "s");
+    if (sweep->count < sweep->total)
+        buffer_format(text, " (numbers %lld to %lld of %lld)", (long long)sweep->first,
+                      (long long)(sweep->first + sweep->count - 1), (long long)sweep->total);
+    if (!isnan(sweep->seconds))
+        buffer_format(text, " in %.3g s", sweep->seconds);
+    buffer_format(text, ", %.3g steps", sweep->steps);
+    if (sweep->side_by_side > 0)
+        buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
+    buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
+}
+
+void sweep_failures(const struct sweep *sweep, struct buffer *text)
+{
+    if (sweep->failed > 0)
+        buffer_format(text, "%lld did not get to the end (diverged and the like)\n",
+                      (long long)sweep->failed);
+    if (sweep->refused > 0)
+        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused,
+                      sweep->reason);
+}
+
+/* What stands below the figures. */
+static void put_remarks(const struct swept *swept, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    for (int m = 0; m < sweep->measures; m++)
+        if (!has_values(swept, m) && swept->measure[m].kind == SWEEP_PERIOD &&
+            sweep->finished > sweep->failed + sweep->refused)
+            buffer_put(text, TEXT("no period: the last third of the duration has fewer than two "
+                                  "maxima; give it a longer "
+                                  "duration\n"));
+    sweep_summary(sweep, text);
+    put_watched(swept, text);
+    for (int k = 0; k < swept->attractors; k++)
+        put_attractor(swept, &swept->attractor[k], text);
+    if (swept->attractors > 0)
+        put_starts(swept, text);
+    sweep_failures(sweep, text);
+}
+
+static int text_lines(const struct buffer *text)
+{
+    int lines = 0;
+    for (size_t i = 0; i < text->len; i++)
+        lines += text->data[i] == '\n';
+    return lines;
+}
+
+static int figures_of(const struct swept *swept)
+{
+    const struct sweep *sweep = swept->sweep;
+    int figures = 0;
+    for (int m = 0; m < sweep->measures && (sweep->axes > 1 || sweep->count >= 3); m++)
+        figures += has_values(swept, m);
+    return figures;
+}
+
+static void put_figures(const struct session *session, const struct swept *swept, int count,
+                        int height, struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    for (int m = 0, shown = 0; m < sweep->measures && shown < count; m++)
+        if (has_values(swept, m)) {
+            (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, height, arena, text);
+            shown++;
+        }
+}
+
+/* Figures first, a table beside them where it is short, and what is left out in a line. */
+static void put_short(const struct session *session, const struct swept *swept, int rows,
+                      struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const int figures = figures_of(swept);
+    struct buffer table = {0}, remarks = {0};
+    put_remarks(swept, &remarks);
+    if (sweep->axes == 1)
+        put_table(session, swept, arena, &table);
+    /* a line that is wider than the screen takes two, and what is left out takes one */
+    int room = rows - text_lines(&remarks) - 2;
+    const bool tabled =
+        table.len > 0 && (figures == 0 || text_lines(&table) + FIGURE_ROWS_MIN <= room);
+    if (tabled) {
+        buffer_put(text, buffer_text(&table));
+        room -= text_lines(&table);
+    }
+    int shown = room >= FIGURE_ROWS_MIN ? room / FIGURE_ROWS_MIN : 1;
+    shown = shown < figures ? shown : figures;
+    if (shown > 0)
+        put_figures(session, swept, shown, room / shown, arena, text);
+    if (sweep->axes == 1 && !tabled)
+        buffer_format(text, "... a table of %lld points%s: --full\n", (long long)sweep->count,
+                      shown < figures ? ", more figures" : "");
+    else if (shown < figures)
+        buffer_format(text, "... %d more figure%s: --full\n", figures - shown,
+                      figures - shown == 1 ? "" : "s");
+    buffer_put(text, buffer_text(&remarks));
+    text->failed |= table.failed || remarks.failed;
+    buffer_free(&table);
+    buffer_free(&remarks);
+}
+
+void sweep_text(const struct session *session, const struct swept *swept, int rows,
+                struct arena *arena, struct buffer *text)
+{
+    int width, height;
+    session_size(session, &width, &height);
+    if (rows > 0) {
+        put_short(session, swept, rows, arena, text);
+        return;
+    }
+    if (swept->sweep->axes == 1)
+        put_table(session, swept, arena, text);
+    put_figures(session, swept, swept->sweep->measures, height - 4, arena, text);
+    put_remarks(swept, text);
+}

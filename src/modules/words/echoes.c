@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a sensor missed: samples far off those about them say nothing about how a curve goes. */
+#include "modules/words/internal.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+#define ABOUT 2   /* samples on each side: one or two echoes in a row are seen */
+#define FEWEST 50 /* points: of fewer each counts */
+#define FAR 8.0   /* times what 95 % of the samples are off the median about them (Hampel 1974) */
+
+static double median_about(const struct points *points, size_t i)
+{
+    double y[2 * ABOUT + 1];
+    for (size_t k = 0; k < COUNT_OF(y); k++)
+        y[k] = points->y[i - ABOUT + k];
+    return values_quantile(y, COUNT_OF(y), 0.5);
+}
+
+/* Returns how far a sample is off the median about it; 0 at the ends. */
+static double off_median(const struct points *points, size_t i)
+{
+    return i < ABOUT || i + ABOUT >= points->n ? 0 : fabs(points->y[i] - median_about(points, i));
+}
+
+/* Returns the distance beyond which a sample is an echo, by some thousand samples all along. */
+static double echo_distance(const struct points *points)
+{
+    enum { LOOKED_AT = 4096 };
+    const size_t each = points->n / LOOKED_AT + 1;
+    double off[LOOKED_AT];
+    size_t n = 0;
+    for (size_t i = 0; points_go_on(points, i); i += each)
+        off[n++] = off_median(points, i);
+    return FAR * values_quantile(off, n, 0.95);
+}
+
+bool drop_echoes(struct points *points, struct arena *arena)
+{
+    const size_t n = points->n;
+    if (n < FEWEST)
+        return true;
+    const double far = echo_distance(points);
+    size_t echoes = 0, kept = 0;
+    for (size_t i = 0; far > 0 && points_go_on(points, i); i++)
+        echoes += off_median(points, i) > far;
+    /* where many are, it is no sensor's fault but a curve with steps */
+    if (echoes == 0 || echoes > n / 20)
+        return true;
+    double *x = arena_array(arena, n, sizeof *x), *y = arena_array(arena, n, sizeof *y);
+    if (!x || !y)
+        return false;
+    for (size_t i = 0; points_go_on(points, i); i++)
+        if (!(off_median(points, i) > far)) {
+            x[kept] = points->x[i];
+            y[kept++] = points->y[i];
+        }
+    *points = (struct points){x, y, kept, points->noise, points->measured, points->cancel};
+    return true;
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Figures for those who are read to: sentences, and some rows of numbers in columns. */
+#include "modules/words/internal.h"
+
+#include <hooke/figure/layout.h>
+#include <hooke/base/safe_text.h>
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+
+#define ROWS 11 /* of a table: ten equal parts */
+#define COLUMN 14
+#define CURVES_MAX 12 /* of a table */
+
+/* ---- a table of equally spaced places ---- */
+
+static bool is_ascending(const struct curve *curve)
+{
+    for (size_t i = 1; curve_goes_on(curve, i); i++)
+        if (!(curve->x[i] >= curve->x[i - 1]))
+            return false;
+    return curve->n > 1;
+}
+
+/* Linear between samples; NAN outside, and where one beside it is missing. */
+static double curve_at(const struct curve *curve, double x)
+{
+    const size_t high = first_from(curve->x, curve->n, x);
+    if (high == curve->n || (high == 0 && curve->x[0] > x))
+        return NAN;
+    if (curve->x[high] == x)
+        return curve->y[high];
+    const double low = curve->x[high - 1], part = (x - low) / (curve->x[high] - low);
+    return curve->y[high - 1] + part * (curve->y[high] - curve->y[high - 1]);
+}
+
+static void put_cell(struct text text, int width, struct buffer *out)
+{
+    for (int i = text_width(text); i < width; i++)
+        buffer_char(out, ' ');
+    buffer_put(out, text);
+}
+
+static int column_width(const struct buffer *heading)
+{
+    const int needed = text_width(buffer_text(heading));
+    return needed > COLUMN ? needed : COLUMN;
+}
+
+/* Puts the heading where there is room for its column, and returns how wide that is; 0: there is
+ * none. */
+static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *out)
+{
+    struct buffer text = {0};
+    buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name,
+                  axis->unit ? axis->unit : "");
+    const int width = column_width(&text) <= room ? column_width(&text) : 0;
+    if (width)
+        put_cell(buffer_text(&text), width, out);
+    buffer_free(&text);
+    return width;
+}
+
+static void put_number(double value, const struct axis *axis, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const double shown = value / (axis->factor > 0 ? axis->factor : 1);
+    buffer_format(&text, " %.5g", shown == 0 ? 0 : shown);
+    put_cell(isnan(value) ? TEXT(" -") : buffer_text(&text), width, out);
+    buffer_free(&text);
+}
+
+static void put_table(const struct figure *figure, int room, struct buffer *out)
+{
+    double from = HUGE_VAL, to = -HUGE_VAL;
+    int columns = 0, wide[CURVES_MAX + 1];
+    for (int i = 0; i < figure->curves; i++) {
+        const struct curve *curve = &figure->curve[i];
+        if (curve->n > 0 && !is_ascending(curve))
+            return; /* no function of x */
+        if (curve->n > 0) {
+            from = fmin(from, curve->x[0]);
+            to = fmax(to, curve->x[curve->n - 1]);
+        }
+    }
+    if (figure->x.fixed) {
+        from = fmax(from, figure->x.from);
+        to = fmin(to, figure->x.to);
+    }
+    if (figure->plane || !(to > from) || (figure->x.log && !(from > 0)))
+        return;
+    room -= wide[0] = put_heading(figure->x.label, &figure->x, room, out);
+    for (int i = 0; i < figure->curves && i < CURVES_MAX; i++) {
+        const struct curve *curve = &figure->curve[i];
+        wide[i + 1] = put_heading(curve->label && *curve->label ? curve->label : figure->y.label,
+                                  curve_axis(figure, curve, true), room, out);
+        if (wide[i + 1] == 0)
+            break;
+        room -= wide[i + 1];
+        columns++;
+    }
+    buffer_char(out, '\n');
+    for (int row = 0; row < ROWS; row++) {
+        const double part = (double)row / (ROWS - 1);
+        const double x = row + 1 == ROWS ? to
+                         : figure->x.log ? from * pow(to / from, part)
+                                         : from + part * (to - from);
+        put_number(x, &figure->x, wide[0], out);
+        for (int i = 0; i < columns; i++) {
+            const struct curve *curve = &figure->curve[i];
+            put_number(curve->n ? curve_at(curve, x) : NAN, curve_axis(figure, curve, true),
+                       wide[i + 1], out);
+        }
+        buffer_char(out, '\n');
+    }
+}
+
+bool words_print(const struct figure *figure, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const bool ok = describe_figure(figure, &text);
+    buffer_folded(out, buffer_text(&text), width);
+    buffer_char(out, '\n');
+    put_table(figure, width, out);
+    buffer_free(&text);
+    return ok && !out->failed;
+}
+
+bool words_heat(const struct heat *heat, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const bool ok = describe_heat(heat, &text);
+    buffer_folded(out, buffer_text(&text), width);
+    buffer_char(out, '\n');
+    buffer_free(&text);
+    return ok && !out->failed;
+}
+
+/* ---- in a rectangle of cells ---- */
+
+static int lines_of(const struct buffer *folded)
+{
+    int lines = 1;
+    for (size_t i = 0; i < folded->len; i++)
+        lines += folded->data[i] == '\n';
+    return lines;
+}
+
+/* Without the last sentence; false: there is one only. */
+static bool drop_sentence(struct buffer *text)
+{
+    size_t end = text->len > 1 ? text->len - 1 : 0;
+    while (end > 1 && !(text->data[end - 1] == '.' && text->data[end] == ' '))
+        end--;
+    if (end <= 1)
+        return false;
+    text->len = end;
+    text->data[end] = '\0';
+    return true;
+}
+
+bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                int height)
+{
+    struct buffer text = {0}, folded = {0};
+    struct text rest, line;
+    const bool ok = describe_figure(figure, &text);
+    do {
+        buffer_clear(&folded);
+        buffer_folded(&folded, buffer_text(&text), width);
+    } while (lines_of(&folded) > height && drop_sentence(&text));
+    rest = buffer_text(&folded);
+    for (int row = 0; row < height; row++) {
+        for (int column = 0; column < width; column++)
+            canvas_put(canvas, x + column, y + row, ' ', STYLE_PLAIN);
+        if (text_split(&rest, '\n', &line))
+            canvas_text(canvas, x, y + row, line, STYLE_PLAIN);
+    }
+    buffer_free(&folded);
+    buffer_free(&text);
+    return ok;
+}

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a curve turns, and from that its crossings, its period and how its swing changes. */
+#include "modules/words/internal.h"
+
+#include <hooke/base/numeric.h>
+
+#include <string.h>
+
+#define BACK 0.05    /* of the swing before: less is no turn */
+#define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
+#define OUTLIER 5.0  /* and by less than this many robust standard deviations */
+#define MOST 0.75    /* of them at least */
+#define SHARE 0.4    /* of the time, that has crossings: else a spike, or a start */
+#define LINE 0.05    /* how far a logarithm may be off its line, */
+#define ENDS 0.25    /* and that from end to end, of what it changes by */
+#define JUMP 0.1     /* of the swing: what a middle moves by between turns, at most */
+#define HOLE 0.5 /* of half a period without samples: what turns or crosses there is not known */
+
+struct turn {
+    double x, y;
+    size_t index; /* of the point */
+};
+
+/* Vertex of the parabola through the point and its neighbours. */
+static struct turn refined(const struct points *p, size_t i)
+{
+    const struct turn plain = {p->x[i], p->y[i], i};
+    if (i == 0 || i + 1 >= p->n || p->noise > 0)
+        return plain;
+    const double a = p->x[i - 1] - plain.x, b = p->x[i + 1] - plain.x;
+    const double fa = (p->y[i - 1] - plain.y) / a, fb = (p->y[i + 1] - plain.y) / b;
+    const double curvature = (fb - fa) / (b - a), slope = fa - curvature * a;
+    const double dx = -slope / (2 * curvature);
+    if (!(dx >= a && dx <= b))
+        return plain;
+    return (struct turn){plain.x + dx, plain.y + dx * (slope + curvature * dx), i};
+}
+
+/* Points from which the curve goes back by more than a part of its swing. turn NULL: only counts.
+ */
+static size_t find_turns(const struct points *p, double least, struct turn *turn)
+{
+    size_t count = 0, high = 0, low = 0;
+    int way = 0;
+    double swing = 0;
+    for (size_t i = 1; points_go_on(p, i); i++) {
+        const double y = p->y[i];
+        high = y > p->y[high] ? i : high;
+        low = y < p->y[low] ? i : low;
+        const double now = p->y[high] - p->y[low], back = fmax(least, BACK * fmax(swing, now));
+        const bool falls = way >= 0 && p->y[high] - y > back,
+                   rises = way <= 0 && y - p->y[low] > back;
+        if (!falls && !rises)
+            continue;
+        const size_t from = falls ? high : low;
+        if (way != 0 || fabs(p->y[from] - p->y[0]) > back) {
+            if (turn)
+                turn[count] = refined(p, from);
+            count++;
+        }
+        swing = now;
+        way = falls ? -1 : 1;
+        high = low = i;
+    }
+    return count;
+}
+
+/* The middle about a turn: of it and its neighbours, so that what grows or decays has it in the
+ * same place of every period. */
+static double middle(const struct turn *turn, size_t count, size_t i)
+{
+    if (count < 3)
+        return 0.5 * (turn[0].y + turn[count - 1].y);
+    i = i < 1 ? 1 : i + 2 > count ? count - 2 : i;
+    return 0.25 * (turn[i - 1].y + 2 * turn[i].y + turn[i + 1].y);
+}
+
+/* It does not change over from one middle to another and back, as between two wells. */
+static bool keeps_middle(const struct turn *turn, size_t count)
+{
+    size_t jumps = 0;
+    for (size_t i = 0; i + 1 < count; i++)
+        jumps += fabs(middle(turn, count, i + 1) - middle(turn, count, i)) >
+                 JUMP * fabs(turn[i + 1].y - turn[i].y);
+    return (double)jumps <= (1 - MOST) * (double)count;
+}
+
+/* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
+ * crosses it several times. */
+static double crossing(const struct points *p, size_t from, size_t to, double level)
+{
+    size_t first = 0, last = 0;
+    for (size_t i = from + 1; i <= to; i++)
+        if ((p->y[i] >= level) != (p->y[i - 1] >= level)) {
+            first = first ? first : i;
+            last = i;
+        }
+    if (first == 0 || (p->y[first - 1] >= level) == (p->y[last] >= level))
+        return NAN;
+    double sum = 0;
+    for (int end = 0; end < 2; end++) {
+        const struct curve_point a = point_at(p, (end ? last : first) - 1),
+                                 b = point_at(p, end ? last : first);
+        sum += 0.5 * (a.x + (b.x - a.x) * (level - a.y) / (b.y - a.y));
+    }
+    return sum;
+}
+
+/* Samples are missing between two places. */
+static bool has_hole(const struct points *p, double from, double to, double least)
+{
+    size_t low = 0, high = p->n;
+    if (!(least < HUGE_VAL))
+        return false;
+    while (high - low > 1) {
+        const size_t i = low + (high - low) / 2;
+        *(p->x[i] <= from ? &low : &high) = i;
+    }
+    for (size_t i = low + 1; i < p->n && p->x[i - 1] < to; i++)
+        if (p->x[i] - p->x[i - 1] > least)
+            return true;
+    return false;
+}
+
+/* Of what was measured: how long no sample is missing for; what turned or crossed within longer
+ * than that is left out. */
+static bool find_holes(const struct points *p, const double *at, size_t crossings,
+                       struct arena *arena, double *least, struct curve_reading *reading)
+{
+    double *apart = arena_array(arena, crossings + 1, sizeof *apart), longest = 0;
+    *least = HUGE_VAL;
+    if (!apart || !p->measured || crossings < 3)
+        return apart;
+    for (size_t i = 0; i + 1 < crossings; i++)
+        apart[i] = at[i + 1] - at[i];
+    *least = HOLE * values_quantile(apart, crossings - 1, 0.5);
+    for (size_t i = 1; i < p->n; i++)
+        if (p->x[i] - p->x[i - 1] > fmax(*least, longest)) {
+            longest = p->x[i] - p->x[i - 1];
+            reading->hole[0] = p->x[i - 1];
+            reading->hole[1] = p->x[i];
+        }
+    return true;
+}
+
+/* at: ascending crossings; those two further on have the same direction. */
+static bool read_period(const struct points *p, const double *at, size_t crossings, double least,
+                        struct arena *arena, struct curve_reading *reading)
+{
+    const size_t most = crossings < 3 ? 0 : crossings - 2;
+    const double extent = p->x[p->n - 1] - p->x[0];
+    double *length = arena_array(arena, most + 1, sizeof *length),
+           *off = arena_array(arena, most + 1, sizeof *off), sum = 0, square = 0;
+    size_t used = 0, count = 0;
+    if (!length || !off)
+        return false;
+    for (size_t i = 0; i < most; i++)
+        if (!has_hole(p, at[i], at[i + 2], least))
+            length[count++] = at[i + 2] - at[i];
+    if (count == 0)
+        return true;
+    const double median = values_quantile(length, count, 0.5);
+    for (size_t i = 0; i < count; i++)
+        off[i] = fabs(length[i] - median);
+    const double sigma = MAD_TO_SIGMA * values_quantile(off, count, 0.5),
+                 far = fmin(REGULAR * median, fmax(OUTLIER * sigma, ROUNDING * median));
+    for (size_t i = 0; i < count; i++)
+        if (fabs(length[i] - median) <= far) {
+            sum += length[i];
+            used++;
+        }
+    if (used == 0 || (double)used < MOST * (double)count ||
+        at[crossings - 1] - at[0] < SHARE * extent)
+        return true;
+    reading->period = sum / (double)used;
+    reading->periods = (used + 1) / 2;
+    for (size_t i = 0; i < count; i++)
+        if (fabs(length[i] - median) <= far)
+            square += (length[i] - reading->period) * (length[i] - reading->period);
+    reading->spread = used > 1 ? sqrt(square / (double)(used - 1)) : NAN;
+    return true;
+}
+
+/* A swing that is seen whole: with the samples on both sides of its turns. */
+static bool is_whole(const struct points *p, const struct turn *turn, double least)
+{
+    const size_t from = turn[0].index, to = turn[1].index;
+    return !has_hole(p, p->x[from ? from - 1 : 0], p->x[to + 1 < p->n ? to + 1 : to], least);
+}
+
+/* Half the swings between turns: first and last, and the slope of their logarithm. */
+static void read_amplitudes(const struct points *p, const struct turn *turn, size_t count,
+                            double least, struct curve_reading *reading)
+{
+    const size_t swings = count - 1;
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0;
+    for (size_t i = 0; i < swings; i++) {
+        const double amplitude = 0.5 * fabs(turn[i + 1].y - turn[i].y),
+                     x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
+        if (!is_whole(p, &turn[i], least))
+            continue;
+        if (isnan(reading->amplitude[0]))
+            reading->amplitude[0] = amplitude;
+        reading->amplitude[1] = amplitude;
+        n++;
+        sx += x;
+        sy += log(amplitude);
+        sxx += x * x;
+        sxy += x * log(amplitude);
+    }
+    reading->level[0] = middle(turn, count, 0);
+    reading->level[1] = middle(turn, count, count - 1);
+    if (n < 2)
+        return;
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
+    for (size_t i = 0; i < swings; i++) {
+        const double x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
+        if (is_whole(p, &turn[i], least))
+            far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
+    }
+    /* a line of the logarithm says how something grows where it tells both ends */
+    const double change = log(reading->amplitude[1] / reading->amplitude[0]),
+                 told = slope * (0.5 * (turn[count - 2].x + turn[count - 1].x) -
+                                 0.5 * (turn[0].x + turn[1].x));
+    if (far < LINE && fabs(told - change) < ENDS * fabs(change))
+        reading->growth = slope;
+}
+
+bool read_turns(const struct points *points, bool timed, struct arena *arena,
+                struct curve_reading *reading)
+{
+    const double least =
+        fmax(NOISES * points->noise, ROUNDING * (reading->high.y - reading->low.y));
+    size_t count = find_turns(points, least, NULL);
+    struct turn *turn = arena_array(arena, count + 1, sizeof *turn);
+    double *at = arena_array(arena, count + 2, sizeof *at);
+    size_t crossings = 0;
+    if (!turn || !at)
+        return false;
+    find_turns(points, least, turn);
+    /* a ripple at the start, which only what follows shows to be one */
+    while (count > 2 && fabs(turn[1].y - turn[0].y) < BACK * fabs(turn[2].y - turn[1].y)) {
+        memmove(turn, turn + 1, (count - 1) * sizeof *turn);
+        count--;
+    }
+    reading->turns = count;
+    if (count < 2 || !timed)
+        return true;
+    for (size_t i = 0; i <= count; i++) {
+        const size_t from = i ? turn[i - 1].index : 0,
+                     to = i < count ? turn[i].index : points->n - 1;
+        const double level = i == 0 ? middle(turn, count, 0)
+                             : i == count
+                                 ? middle(turn, count, count - 1)
+                                 : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
+        const double x = crossing(points, from, to, level);
+        if (isfinite(x))
+            at[crossings++] = x;
+    }
+    double hole;
+    if (!find_holes(points, at, crossings, arena, &hole, reading))
+        return false;
+    for (size_t i = 0; i < crossings; i++)
+        reading->crossings += !has_hole(points, at[i], at[i], hole);
+    read_amplitudes(points, turn, count, hole, reading);
+    return !keeps_middle(turn, count) || read_period(points, at, crossings, hole, arena, reading);
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How a curve in a plane goes around its centre. */
+#include "modules/words/internal.h"
+
+#include <hooke/base/numeric.h>
+
+#define ALIKE 0.9 /* of the turns about the middle: then the origin is the centre */
+
+struct frame {
+    struct curve_point centre, half;
+};
+
+static double angle(const struct frame *f, struct curve_point p)
+{
+    return atan2((p.y - f->centre.y) / f->half.y, (p.x - f->centre.x) / f->half.x);
+}
+
+static double distance(const struct frame *f, struct curve_point p)
+{
+    /* in units of x */
+    return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
+}
+
+/* Signed turns; after the last whole one the distance, by interpolation in the angle. */
+static double turns_about(const struct frame *f, const struct points *p, double *last)
+{
+    double sum = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        const double whole = pass ? TWO_PI * floor(fabs(sum) / TWO_PI) : HUGE_VAL;
+        double turned = 0;
+        for (size_t i = 1; points_go_on(p, i); i++) {
+            const double step = remainder(angle(f, point_at(p, i)) - angle(f, point_at(p, i - 1)),
+                                          TWO_PI),
+                         before = fabs(turned);
+            turned += step;
+            if (fabs(turned) >= whole && before < whole) {
+                const double part = (whole - before) / fabs(step);
+                *last = (1 - part) * distance(f, point_at(p, i - 1)) +
+                        part * distance(f, point_at(p, i));
+            }
+        }
+        sum = turned;
+    }
+    return sum / TWO_PI;
+}
+
+void read_winding(const struct points *points, bool equal, struct curve_reading *reading)
+{
+    struct curve_point low = point_at(points, 0), high = low;
+    for (size_t i = 1; points_go_on(points, i); i++) {
+        low.x = fmin(low.x, points->x[i]);
+        low.y = fmin(low.y, points->y[i]);
+        high.x = fmax(high.x, points->x[i]);
+        high.y = fmax(high.y, points->y[i]);
+    }
+    struct frame box = {{0.5 * (low.x + high.x), 0.5 * (low.y + high.y)},
+                        {0.5 * (high.x - low.x), 0.5 * (high.y - low.y)}};
+    if (equal)
+        box.half.x = box.half.y = fmax(box.half.x, box.half.y);
+    if (!(box.half.x > 0 && box.half.y > 0))
+        return;
+    const struct frame origin = {{0, 0}, box.half};
+    double far[2] = {NAN, NAN};
+    const double about_box = turns_about(&box, points, &far[0]),
+                 about_origin = turns_about(&origin, points, &far[1]);
+    const bool use_origin = fabs(about_origin) >= ALIKE * fabs(about_box);
+    const struct frame *frame = use_origin ? &origin : &box;
+    reading->winds = use_origin ? about_origin : about_box;
+    if (!(fabs(reading->winds) >= 1))
+        return;
+    reading->course = COURSE_WINDS;
+    reading->about_origin = use_origin;
+    reading->about = frame->centre;
+    reading->distance[0] = distance(frame, point_at(points, 0));
+    reading->distance[1] = far[use_origin];
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The files that tables go to: those of the core, then those of modules (tables.def). */
+#include <hooke/report.h>
+
+#define TABLE_KIND(name, brief, citation, function) extern table_format function;
+#include "lists/tables.def"
+#undef TABLE_KIND
+
+static const struct table_kind kinds[] = {
+    {{"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180", NULL},
+     table_csv},
+    {{"tsv", "", "the same with tabs", "", NULL}, table_tsv},
+    {{"json", "", "one JSON object: keys, columns with their values", "RFC 8259", NULL},
+     table_json},
+#define TABLE_KIND(name, brief, citation, function) {{name, "", brief, citation, NULL}, function},
+#include "lists/tables.def"
+};
+
+const struct catalog table_format_catalog = CATALOG("table format", kinds);

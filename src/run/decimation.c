@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Decimation: a bucket of 2^k steps keeps its first row and those of smallest and largest position
+ * (of equals the earliest). Merging two buckets gives the rows that one bucket of twice the size
+ * would have kept, so the trace depends on the step count only.
+ */
+#include "run/private.h"
+
+static inline int64_t *step_at(const struct trace *trace, size_t i)
+{
+    return &trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)];
+}
+
+/* ---- one step ---- */
+
+/* Adds a row to the last bucket. */
+static bool append(struct trace *trace, int64_t step, double t, const double *y)
+{
+    if (!trace_reserve_rows(trace, 1))
+        return false;
+    trace_write_row(trace, trace->count++, step, t, y, &unknown_tally);
+    return true;
+}
+
+bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
+{
+    if (step >= trace->tail_end) {
+        if (!append(trace, step, t, y))
+            return false;
+        trace->tail = trace->low = trace->high = trace->count - 1;
+        trace->tail_end = (step | (trace->bucket - 1)) + 1;
+        return true;
+    }
+    size_t *extreme, *other = &trace->low;
+    if (y[0] < trace_row(trace, trace->low)[0]) {
+        extreme = &trace->low;
+        other = &trace->high;
+    } else if (y[0] > trace_row(trace, trace->high)[0]) {
+        extreme = &trace->high;
+    } else {
+        return true;
+    }
+    if (*extreme == trace->tail) {
+        if (!append(trace, step, t, y))
+            return false;
+    } else { /* its row goes; at most the other extreme stands after it */
+        if (*other > *extreme) {
+            const double *row = trace_row(trace, *other);
+            const struct energy_tally mark = trace_mark(trace, *other);
+            trace_write_row(trace, *extreme, *step_at(trace, *other), row[trace->width - 1], row,
+                            &mark);
+            *other = *extreme;
+        }
+        trace_write_row(trace, trace->count - 1, step, t, y, &unknown_tally);
+    }
+    *extreme = trace->count - 1;
+    return true;
+}
+
+void trace_find_tail(struct trace *trace, int64_t begin)
+{
+    trace->tail_end = begin + trace->bucket;
+    trace->tail = trace->count - 1;
+    while (trace->tail > 0 && *step_at(trace, trace->tail - 1) >= begin)
+        trace->tail--;
+    trace->low = trace->high = trace->tail;
+    for (size_t k = trace->tail + 1; k < trace->count; k++) {
+        if (trace_row(trace, k)[0] < trace_row(trace, trace->low)[0])
+            trace->low = k;
+        if (trace_row(trace, k)[0] > trace_row(trace, trace->high)[0])
+            trace->high = k;
+    }
+}
+
+/* ---- many steps ---- */
+
+/* Replaces numbers by others where a is less than b. */
+ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *by, four *numbers)
+{
+    const four old = *numbers, new = *by;
+    for (int i = 0; i < FOUR; i++)
+        (*numbers)[i] = (*a)[i] < (*b)[i] ? new[i] : old[i];
+}
+
+/* Sets the places of the first rows with the smallest and the largest position in each of FOUR
+ * parts of `count` rows, n numbers each. Places are counted in doubles, as positions are. */
+ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int64_t *low,
+                                    int64_t *high)
+{
+    const int64_t next = count * n;
+    four min = {row[0], row[next], row[2 * next], row[3 * next]}, max = min;
+    four at_min = {0}, at_max = {0}, place = {0};
+    for (const double *end = row + next; (row += n) != end;) {
+        const four x = {row[0], row[next], row[2 * next], row[3 * next]};
+        place += 1;
+        replace_where_less(&x, &min, &place, &at_min);
+        replace_where_less(&max, &x, &place, &at_max);
+        replace_where_less(&x, &min, &x, &min);
+        replace_where_less(&max, &x, &x, &max);
+    }
+    double places[2][FOUR];
+    memcpy(places[0], &at_min, sizeof at_min);
+    memcpy(places[1], &at_max, sizeof at_max);
+    for (int i = 0; i < FOUR; i++) {
+        low[i] = (int64_t)places[0][i];
+        high[i] = (int64_t)places[1][i];
+    }
+}
+
+/* The same for all of the rows, of which there is one at least. */
+CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
+{
+    const int64_t part = count / FOUR;
+    int64_t lows[FOUR] = {0}, highs[FOUR] = {0}, i = 1;
+    *low = *high = 0;
+    if (part > 1) {
+        extremes_of_four(row, part, n, lows, highs);
+        for (int k = 0; k < FOUR; k++) {
+            const int64_t least = k * part + lows[k], most = k * part + highs[k];
+            *low = row[least * n] < row[*low * n] ? least : *low;
+            *high = row[most * n] > row[*high * n] ? most : *high;
+        }
+        i = FOUR * part;
+    }
+    for (; i < count; i++) {
+        *low = row[i * n] < row[*low * n] ? i : *low;
+        *high = row[i * n] > row[*high * n] ? i : *high;
+    }
+}
+
+/* Sets the places of the rows that a bucket keeps, in order, from that of its first row and those
+ * of its extremes after it. Returns how many. */
+static inline size_t bucket_rows(int64_t first, int64_t low, int64_t high, int64_t place[3])
+{
+    const int64_t earlier = low < high ? low : high, later = low < high ? high : low;
+    size_t rows = 1;
+    place[0] = first;
+    place[rows] = first + earlier;
+    rows += earlier > 0;
+    place[rows] = first + later;
+    return rows + (later > earlier);
+}
+
+/* Buckets whose rows are chosen at once. */
+enum { BUCKETS_MAX = 256 };
+
+/* Sets the places of the rows that stay of so many, which begin a bucket. Returns how many stay. */
+CLONES static size_t choose_rows(const double *row, int64_t count, int64_t bucket, int n,
+                                 int64_t place[3 * BUCKETS_MAX])
+{
+    int64_t low[FOUR], high[FOUR], i = 0;
+    size_t rows = 0;
+    for (; i + FOUR * bucket <= count; i += FOUR * bucket) {
+        extremes_of_four(row + i * n, bucket, n, low, high);
+        for (int k = 0; k < FOUR; k++)
+            rows += bucket_rows(i + k * bucket, low[k], high[k], place + rows);
+    }
+    for (; i < count; i += bucket) {
+        extremes(row + i * n, count - i < bucket ? count - i : bucket, n, low, high);
+        rows += bucket_rows(i, low[0], high[0], place + rows);
+    }
+    return rows;
+}
+
+/* Writes rows one after the other, from row `next` on. */
+struct row_writer {
+    double *row;
+    int64_t *step;
+    size_t next, width;
+    bool marked;
+};
+
+/* The width is known where rows have two numbers, as most have: copies are short then. */
+ALWAYS_INLINE struct row_writer write_from(const struct trace *trace, size_t next, size_t width)
+{
+    return (struct row_writer){.row = trace_row(trace, next),
+                               .step = step_at(trace, next),
+                               .next = next,
+                               .width = width,
+                               .marked = trace_marked(trace)};
+}
+
+ALWAYS_INLINE void write_next(const struct trace *trace, struct row_writer *writer, int64_t step,
+                              const double *y)
+{
+    if ((writer->next & (CHUNK_ROWS - 1)) == 0) {
+        writer->row = trace_row(trace, writer->next);
+        writer->step = step_at(trace, writer->next);
+    }
+    copy_state(writer->row, y, (int)writer->width);
+    writer->row += writer->width;
+    *writer->step++ = step;
+    writer->next++;
+}
+
+/* Moves row `from` to the front. */
+ALWAYS_INLINE void move_next(struct trace *trace, struct row_writer *writer, int64_t step,
+                             size_t from)
+{
+    if (writer->marked) {
+        const struct energy_tally mark = trace_mark(trace, from);
+        trace_set_mark(trace, writer->next, &mark);
+    }
+    write_next(trace, writer, step,
+               trace->chunk[from >> CHUNK_SHIFT] + (from & (CHUNK_ROWS - 1)) * writer->width);
+}
+
+/* Writes the chosen rows of those from `row` on, the first of which is after `step`. */
+ALWAYS_INLINE void write_chosen(const struct trace *trace, struct row_writer *writer, int64_t step,
+                                const double *row, const int64_t *place, size_t chosen)
+{
+    for (size_t k = 0; k < chosen; k++)
+        write_next(trace, writer, step + place[k], row + (size_t)place[k] * writer->width);
+}
+
+/* ---- from each step to buckets ---- */
+
+/* Gives a trace with each step buckets of four: of two both rows stay, unless they are alike. Notes
+ * the steps of the rows that stay, and moves these rows if asked to. False: no memory. */
+static bool thin(struct trace *trace, bool moves)
+{
+    static const int64_t bucket = 4;
+    int64_t place[3 * BUCKETS_MAX];
+    size_t rows;
+    trace_touch(trace, 0);
+    if (!trace_grow_index(trace))
+        return false;
+    struct row_writer writer = write_from(trace, 0, trace->width);
+    for (size_t first = 0; first < trace->count; first += rows) {
+        const double *row = trace_rows(trace, first, trace->count, &rows);
+        rows = rows < (size_t)(BUCKETS_MAX * bucket) ? rows : (size_t)(BUCKETS_MAX * bucket);
+        const size_t chosen = choose_rows(row, (int64_t)rows, bucket, (int)trace->width, place);
+        for (size_t k = 0; k < chosen; k++) {
+            const int64_t step = (int64_t)first + place[k];
+            if (moves)
+                move_next(trace, &writer, step, (size_t)step);
+            else
+                *step_at(trace, writer.next++) = step;
+        }
+    }
+    trace->bucket = bucket;
+    trace->count = writer.next;
+    return true;
+}
+
+bool trace_thin(struct trace *trace)
+{
+    return thin(trace, false);
+}
+
+/* ---- buckets of twice the size ---- */
+
+/* Moves the rows that stay of a bucket. */
+ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, size_t first,
+                               size_t low, size_t high)
+{
+    const size_t earlier = low < high ? low : high, later = low < high ? high : low;
+    move_next(trace, writer, *step_at(trace, first), first);
+    if (earlier != first)
+        move_next(trace, writer, *step_at(trace, earlier), earlier);
+    if (later != earlier)
+        move_next(trace, writer, *step_at(trace, later), later);
+}
+
+/* Rows move to the front, never over one that is still to be read. */
+static void merge_buckets(struct trace *trace)
+{
+    const size_t count = trace->count, width = trace->width;
+    const int64_t within = 2 * trace->bucket - 1, *step = NULL;
+    const double *row = NULL;
+    double min = 0, max = 0;
+    struct row_writer writer = write_from(trace, 0, width);
+    size_t first = 0, low = 0, high = 0;
+    int64_t next = 0;
+    for (size_t i = 0; i < count; i++, row += width, step++) {
+        if ((i & (CHUNK_ROWS - 1)) == 0) {
+            row = trace_row(trace, i);
+            step = step_at(trace, i);
+        }
+        if (*step >= next) {
+            if (i > 0)
+                move_bucket(trace, &writer, first, low, high);
+            next = (*step | within) + 1;
+            first = low = high = i;
+            min = max = *row;
+        } else if (*row < min) {
+            min = *row;
+            low = i;
+        } else if (*row > max) {
+            max = *row;
+            high = i;
+        }
+    }
+    move_bucket(trace, &writer, first, low, high);
+    trace->count = writer.next;
+    trace->bucket *= 2;
+}
+
+/* Merges buckets until at most half of the rows that may be there are. */
+static void merge_enough(struct trace *trace)
+{
+    trace_touch(trace, 0);
+    while (trace->count > trace->cap / 2)
+        merge_buckets(trace);
+    trace_find_tail(trace, *step_at(trace, trace->count - 1) & ~(trace->bucket - 1));
+}
+
+void trace_thinned(struct trace *trace)
+{
+    for (size_t i = 0; i < trace->count; i++)
+        copy_state(trace_row(trace, i), trace_row(trace, (size_t)*step_at(trace, i)),
+                   (int)trace->width);
+    merge_enough(trace);
+}
+
+bool trace_coarsen(struct trace *trace)
+{
+    if (trace->bucket == 1 && !thin(trace, true))
+        return false;
+    merge_enough(trace);
+    return true;
+}
+
+/* ---- recording many steps ---- */
+
+/* As trace_keep() for each of the rows, none of which begins a bucket: only their extremes can
+ * stay. False: no memory. */
+static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    int64_t at[2];
+    extremes(row, count, (int)trace->width, &at[0], &at[1]);
+    const bool swapped = at[0] > at[1];
+    for (int i = 0; i < 2; i++) {
+        const int64_t k = at[swapped ? 1 - i : i];
+        const double *y = row + (size_t)k * trace->width;
+        if (!trace_keep(trace, step + k, y[trace->width - 1], y))
+            return false;
+    }
+    return true;
+}
+
+/* As trace_keep() for each of the rows, which are whole buckets. False: no memory. */
+static bool keep_buckets(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    int64_t place[3 * BUCKETS_MAX];
+    const size_t rows = choose_rows(row, count, trace->bucket, (int)trace->width, place),
+                 end = trace->count + rows;
+    if (!trace_reserve_rows(trace, rows))
+        return false;
+    trace_touch(trace, trace->count);
+    struct row_writer writer = write_from(trace, trace->count, trace->width);
+    write_chosen(trace, &writer, step, row, place, rows);
+    for (size_t i = trace->count; trace_marked(trace) && i < end; i++)
+        trace_set_mark(trace, i, &unknown_tally);
+    trace->count = end;
+    trace->tail = trace->low = trace->high = end - 1;
+    trace->tail_end = step + count;
+    return true;
+}
+
+/* Returns how many of `count` steps from `step` on are kept as whole buckets: as many as fit before
+ * the trace has to be decimated. */
+static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t count)
+{
+    int64_t buckets = count / trace->bucket;
+    const int64_t room = (int64_t)(trace->cap - trace->count - 1) / 3;
+    if (trace->bucket == 1 || step < trace->tail_end || step & (trace->bucket - 1))
+        return 0;
+    buckets = buckets < room ? buckets : room;
+    return (buckets < BUCKETS_MAX ? buckets : BUCKETS_MAX) * trace->bucket;
+}
+
+/* Records the first ones of the states after `step`, `step` + 1, …. Returns how many; 0 if the
+ * trace is full or memory is out. */
+static int64_t record_some(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    const int64_t skipped = trace->decimates ? 0 : trace->next - step,
+                  whole = whole_buckets(trace, step, count), in_bucket = trace->tail_end - step,
+                  within = in_bucket < count ? in_bucket : count;
+    if (skipped > 0)
+        return skipped < count ? skipped : count;
+    if (whole > 0)
+        return keep_buckets(trace, step, row, whole) ? whole : 0;
+    if (trace->bucket > 1 && within > 1 && trace->count + 3 < trace->cap)
+        return keep_within(trace, step, row, within) ? within : 0;
+    return trace_record(trace, step, row[trace->width - 1], row);
+}
+
+int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
+{
+    if (trace->interval > 0)
+        return trace_record_even(trace, step, row, count);
+    int64_t done = 0;
+    for (int64_t more = 1; more > 0 && done < count; done += more)
+        more = record_some(trace, step + done, row + (size_t)done * trace->width, count - done);
+    return done;
+}

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Whether a run failed because its solution ends. A run that got where it should is not looked
+ * into, unless one of its fixed steps looks strange (strange.c). Of one that failed an accurate
+ * solution is followed from where the run last had a start of its own: an unstable method, or a
+ * loose tolerance, fails where the solution itself goes on.
+ */
+#include <hooke/base/cancel.h>
+
+#include "run/private.h"
+
+#include <math.h>
+
+/* Part of the time since the start by which a method may fail before the solution ends. */
+static const double ahead_share = 0.1;
+
+size_t run_own_start(const struct run *run)
+{
+    const struct run_private *p = run->private_state;
+    int64_t step = p->epoch[p->epochs - 1].first;
+    size_t row = 0;
+    if (p->kicks > 0 && p->kick[p->kicks - 1].step > step)
+        step = p->kick[p->kicks - 1].step;
+    if (step > 0)
+        row = trace_row_from(run->trace, step);
+    while (row + 1 < trace_count(run->trace) && p->kicks > 0 &&
+           trace_step(run->trace, row + 1) == step)
+        row++;
+    return row < trace_count(run->trace) ? row : trace_count(run->trace) - 1;
+}
+
+int64_t run_follow_steps(double evals)
+{
+    static const double steps_min = 2000, evals_a_step = 120; /* a tenth of the run's */
+    return (int64_t)fmin(FOLLOW_STEPS_MAX, steps_min + evals / evals_a_step);
+}
+
+/* Follows from a row what a method has made of the solution, whose end is found if no other method
+ * gets past it from the start. */
+static void follow_row(const struct run *run, size_t row, double end, int64_t steps_max,
+                       struct followed *followed)
+{
+    static const double tol = 1e-7, beyond = 1.01;
+    const struct trace *trace = run->trace;
+    const size_t start = run_own_start(run);
+    const double t_start = trace_time(trace, start);
+    double ignored[LIMIT_VARIABLES];
+    run_follow(&run->system, trace_time(trace, row), trace_state(trace, row), end, steps_max,
+               run->cancel, followed);
+    if (followed->fate == SOLUTION_GROWS ||
+        (followed->fate == SOLUTION_GOES_ON && !run->plan.adaptive))
+        followed->fate = SOLUTION_UNKNOWN;
+    if (followed->fate == SOLUTION_ENDS &&
+        run_solve_cheaply(&run->system, t_start, trace_state(trace, start),
+                          t_start + beyond * (followed->t - t_start), tol, ignored, run->cancel))
+        followed->fate = SOLUTION_GOES_ON;
+}
+
+void run_follow_from(const struct run *run, size_t row, double end, int64_t steps_max,
+                     struct followed *followed)
+{
+    const struct trace *trace = run->trace;
+    const size_t start = run_own_start(run);
+    run_follow(&run->system, trace_time(trace, start), trace_state(trace, start), end, steps_max,
+               run->cancel, followed);
+    if (followed->fate == SOLUTION_UNKNOWN && row > start)
+        follow_row(run, row, end, steps_max, followed);
+}
+
+/* Returns the first row that is no more than a thousandth of the run's time before its end. */
+static size_t row_shortly_before(const struct run *run, double way)
+{
+    return trace_row_at(run->trace, run->t - 1e-3 * way);
+}
+
+bool run_end_singular(struct run *run, const struct followed *followed)
+{
+    if (followed->fate != SOLUTION_ENDS)
+        return false;
+    run->stop = STOP_SINGULAR;
+    run->singular = (struct singularity){.t = followed->t, .finite = followed->finite};
+    return true;
+}
+
+/* Returns true if steps have become short beside the way, and the second half of them got nowhere,
+ * or only a little way in shorter and shorter ones. */
+static bool steps_shrink(const struct run *run, double way)
+{
+    static const double nowhere = 1e-3, little = 0.3, shorter = 4;
+    const struct trace *trace = run->trace;
+    const size_t half = trace_row_from(trace, run->steps / 2 + 1) - 1;
+    const double h = fabs(run->controller.h), t = trace_time(trace, half),
+                 covered = fabs(run->t - t);
+    return h < RUN_CREEP * fabs(way) &&
+           (covered < nowhere * fabs(way) || (covered < little * fabs(way) && half > 0 &&
+                                              shorter * h < fabs(t - trace_time(trace, half - 1))));
+}
+
+bool run_creeps(struct run *run)
+{
+    static const int64_t share = 8; /* of the steps, for one look */
+    struct run_private *p = run->private_state;
+    if (run->steps < p->look)
+        return false;
+    p->look = 2 * run->steps;
+    if (p->original) /* which has looked */
+        return false;
+    trace_present(run->trace, run->steps, run->t, run->y);
+    const double way = run->t - trace_time(run->trace, run_own_start(run));
+    if (!steps_shrink(run, way))
+        return false;
+    struct followed followed;
+    run_follow_from(run, row_shortly_before(run, way), run->t + ahead_share * way,
+                    run->steps / share, &followed);
+    if (cancelled(run->cancel)) /* not known: the look is repeated */
+        p->look = run->steps;
+    return run_end_singular(run, &followed);
+}
+
+static void diagnose_failure(struct run *run)
+{
+    const double way = run->t - trace_time(run->trace, run_own_start(run)),
+                 ahead = ahead_share * fabs(way) + (run->plan.adaptive ? 0 : 16 * run->settings.dt);
+    const bool back = run->plan.adaptive ? run->controller.h < 0 : trace_grid(run->trace)->h < 0;
+    struct followed followed;
+    run_follow_from(run, row_shortly_before(run, way), run->t + (back ? -ahead : ahead),
+                    run_follow_steps((double)run->cost.evals), &followed);
+    run->private_state->fate = followed.fate;
+    run_end_singular(run, &followed);
+}
+
+void run_diagnose(struct run *run)
+{
+    const bool failed =
+        run->stop == STOP_DIVERGED || run->stop == STOP_STALLED || run->stop == STOP_NO_SOLUTION;
+    run->private_state->fate = SOLUTION_UNKNOWN;
+    if (!failed)
+        run_check_first_steps(run);
+    if (run->stop == STOP_SINGULAR || run_is_never_singular(&run->system))
+        return;
+    if (failed)
+        diagnose_failure(run);
+    if (!run->plan.adaptive && run->steps > 0 && run->private_state->fate == SOLUTION_UNKNOWN)
+        run_find_strange_steps(run);
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Accurate solutions beside a run, and where they end: like x = 1/(t* - t) of x' = x^2 at t*.
+ *
+ * On the way to such a time steps shrink in proportion to t* - t until they do not get on, and the
+ * speed |y'| grows like a power of 1/(t* - t) (Goriely, Hyde 2000, J. Differ. Equ. 161:422).
+ */
+#include <hooke/base/cancel.h>
+#include <hooke/base/elementary.h>
+
+#include "run/private.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- steps that shrink ---- */
+
+enum { DECADES_MAX = 32, DECADES_SEEN = 3 };
+
+/* The first step of each power of ten, since steps were last longer, and the speed there. */
+struct shrinking {
+    double h[DECADES_MAX], speed[DECADES_MAX];
+    int count;
+};
+
+static double speed_of(const struct system *system, double t, const double *y)
+{
+    double f[LIMIT_VARIABLES], sum = 0;
+    system_derivative(system, t, y, f);
+    for (int i = 0; i < system->n; i++)
+        sum += f[i] / system->scale[i] * (f[i] / system->scale[i]);
+    return sqrt(sum);
+}
+
+static void shrinking_add(struct shrinking *s, double h, const struct system *system, double t,
+                          const double *y)
+{
+    while (s->count > 0 && h > s->h[s->count - 1])
+        s->count--;
+    if (s->count == DECADES_MAX || (s->count > 0 && 10 * h > s->h[s->count - 1]))
+        return;
+    s->h[s->count] = h;
+    s->speed[s->count++] = speed_of(system, t, y);
+}
+
+/* Returns the q of |y'| ~ (t* - t)^-q over the steps of some decades, NAN if there are too few. The
+ * first of them are on the way there, rounding spoils the last. */
+static double shrinking_power(const struct shrinking *s)
+{
+    const int first = s->count / 3, last = s->count - 1 - s->count / 4;
+    return s->count <= DECADES_SEEN
+               ? NAN
+               : fixed_log(s->speed[last] / s->speed[first]) / fixed_log(s->h[first] / s->h[last]);
+}
+
+/* ---- following ---- */
+
+struct pursuit {
+    const char *by;
+    double tol;
+    int64_t steps_max;
+    double creep; /* of the way: shorter steps do not get on, though steps to a switch may be */
+};
+
+/* Natural sizes may have been taken from a solution on its way to infinity: at most those of where
+ * it starts. */
+static struct system with_start_scale(const struct system *system, const double *y)
+{
+    struct system scaled = *system;
+    double size = 0;
+    for (int i = 0; i < system->n; i++)
+        size = fmax(size, fabs(y[i]) / system->scale[i]);
+    for (int i = 0; i < system->n && size > 0 && size < 1; i++)
+        scaled.scale[i] *= size;
+    return scaled;
+}
+
+/* Returns true if a solution has come near the largest state that a run may have. */
+static bool is_large(const struct system *system, const double *y)
+{
+    static const double share = 1e-30;
+    bool large = false;
+    for (int i = 0; i < system->n; i++)
+        large = large || !(fabs(y[i]) <= share * run_bound(system, i));
+    return large;
+}
+
+static void pursue(const struct system *system, double t, const double *y, double end,
+                   const struct pursuit *pursuit, const struct cancel *cancel,
+                   struct followed *followed)
+{
+    static const double power_min = 0.3, finite_max = 0.95; /* |y'| may be integrated up to there */
+    const struct method *method = method_find(pursuit->by);
+    double *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work) : NULL;
+    struct step step = {.system = system, .y = followed->y, .work = work, .t = t};
+    struct controller controller = {.tol = pursuit->tol};
+    struct shrinking shrinking = {.count = 0};
+    bool moves = work, stopped = !work;
+    copy_state(followed->y, y, system->n);
+    for (int64_t steps = 0; moves && step.t != end && !is_large(system, followed->y); steps++) {
+        if ((stopped = steps == pursuit->steps_max || cancelled(cancel)))
+            break;
+        const double from = step.t;
+        double before[LIMIT_VARIABLES];
+        copy_state(before, followed->y, system->n);
+        moves = method_adapt(method, &step, &controller, end) == STEP_OK &&
+                fabs(step.t - from) >= pursuit->creep * fabs(step.t - t);
+        if (step.t != from)
+            shrinking_add(&shrinking, fabs(step.t - from), system, from, before);
+    }
+    free(work);
+    const double power = shrinking_power(&shrinking);
+    followed->t = step.t;
+    followed->finite = power < finite_max;
+    followed->fate = SOLUTION_UNKNOWN;
+    if (stopped)
+        return;
+    if (!moves)
+        followed->fate = power > power_min ? SOLUTION_ENDS : SOLUTION_UNKNOWN;
+    else
+        followed->fate = step.t == end ? SOLUTION_GOES_ON : SOLUTION_GROWS;
+}
+
+void run_follow(const struct system *system, double t, const double *y, double end,
+                int64_t steps_max, const struct cancel *cancel, struct followed *followed)
+{
+    const struct system scaled = with_start_scale(system, y);
+    const struct pursuit accurate = {"dop853", 1e-11, steps_max, 1e-11};
+    pursue(&scaled, t, y, end, &accurate, cancel, followed);
+}
+
+void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
+                        double tol, const struct cancel *cancel, struct followed *followed)
+{
+    /* The linear equations of radau5 are far dearer in many variables. */
+    const struct pursuit smooth = {"dop853", tol, 32, 0}, stiff = {"radau5", tol, 2000, 0};
+    pursue(system, t, y, end, &smooth, cancel, followed);
+    if (followed->t != end)
+        pursue(system, t, y, end, &stiff, cancel, followed);
+}
+
+bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
+                       double tol, double *to, const struct cancel *cancel)
+{
+    struct followed followed;
+    run_follow_cheaply(system, t, y, end, tol, cancel, &followed);
+    if (followed.t == end)
+        copy_state(to, followed.y, system->n);
+    return followed.t == end;
+}
+
+bool run_is_never_singular(const struct system *system)
+{
+    return system->linear && (system->autonomous || system->oscillator.whole);
+}
+
+struct singularity system_singularity(const struct system *system, double t, const double *y,
+                                      double end, const struct cancel *cancel)
+{
+    struct followed followed = {.fate = SOLUTION_UNKNOWN};
+    if (!run_is_never_singular(system))
+        run_follow(system, t, y, end, FOLLOW_STEPS_MAX, cancel, &followed);
+    return (struct singularity){.t = followed.fate == SOLUTION_ENDS ? followed.t : NAN,
+                                .finite = followed.finite};
+}
+
+const char *singularity_text(const struct singularity *singularity)
+{
+    return singularity->finite ? "gets an infinite slope" : "goes to infinity";
+}

@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Fixed steps that are far too long. A method goes on even where a step is nonsense: one that jumps
+ * across the end of the solution, one of a Rosenbrock method next to a stiff transient, one that
+ * rings between both sides of 0. So a step that looks strange is compared with the solution from
+ * where it began.
+ */
+#include <hooke/base/cancel.h>
+#include "run/private.h"
+
+#include <math.h>
+
+/* Does a variable go another way in a step of h than its slopes at both ends and in the middle say?
+ * What is next to nothing beside its natural size is passed over: what begins at 0 grows by any
+ * factor. */
+static bool looks_strange(double h, double y, double slope, double middle_slope, double end,
+                          double end_slope, double natural)
+{
+    static const double off = 0.1, negligible = 1e-6;
+    const double size = fmax(fabs(y), fabs(end)), mean = (slope + end_slope) / 2,
+                 slopes = fmax(fmax(fabs(slope), fabs(middle_slope)), fabs(end_slope));
+    if (fmax(size, fabs(h) * slopes) < negligible * natural)
+        return false;
+    return !(fabs(end - y - h * mean) <= off * size) ||
+           !(fabs(h * (middle_slope - mean)) <= off * size);
+}
+
+/* The step from row i to the next. */
+static bool step_looks_strange(const struct run *run, size_t i)
+{
+    const struct trace *trace = run->trace;
+    const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
+    const double t = trace_time(trace, i), t_end = trace_time(trace, i + 1);
+    double slope[LIMIT_VARIABLES], end_slope[LIMIT_VARIABLES], middle[LIMIT_VARIABLES],
+        middle_slope[LIMIT_VARIABLES];
+    if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || t_end == t)
+        return false;
+    system_derivative(&run->system, t, y, slope);
+    system_derivative(&run->system, t_end, end, end_slope);
+    for (int k = 0; k < run->system.n; k++)
+        middle[k] = hermite(0.5, t_end - t, y[k], slope[k], end[k], end_slope[k]);
+    system_derivative(&run->system, t + (t_end - t) / 2, middle, middle_slope);
+    for (int k = 0; k < run->system.n; k++)
+        if (looks_strange(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k],
+                          run->system.scale[k]))
+            return true;
+    return false;
+}
+
+/* ---- comparing ---- */
+
+/* Returns the largest value of a state in natural sizes. */
+static double scaled_size(const struct system *system, const double *y)
+{
+    double max = 0;
+    for (int k = 0; k < system->n; k++)
+        max = fmax(max, fabs(y[k]) / system->scale[k]);
+    return max;
+}
+
+/* Sets the sizes that errors of a step over h from row i are seen in: values before and after it,
+ * by the solution, and some steps later where a drive has just begun to move what was at rest. */
+static void find_sizes(const struct run *run, size_t i, double h, const double *solution,
+                       double *size)
+{
+    static const double size_min = 0.01, tol = 1e-7; /* of natural sizes */
+    enum { STEPS_AHEAD = 32 };
+    const struct system *system = &run->system;
+    const double *y = trace_state(run->trace, i), t = trace_time(run->trace, i);
+    double later[LIMIT_VARIABLES] = {0};
+    for (int k = 0; k < system->n; k++)
+        size[k] = fmax(fmax(fabs(y[k]), fabs(solution[k])), size_min * system->scale[k]);
+    for (int ahead = 2; !system->autonomous && ahead <= STEPS_AHEAD &&
+                        run_solve_cheaply(system, t, y, t + ahead * h, tol, later, run->cancel);
+         ahead *= 4)
+        for (int k = 0; k < system->n; k++)
+            size[k] = fmax(size[k], fabs(later[k]));
+}
+
+/* Compares the step from row i to the next with the solution from there, as far as that was
+ * followed: run->unsound is the worst step of which nothing is left. */
+static void check_step(struct run *run, size_t i)
+{
+    /* What is not followed to the end must have grown that much: it is not what oscillates. */
+    static const double tol = 1e-7, nothing_left = 0.9, grown = 8;
+    const struct trace *trace = run->trace;
+    const struct system *system = &run->system;
+    const double *y = trace_state(trace, i), *end = trace_state(trace, i + 1);
+    const double t = trace_time(trace, i), h = trace_time(trace, i + 1) - t;
+    struct followed followed;
+    run_follow_cheaply(system, t, y, t + h, tol, run->cancel, &followed);
+    if (followed.t != t + h &&
+        !(system->autonomous && scaled_size(system, followed.y) > grown * scaled_size(system, y)))
+        return;
+    double size[LIMIT_VARIABLES];
+    find_sizes(run, i, h, followed.y, size);
+    for (int k = 0; k < system->n; k++) {
+        const double value = y[k] + (followed.t - t) / h * (end[k] - y[k]),
+                     times = fabs(value - followed.y[k]) / size[k];
+        if (times > nothing_left && times > run->unsound.times)
+            run->unsound = (struct unsound_step){.times = times,
+                                                 .t = followed.t,
+                                                 .value = value,
+                                                 .solution = followed.y[k],
+                                                 .variable = k};
+    }
+}
+
+/* Returns true if the solution ends in the step from row i to the next, or soon: a method may pass
+ * too early, or the step before it stand out. */
+static bool ends_near(struct run *run, size_t i)
+{
+    static const double steps_beyond = 64;
+    const double t = trace_time(run->trace, i), h = trace_time(run->trace, i + 1) - t,
+                 end = fabs(steps_beyond * h) < fabs(run->t - t) ? t + steps_beyond * h : run->t;
+    struct followed followed;
+    run_follow_from(run, i, end, run_follow_steps((double)run->cost.evals), &followed);
+    /* Past an integrable singularity in t the solution goes on; steps count those (struct cost). */
+    const bool goes_on = followed.finite && !run->system.autonomous;
+    return !goes_on && run_end_singular(run, &followed);
+}
+
+/* ---- rows to look at ---- */
+
+/* Returns the row of a block before the change of a variable that stands out most among its changes
+ * there. */
+static size_t row_that_stands_out(const struct run *run, size_t block, size_t count)
+{
+    const struct trace *trace = run->trace;
+    const size_t rows = trace_count(trace), end = block + count < rows ? block + count : rows - 1;
+    const int n = run->system.n;
+    double max[LIMIT_VARIABLES] = {0}, sum[LIMIT_VARIABLES] = {0};
+    size_t row[LIMIT_VARIABLES] = {0};
+    const double *y = trace_state(trace, block);
+    for (size_t i = block; i < end; i++) {
+        const double *next = trace_state(trace, i + 1);
+        for (int k = 0; k < n; k++) {
+            const double change = fabs(next[k] - y[k]);
+            sum[k] += change;
+            if (change > max[k]) {
+                max[k] = change;
+                row[k] = i;
+            }
+        }
+        y = next;
+    }
+    size_t found = block;
+    double most = 0;
+    for (int k = 0; k < n; k++)
+        if (max[k] > most * sum[k]) {
+            most = max[k] / sum[k];
+            found = row[k];
+        }
+    return found;
+}
+
+size_t run_rows_looked_max(const struct system *system, const struct method *method, double evals,
+                           double rows, bool *picks)
+{
+    /* A row takes what 12 evaluations do in a step: 2 % of a long run. Picking takes longer than
+     * looking at some hundred where steps are cheap and rows are many. */
+    static const double evals_a_row = 600, looked_min = 512, picked_min = 128, rows_many = 30000;
+    const bool dear = method->flags & METHOD_IMPLICIT || method->rosenbrock;
+    *picks = dear || system->model->typed || rows < rows_many;
+    const bool few = *picks && rows > looked_min && !dear;
+    return (size_t)fmax(evals / evals_a_row, few ? picked_min : looked_min);
+}
+
+void run_find_strange_steps(struct run *run)
+{
+    enum { LOOK_EACH = 512, CHECKS_EACH = 64 }; /* all steps are checked up to that many */
+    struct run_private *p = run->private_state;
+    const size_t rows = trace_count(run->trace), start = run_own_start(run);
+    if (p->looked >= rows) /* it went back */
+        p->looked = p->checks = 0;
+    const size_t first = p->looked > start ? p->looked : start;
+    bool picks;
+    const size_t max = run_rows_looked_max(&run->system, run->method, (double)run->cost.evals,
+                                           (double)(rows - first), &picks),
+                 by = 1 + (rows - first) / max;
+    size_t strange = rows; /* the last one, if it was not looked into */
+    p->looked = rows - 1;
+    for (size_t block = first; block + 1 < rows; block += by) {
+        if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
+            p->looked = block; /* the rest next time */
+            return;
+        }
+        const size_t i = by > 1 && picks ? row_that_stands_out(run, block, by) : block;
+        if (!step_looks_strange(run, i))
+            continue;
+        const bool is_seldom = (p->checks & (p->checks + 1)) == 0; /* 0, 1, 3, 7, … before */
+        if (++p->checks <= CHECKS_EACH || is_seldom)
+            check_step(run, i);
+        if (is_seldom && ends_near(run, i))
+            return;
+        strange = is_seldom ? rows : i;
+    }
+    if (strange < rows)
+        ends_near(run, strange);
+}
+
+void run_check_first_steps(struct run *run)
+{
+    enum { FIRST_STEPS = 2 }; /* the first one of a multistep method is another method's */
+    struct run_private *p = run->private_state;
+    const struct trace *trace = run->trace;
+    const struct system *system = &run->system;
+    if (!trace || p->checks > 0 || !system->autonomous ||
+        !(run->method->flags & METHOD_IMPLICIT || run->method->rosenbrock))
+        return;
+    const size_t first = run_own_start(run);
+    for (size_t i = first; i < first + FIRST_STEPS && i + 1 < trace_count(trace); i++) {
+        const double *y = trace_state(trace, i), t = trace_time(trace, i),
+                     h = trace_time(trace, i + 1) - t;
+        double slope[LIMIT_VARIABLES];
+        if (trace_step(trace, i + 1) != trace_step(trace, i) + 1 || run->unsound.times > 0)
+            return;
+        p->checks++;
+        system_derivative(system, t, y, slope);
+        if (!(fabs(h) * scaled_size(system, slope) < scaled_size(system, y)))
+            check_step(run, i);
+    }
+}
