@@ -97,36 +97,41 @@ static void find_half_step(struct answer *answer, double *scratch)
 
 /* ---- what is kept and said ---- */
 
-/* The values of a row in the order of their columns. */
-enum { VALUES = 7 };
-static const char *const value_name[VALUES] = {
-    "mean", "sd", "low", "lower_quartile", "median", "upper_quartile", "high"};
-static double row_value(const struct ensemble_row *row, int i)
+static enum quantity row_quantity(const void *row)
 {
-    const double value[VALUES] = {row->mean,   row->sd,    row->low, row->lower,
-                                  row->median, row->upper, row->high};
-    return value[i];
+    return ((const struct ensemble_row *)row)->quantity;
 }
 
-/* A few rows, for people. */
+#define AT(member) .at = offsetof(struct ensemble_row, member)
+#define STATISTIC(member) .quantity_of = row_quantity, AT(member), .digits = 4
+
+static const struct result_column of_row[] = {
+    {.name = "t", .quantity = QUANTITY_TIME, AT(t), .digits = 4, .index = 1, .heading = "t"},
+    {.name = "mean", STATISTIC(mean), .index = 2, .heading = "mean"},
+    {.name = "sd", STATISTIC(sd), .index = 3, .heading = "sd"},
+    {.name = "low", STATISTIC(low), .index = 4, .heading = "5 %"},
+    {.name = "lower_quartile", STATISTIC(lower)},
+    {.name = "median", STATISTIC(median), .index = 5, .heading = "median"},
+    {.name = "upper_quartile", STATISTIC(upper)},
+    {.name = "high", STATISTIC(high), .index = 6, .heading = "95 %"},
+    {.name = "paths", .kind = COLUMN_COUNT, AT(paths)},
+};
+static const struct result_columns row_columns = RESULT_COLUMNS(of_row, struct ensemble_row);
+
+/* Puts a table of a few rows, for people. */
 static void put_rows(const struct answer *answer, struct arena *arena, struct buffer *text)
 {
-    static const char *const heading[] = {"t", "mean", "sd", "5 %", "median", "95 %"};
-    static const int shown[] = {0, 1, 2, 4, 6};
-    struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heading), .gap = 3};
+    struct text_table table = {.arena = arena, .gap = 3};
+    struct ensemble_row shown[ENSEMBLE_SHOWN + 1];
     const size_t last = answer->ensemble.rows - 1;
-    for (size_t i = 0; i < COUNT_OF(heading); i++)
-        cell_text(&table, heading[i]);
+    size_t count = 0;
     for (size_t i = 0, before = SIZE_MAX; i <= ENSEMBLE_SHOWN; i++) {
         const size_t place = i * last / ENSEMBLE_SHOWN;
-        const struct ensemble_row *row = &answer->row[place];
-        if (place == before)
-            continue;
+        if (place != before)
+            shown[count++] = answer->row[place];
         before = place;
-        cell_quantity(&table, row->t, QUANTITY_TIME, 4);
-        for (size_t k = 0; k < COUNT_OF(shown); k++)
-            cell_quantity(&table, row_value(row, shown[k]), answer->shown.quantity, 4);
     }
+    columns_text(&row_columns, shown, count, true, &table);
     text_table_put(&table, text);
 }
 
@@ -134,50 +139,31 @@ static void put_rows(const struct answer *answer, struct arena *arena, struct bu
 static void put_end(const struct answer *answer, struct buffer *text)
 {
     const enum quantity energy = noise_energy_quantity(answer->setup);
-    if (!isnan(answer->kinetic.value)) {
-        buffer_format(text, "\nm<v^2> at the end: ");
-        buffer_measured(text, answer->kinetic, energy, 4);
-    }
-    if (!isnan(answer->virial.value)) {
-        buffer_format(text, "\n-<(y - <y>) F> at the end: ");
-        buffer_measured(text, answer->virial, energy, 4);
-        buffer_format(text, "; both are kT in equilibrium");
-    }
+    if (!isnan(answer->kinetic.value))
+        buffer_format(text, "m<v^2> at the end: %s\n", SHOWN_MEASURED(answer->kinetic, energy, 4));
+    if (!isnan(answer->virial.value))
+        buffer_format(text, "-<(y - <y>) F> at the end: %s; both are kT in equilibrium\n",
+                      SHOWN_MEASURED(answer->virial, energy, 4));
     if (!isnan(answer->half_step))
         buffer_format(text,
-                      "\nhalf the step on the same noise: paths end up to %.2g %% of the "
-                      "spread away",
+                      "half the step on the same noise: paths end up to %.2g %% of the "
+                      "spread away\n",
                       100 * answer->half_step);
 }
 
 static void say_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
 {
     const struct path_grid *grid = &answer->request.grid;
-    struct buffer text = {0};
-    buffer_format(&text, "%lld paths of %s over ", (long long)answer->ensemble.paths,
-                  answer->shown.name);
-    buffer_quantity(&text, grid->span, QUANTITY_TIME, 6);
-    buffer_format(&text, ": %s, %lld step%s of ", answer->setup->method->row.name,
-                  (long long)grid->steps, grid->steps == 1 ? "" : "s");
-    buffer_quantity(&text, grid->h, QUANTITY_TIME, 6);
-    buffer_format(&text, "\n");
-    noise_setup_put(answer->setup, &text);
-    buffer_format(&text, "\n");
-    put_rows(answer, arena, &text);
-    while (text.len > 0 && text.data[text.len - 1] == '\n')
-        text.data[--text.len] = 0;
-    put_end(answer, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-}
-
-static void reply_values(const struct answer *answer, const char *key, int value,
-                         struct reply *reply)
-{
-    reply_array(reply, key);
-    for (size_t i = 0; i < answer->ensemble.rows; i++)
-        reply_real(reply, NULL, value < 0 ? answer->row[i].t : row_value(&answer->row[i], value));
-    reply_close(reply);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%lld paths of %s over %s: %s, %lld step%s of %s\n",
+                  (long long)answer->ensemble.paths, answer->shown.name,
+                  SHOWN_QUANTITY(grid->span, QUANTITY_TIME, 6), answer->setup->method->row.name,
+                  (long long)grid->steps, plural_s(grid->steps),
+                  SHOWN_QUANTITY(grid->h, QUANTITY_TIME, 6));
+    noise_setup_put(answer->setup, text);
+    buffer_char(text, '\n');
+    put_rows(answer, arena, text);
+    put_end(answer, text);
 }
 
 static void reply_ensemble(const struct answer *answer, struct reply *reply)
@@ -192,33 +178,14 @@ static void reply_ensemble(const struct answer *answer, struct reply *reply)
     reply_measured(reply, "kinetic", answer->kinetic, energy);
     reply_measured(reply, "virial", answer->virial, energy);
     reply_real(reply, "half_step", answer->half_step);
-    reply_values(answer, "times", -1, reply);
-    for (int i = 0; i < VALUES; i++)
-        reply_values(answer, value_name[i], i, reply);
+    for (const struct result_column *c = of_row; c->kind == COLUMN_REAL; c++) {
+        reply_array(reply, c == of_row ? "times" : c->name);
+        for (size_t i = 0; i < answer->ensemble.rows; i++)
+            reply_real(reply, NULL, *(const double *)((const char *)&answer->row[i] + c->at));
+        reply_close(reply);
+    }
     reply_end(reply);
 }
-
-static enum quantity row_quantity(const void *row)
-{
-    return ((const struct ensemble_row *)row)->quantity;
-}
-
-#define STATISTIC(name_, at_)                                                                      \
-    {                                                                                              \
-        .name = name_, .quantity_of = row_quantity, .at = offsetof(struct ensemble_row, at_)       \
-    }
-static const struct result_column of_row[] = {
-    {.name = "t", .quantity = QUANTITY_TIME, .at = offsetof(struct ensemble_row, t)},
-    STATISTIC("mean", mean),
-    STATISTIC("sd", sd),
-    STATISTIC("low", low),
-    STATISTIC("lower_quartile", lower),
-    STATISTIC("median", median),
-    STATISTIC("upper_quartile", upper),
-    STATISTIC("high", high),
-    {.name = "paths", .kind = COLUMN_COUNT, .at = offsetof(struct ensemble_row, paths)},
-};
-static const struct result_columns row_columns = RESULT_COLUMNS(of_row, struct ensemble_row);
 
 /* ---- the command ---- */
 

@@ -11,24 +11,55 @@ enum { ORDER_LEVELS = 5, ORDER_PATHS = 1000, ORDER_METHODS = 3 };
 
 /* A row of the table: a method with one step. */
 struct order_row {
-    const char *method;
-    double dt, strong, strong_error, weak, weak_error;
-    double strong_order, strong_order_error, weak_order, weak_order_error; /* of the method */
+    struct method_orders of;
+    struct order_level level;
 };
 
-#define REAL_AT(member) .quantity = QUANTITY_NUMBER, .at = offsetof(struct order_row, member)
+static void put_order(struct text_table *table, struct measured order)
+{
+    struct buffer text = {0};
+    if (isnan(order.value))
+        buffer_put(&text, TEXT("not known"));
+    else
+        buffer_uncertain(&text, order.value, order.uncertainty);
+    cell_take(table, &text);
+}
+
+static void strong_cell(struct text_table *table, const void *row)
+{
+    put_order(table, ((const struct order_row *)row)->of.strong);
+}
+
+static void weak_cell(struct text_table *table, const void *row)
+{
+    put_order(table, ((const struct order_row *)row)->of.weak);
+}
+
+static double weak_at_last(const void *row)
+{
+    const struct method_orders *of = &((const struct order_row *)row)->of;
+    return of->level[of->levels - 1].weak.value;
+}
+
+#define AT(member) .at = offsetof(struct order_row, member)
+
+/* clang-format off */
 static const struct result_column of_order[] = {
-    {.name = "method", .kind = COLUMN_NAME, .at = offsetof(struct order_row, method)},
-    {.name = "dt", .quantity = QUANTITY_TIME, .at = offsetof(struct order_row, dt)},
-    {.name = "strong", REAL_AT(strong)},
-    {.name = "strong_error", REAL_AT(strong_error)},
-    {.name = "weak", REAL_AT(weak)},
-    {.name = "weak_error", REAL_AT(weak_error)},
-    {.name = "strong_order", REAL_AT(strong_order)},
-    {.name = "strong_order_error", REAL_AT(strong_order_error)},
-    {.name = "weak_order", REAL_AT(weak_order)},
-    {.name = "weak_order_error", REAL_AT(weak_order_error)},
+    {.name = "method", .kind = COLUMN_ROW, AT(of.method), .index = 1, .heading = "method"},
+    {.name = "dt", .quantity = QUANTITY_TIME, AT(level.dt)},
+    {.name = "strong", AT(level.strong.value), .index = 4, .heading = "strong at first", .look = cell_error},
+    {.name = "strong_error", AT(level.strong.uncertainty)},
+    {.name = "weak", AT(level.weak.value), .index = 5, .heading = "weak at first", .look = cell_error},
+    {.name = "weak_error", AT(level.weak.uncertainty)},
+    {.name = "strong_order", AT(of.strong.value), .index = 2, .heading = "strong order", .cell = strong_cell},
+    {.name = "strong_order_error", AT(of.strong.uncertainty)},
+    {.name = "weak_order", AT(of.weak.value), .index = 3, .heading = "weak order", .cell = weak_cell},
+    {.name = "weak_order_error", AT(of.weak.uncertainty)},
+    {.real = weak_at_last, .flags = COLUMN_NO_RECORD | COLUMN_NO_FILE,
+     .index = 6, .heading = "weak at last", .look = cell_error},
 };
+/* clang-format on */
+
 static const struct result_columns noiseorder_columns = RESULT_COLUMNS(of_order, struct order_row);
 
 /* The methods that were named, else all that the scene can have. Returns how many. */
@@ -47,88 +78,46 @@ static int choose_methods(const struct arguments *args, const struct noise_setup
     return count;
 }
 
-static void put_order(struct buffer *text, struct measured order)
+/* Replies a line for each method, then each of its steps as a record. */
+static void reply_orders(const struct noise_setup *setup, const struct orders_request *request,
+                         const struct method_orders *orders, int methods, struct arena *arena,
+                         struct reply *reply)
 {
-    if (isnan(order.value))
-        buffer_format(text, "not known");
-    else
-        buffer_uncertain(text, order.value, order.uncertainty);
-}
-
-/* A line for each method, then its errors with the largest and the smallest step. */
-static void say_orders(const struct noise_setup *setup, const struct orders_request *request,
-                       const struct method_orders *orders, int methods, struct arena *arena,
-                       struct reply *reply)
-{
-    struct text_table table = {.arena = arena, .columns = 6, .gap = 3};
-    static const char *const heading[] = {"method",          "strong order",  "weak order",
-                                          "strong at first", "weak at first", "weak at last"};
-    struct buffer text = {0};
+    const int levels = request->levels;
+    const size_t rows = (size_t)(methods * levels);
+    struct order_row *row = arena_array(arena, rows, sizeof *row);
+    struct text_table table = {.arena = arena, .gap = 3};
+    struct result_columns first = noiseorder_columns; /* of each method */
+    struct arena kept = {0};
+    struct table file;
     bool unknown = false;
-    buffer_format(&text,
-                  "a step beside half of it on the same path, %lld paths and their mirror "
-                  "images to t = ",
-                  (long long)request->paths);
-    buffer_quantity(&text, setup->forcing.system.t0 + request->span, QUANTITY_TIME, 4);
-    buffer_format(&text, ",\ndt from ");
-    buffer_quantity(&text, orders[0].level[0].dt, QUANTITY_TIME, 4);
-    buffer_format(&text, " down to ");
-    buffer_quantity(&text, orders[0].level[request->levels - 1].dt, QUANTITY_TIME, 4);
-    buffer_format(&text, "; ");
-    noise_setup_put(setup, &text);
-    buffer_format(&text, "\n");
-    for (size_t i = 0; i < COUNT_OF(heading); i++)
-        cell_text(&table, heading[i]);
-    for (int i = 0; i < methods; i++) {
-        const struct order_level *first = &orders[i].level[0], *last = first + request->levels - 1;
-        const struct measured order[2] = {orders[i].strong, orders[i].weak};
-        cell_text(&table, orders[i].method->row.name);
-        for (int k = 0; k < 2; k++) {
-            struct buffer cell = {0};
-            put_order(&cell, order[k]);
-            unknown = unknown || isnan(order[k].value);
-            cell_take(&table, &cell);
-        }
-        cell_error(&table, first->strong.value);
-        cell_error(&table, first->weak.value);
-        cell_error(&table, last->weak.value);
-    }
-    text_table_put(&table, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    if (!row)
+        return;
+    for (int i = 0; i < methods * levels; i++)
+        row[i] = (struct order_row){orders[i / levels], orders[i / levels].level[i % levels]};
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text,
+                  "a step beside half of it on the same path, %lld paths and their mirror images "
+                  "to t = %s,\ndt from %s down to %s; ",
+                  (long long)request->paths,
+                  SHOWN_QUANTITY(setup->forcing.system.t0 + request->span, QUANTITY_TIME, 4),
+                  SHOWN_QUANTITY(row[0].level.dt, QUANTITY_TIME, 4),
+                  SHOWN_QUANTITY(row[levels - 1].level.dt, QUANTITY_TIME, 4));
+    noise_setup_put(setup, text);
+    buffer_char(text, '\n');
+    first.size *= (size_t)levels;
+    columns_text(&first, row, (size_t)methods, true, &table);
+    text_table_put(&table, text);
+    for (int i = 0; i < methods; i++)
+        unknown = unknown || isnan(orders[i].strong.value) || isnan(orders[i].weak.value);
     if (unknown)
         reply_line(
             reply,
             "not known: chance or rounding hides the differences, or their sign changes: more "
             "paths=N, or another dt");
-}
-
-static void reply_orders(const struct noise_setup *setup, const struct method_orders *orders,
-                         int methods, struct arena *arena, struct reply *reply)
-{
-    const int levels = orders[0].levels;
-    struct order_row *row = arena_array(arena, (size_t)(methods * levels), sizeof *row);
-    for (int i = 0; row && i < methods * levels; i++) {
-        const struct method_orders *of = &orders[i / levels];
-        const struct order_level *level = &of->level[i % levels];
-        row[i] = (struct order_row){.method = of->method->row.name,
-                                    .dt = level->dt,
-                                    .strong = level->strong.value,
-                                    .strong_error = level->strong.uncertainty,
-                                    .weak = level->weak.value,
-                                    .weak_error = level->weak.uncertainty,
-                                    .strong_order = of->strong.value,
-                                    .strong_order_error = of->strong.uncertainty,
-                                    .weak_order = of->weak.value,
-                                    .weak_order_error = of->weak.uncertainty};
-    }
-    struct arena kept = {0};
-    struct table table;
-    if (!row)
-        return;
-    reply_records(reply, "noiseorder", &noiseorder_columns, row, (size_t)(methods * levels));
-    if (columns_table(&noiseorder_columns, row, (size_t)(methods * levels), &kept, &table))
-        noise_keep_table(setup, 0, "noiseorder", NULL, &kept, &table, reply);
+    reply_records(reply, "noiseorder", &noiseorder_columns, row, rows);
+    if (columns_table(&noiseorder_columns, row, rows, &kept, &file))
+        noise_keep_table(setup, 0, "noiseorder", NULL, &kept, &file, reply);
 }
 
 /* Reads how many paths and steps; refuses what cannot be. */
@@ -176,8 +165,7 @@ HANDLER(noiseorder)
         if (!noise_orders_measure(&request, method[i], parallel, &orders[i], error))
             return false;
     session_changed(session);
-    say_orders(setup, &request, orders, methods, args->arena, reply);
-    reply_orders(setup, orders, methods, args->arena, reply);
+    reply_orders(setup, &request, orders, methods, args->arena, reply);
     return true;
 }
 #endif
