@@ -3,14 +3,32 @@
 
 #include <float.h>
 
-#define LEAST 0x1p-1070 /* more than what the smallest results are rounded by */
+/* More than what the smallest results are rounded by. */
+static const double tiny = 0x1p-1070;
+/* Rounding to nearest, in units of the last place. */
+static const double rounding = 0.5;
 
+/* A little more than the distance of two numbers at 1: its half leads to the next. */
+static const double last_place = DBL_EPSILON * (1 + DBL_EPSILON);
+
+/* With units = 0.5 these are the next numbers below and above x (Rump, Zimmermann, Boldo, Melquiond
+ * 2009). */
+static double lower(double x, double units)
+{
+    return x - (fabs(x) * (units * last_place) + tiny);
+}
+
+static double upper(double x, double units)
+{
+    return x + (fabs(x) * (units * last_place) + tiny);
+}
+
+/* Infinite results of finite numbers are no bounds: the largest number is one. */
 struct interval interval_wide(double lo, double hi, double units)
 {
     if (lo != lo || hi != hi)
         return interval_none;
-    const double a = lo - (fabs(lo) * (units * DBL_EPSILON) + LEAST);
-    const double b = hi + (fabs(hi) * (units * DBL_EPSILON) + LEAST);
+    const double a = lower(lo, units), b = upper(hi, units);
     return (struct interval){a == a ? a : DBL_MAX, b == b ? b : -DBL_MAX};
 }
 
@@ -26,10 +44,21 @@ struct interval interval_neg(struct interval a)
     return (struct interval){-a.hi, -a.lo};
 }
 
-/* Infinite bounds are no numbers: what has them is unbounded. */
-static struct interval bounded(double lo, double hi)
+/* Returns the bound; where it is no number, the largest if the result is infinite, and none if that
+ * is no number either, as the difference of infinite bounds. */
+static double known(double bound, double result, double largest)
 {
-    return interval_wide(lo == lo ? lo : -HUGE_VAL, hi == hi ? hi : HUGE_VAL, 1);
+    if (bound == bound)
+        return bound;
+    return result == result ? largest : -copysign(HUGE_VAL, largest);
+}
+
+/* The bounds of results that were rounded to nearest, of which 0 is exact. */
+static struct interval rounded(double lo, double hi)
+{
+    const double below = lo == 0 ? 0 : lower(lo, rounding),
+                 above = hi == 0 ? 0 : upper(hi, rounding);
+    return (struct interval){known(below, lo, DBL_MAX), known(above, hi, -DBL_MAX)};
 }
 
 static bool exact(struct interval a)
@@ -41,7 +70,7 @@ struct interval interval_add(struct interval a, struct interval b)
 {
     if (interval_empty(a) || interval_empty(b))
         return interval_none;
-    return exact(a) ? b : exact(b) ? a : bounded(a.lo + b.lo, a.hi + b.hi);
+    return exact(a) ? b : exact(b) ? a : rounded(a.lo + b.lo, a.hi + b.hi);
 }
 
 struct interval interval_sub(struct interval a, struct interval b)
@@ -49,9 +78,17 @@ struct interval interval_sub(struct interval a, struct interval b)
     return interval_add(a, interval_neg(b));
 }
 
+/* A product or quotient of numbers that are not 0, as a number that is not 0 and errs by less than
+ * `tiny`. */
+static double nonzero(double value)
+{
+    return value == 0 ? copysign(tiny, value) : value;
+}
+
+/* 0 times infinity is 0: an infinite bound stands for numbers without end. */
 static double times(double a, double b)
 {
-    return a == 0 || b == 0 ? 0 : a * b;
+    return a == 0 || b == 0 ? 0 : nonzero(a * b);
 }
 
 struct interval interval_mul(struct interval a, struct interval b)
@@ -64,7 +101,12 @@ struct interval interval_mul(struct interval a, struct interval b)
                  s = times(a.hi, b.hi);
     const double pq = p < q ? p : q, rs = r < s ? r : s, max_pq = p < q ? q : p,
                  max_rs = r < s ? s : r;
-    return interval_wide(pq < rs ? pq : rs, max_pq < max_rs ? max_rs : max_pq, 1);
+    return rounded(pq < rs ? pq : rs, max_pq < max_rs ? max_rs : max_pq);
+}
+
+static double quotient(double a, double b)
+{
+    return a == 0 ? 0 : nonzero(a / b);
 }
 
 struct interval interval_div(struct interval a, struct interval b)
@@ -73,7 +115,9 @@ struct interval interval_div(struct interval a, struct interval b)
         return interval_none;
     if (interval_has(b, 0))
         return interval_all;
-    return interval_mul(a, interval_wide(1 / b.hi, 1 / b.lo, 1));
+    if (b.hi < 0)
+        return interval_div(interval_neg(a), interval_neg(b));
+    return rounded(quotient(a.lo, a.lo < 0 ? b.lo : b.hi), quotient(a.hi, a.hi < 0 ? b.hi : b.lo));
 }
 
 struct interval interval_square(struct interval a)
@@ -96,10 +140,12 @@ struct interval interval_power(struct interval a, int n)
         return n == 0 ? interval_point(1) : a;
     if (n < 0)
         return interval_div(interval_point(1), interval_power(a, -n));
-    const double p = power(a.lo, n), q = power(a.hi, n), units = 2 * n;
+    if (n == 1)
+        return a;
+    /* a square is rounded once; others up to n - 1 times, here and where formulas are evaluated */
+    const double p = power(a.lo, n), q = power(a.hi, n), units = n == 2 ? rounding : n;
     if (n % 2 == 1)
         return interval_wide(p, q, units);
-    if (interval_has(a, 0))
-        return interval_wide(0, p > q ? p : q, units);
-    return a.lo > 0 ? interval_wide(p, q, units) : interval_wide(q, p, units);
+    const struct interval out = interval_wide(fmin(p, q), fmax(p, q), units);
+    return (struct interval){interval_has(a, 0) ? 0 : fmax(out.lo, 0), out.hi};
 }
