@@ -120,7 +120,7 @@ bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *sys
         for (int i = 0; i < scene->model->n; i++)
             if (!isnan(box[i][0]) && !isnan(box[i][1]))
                 moved.value[typed->initial[i]] =
-                    box[i][0] + (box[i][1] - box[i][0]) * random_fraction(&seed);
+                    box[i][0] + (box[i][1] - box[i][0]) * (k == 0 ? 0.5 : random_fraction(&seed));
         if (scene_bind(&moved, system, &ignored)) {
             *scene = moved;
             return true;
