@@ -122,7 +122,7 @@ static double deviation(const struct modes_fitting *f, int first, const double b
 static void widen_all(struct modes_fitting *f)
 {
     const struct curve_fit *fit = &f->fit;
-    double widen[CURVE_PARAMETERS];
+    double widen[CURVE_PARAMETERS] = {0};
     widen[MODES_OFFSET] = widen[MODES_SLOPE] =
         autocorrelation_factor(residual_autocorrelation(&f->samples, f->residual));
     for (int k = 0; k < f->curve.modes; k++) {
