@@ -97,6 +97,9 @@ void reply_measured(struct reply *reply, const char *key, struct measured value,
                     enum quantity quantity);
 void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);
+/* an array of numbers */
+void reply_reals(struct reply *reply, const char *key, const double *value, int count,
+                 const char *unit);
 void reply_close(struct reply *reply); /* the innermost object or array */
 void reply_end(struct reply *reply);   /* the record */
 /* `count` rows of a table, a record each. Not headed: their names stand above an earlier part of

@@ -429,6 +429,15 @@ void reply_array(struct reply *reply, const char *key)
     open_level(reply, key, true);
 }
 
+void reply_reals(struct reply *reply, const char *key, const double *value, int count,
+                 const char *unit)
+{
+    reply_array(reply, key);
+    for (int i = 0; i < count; i++)
+        reply_quantity(reply, NULL, value[i], unit);
+    reply_close(reply);
+}
+
 void reply_close(struct reply *reply)
 {
     if (reply->depth > 0)

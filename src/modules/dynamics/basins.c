@@ -94,17 +94,13 @@ static void put_basin(struct buffer *out, const struct map *map, int k)
                  error = 100 * basins_error(b->count, map->basins->finished);
     buffer_format(out, "  %c  %.4g +- %.2g %%  %s", letter(k), share, error, kind_name[b->kind]);
     if (b->multiple > 0)
-        buffer_format(out, " of %d period%s of the drive", b->multiple,
-                      b->multiple == 1 ? "" : "s");
-    else if (b->period > 0) {
-        buffer_put(out, TEXT(" of period "));
-        buffer_quantity(out, b->period, QUANTITY_TIME, 7);
-    }
+        buffer_format(out, " of %d period%s of the drive", b->multiple, plural_s(b->multiple));
+    else if (b->period > 0)
+        buffer_format(out, " of period %s", SHOWN_QUANTITY(b->period, QUANTITY_TIME, 7));
     buffer_put(out, b->kind == BASIN_EQUILIBRIUM ? TEXT(" at ") : TEXT(" through "));
     for (int i = 0; i < map->system->n; i++) {
-        const struct variable variable = system_variable(map->system, i);
-        buffer_format(out, "%s%s = ", i > 0 ? ", " : "", variable.name);
-        buffer_quantity(out, b->state[i], variable.quantity, 6);
+        buffer_put(out, i > 0 ? TEXT(", ") : TEXT(""));
+        put_variable(out, map->system, i, b->state[i], 6);
     }
     if (b->kind == BASIN_IRREGULAR)
         buffer_put(out, TEXT(", does not repeat"));
@@ -131,8 +127,7 @@ static void put_basins(struct buffer *out, const struct map *map)
         map->answer ? map->answer - text_rows(buffer_text(out), map->width) - BELOW : MAP_ROWS;
     max = max < MAP_ROWS_MIN ? MAP_ROWS_MIN : max > MAP_ROWS ? MAP_ROWS : max;
     put_map(out, map, max);
-    buffer_put(out, TEXT("looked at every "));
-    buffer_quantity(out, b->strobe, QUANTITY_TIME, 6);
+    buffer_format(out, "looked at every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
     if (b->steps > 0)
         buffer_format(out, " by %d steps of rk4, %lld evaluations", b->steps,
                       4 * b->steps * (long long)b->looks);
@@ -154,10 +149,7 @@ static void reply_basin(struct reply *reply, const struct map *map, int k)
     reply_quantity(reply, "period", b->kind == BASIN_EQUILIBRIUM ? NAN : b->period, "s");
     reply_bool(reply, "stable", b->stable);
     reply_real(reply, "growth", b->growth);
-    reply_object(reply, "state");
-    for (int i = 0; i < map->system->n; i++)
-        reply_real(reply, system_variable(map->system, i).name, b->state[i]);
-    reply_close(reply);
+    reply_state(reply, map->system, "state", b->state);
     reply_end(reply);
 }
 
@@ -204,10 +196,7 @@ static void keep_map(const struct map *map, struct reply *reply)
 
 static void reply_map(const struct map *map, struct reply *reply)
 {
-    struct buffer text = {0};
-    put_basins(&text, map);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    put_basins(reply_buffer(reply), map);
     for (int k = 0; k < map->basins->count; k++)
         reply_basin(reply, map, k);
     reply_rest(reply, map->basins, "escapes", map->basins->escaping);

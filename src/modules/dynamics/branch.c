@@ -269,19 +269,22 @@ static void put_branch(const struct session *session, const struct kept_branch *
         buffer_format(out, "points like %s", b->of);
     else
         buffer_format(out, "%s, %d of them stable", kinds[branch->kind], stable);
-    buffer_format(out, ", %s from ", row->row.name);
-    buffer_quantity(out, branch->point[0].solution.param[0], row->quantity, 8);
-    buffer_format(out, " (%s) to ", branch->ends[0][0] ? branch->ends[0] : "the start");
-    buffer_quantity(out, branch->point[branch->count - 1].solution.param[0], row->quantity, 8);
-    buffer_format(out, " (%s)\n", branch->ends[1][0] ? branch->ends[1] : "the start");
+    buffer_format(out, ", %s", row->row.name);
+    for (int side = 0; side < 2; side++) {
+        const struct branch_point *end = &branch->point[side ? branch->count - 1 : 0];
+        buffer_format(out, " %s %s (%s)", side ? "to" : "from",
+                      SHOWN_QUANTITY(end->solution.param[0], row->quantity, 8),
+                      branch->ends[side][0] ? branch->ends[side] : "the start");
+    }
+    buffer_char(out, '\n');
     put_points(session, &b, 1, arena, out);
     buffer_format(out, "%lld evaluations", (long long)branch->evals);
     put_seconds(out, session, branch->seconds);
-    if (branch->count > 1) {
-        buffer_format(out, ", steps of %s up to ", row->row.name);
-        buffer_quantity(out, longest_step(branch), row->quantity, 2);
-        buffer_put(out, TEXT(" (special points closer together than that may be missed)"));
-    }
+    if (branch->count > 1)
+        buffer_format(out,
+                      ", steps of %s up to %s (special points closer together than that may be "
+                      "missed)",
+                      row->row.name, SHOWN_QUANTITY(longest_step(branch), row->quantity, 2));
     buffer_put(out, TEXT("; all points: 'export FILE table'"));
 }
 
@@ -357,7 +360,6 @@ HANDLER(branch)
     struct branch_words words = {.params = 0};
     struct kept_reference start = {.scene = session->setup.scene};
     struct kept_branch like = {.params = 1};
-    struct buffer text = {0};
     if (!read_words(session, args, &words, error) ||
         !find_start(session, &words, &start, like.of, error) || !bind_start(&start, error))
         return false;
@@ -411,9 +413,7 @@ HANDLER(branch)
                               : NULL;
     if (!kept)
         return error->text[0] ? false : error_set(error, ERROR_CANCELLED, "cancelled");
-    put_branch(session, kept, args->arena, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    put_branch(session, kept, args->arena, reply_buffer(reply));
     reply_own_solver(
         session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
     reply_branch(session, kept, reply);

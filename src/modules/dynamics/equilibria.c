@@ -149,10 +149,8 @@ static void put_box(struct buffer *out, const struct system *system, double box[
 {
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
-        buffer_format(out, "%s%s = ", i > 0 ? ", " : "", variable.name);
-        buffer_quantity(out, box[i][0], variable.quantity, 3);
-        buffer_put(out, TEXT(" .. "));
-        buffer_quantity(out, box[i][1], variable.quantity, 3);
+        buffer_format(out, "%s%s = %s", i > 0 ? ", " : "", variable.name,
+                      SHOWN_RANGE(box[i][0], box[i][1], variable.quantity, 3));
     }
 }
 
@@ -176,14 +174,6 @@ static void put_found(struct buffer *out, const struct system *system, double bo
         put_equilibria(out, system, found, arena);
 }
 
-static void reply_part(const char *name, const double *part, int n, struct reply *reply)
-{
-    reply_array(reply, name);
-    for (int i = 0; i < n; i++)
-        reply_real(reply, NULL, part[i]);
-    reply_close(reply);
-}
-
 /* Each eigenvector as its real and its imaginary part. */
 static void reply_form(const struct equilibrium_form *form, int n, struct reply *reply)
 {
@@ -191,8 +181,8 @@ static void reply_form(const struct equilibrium_form *form, int n, struct reply 
     reply_array(reply, "eigenvectors");
     for (int k = 0; k < n; k++) {
         reply_array(reply, NULL);
-        reply_part(NULL, form->re[k], n, reply);
-        reply_part(NULL, form->im[k], n, reply);
+        reply_reals(reply, NULL, form->re[k], n, "");
+        reply_reals(reply, NULL, form->im[k], n, "");
         reply_close(reply);
     }
     reply_close(reply);
@@ -286,14 +276,12 @@ HANDLER(equilibria)
     report_fraction(&session->front, 2);
     if (!fine)
         return false;
-    struct buffer text = {0};
-    put_found(&text, &system, box, &found, args->arena);
+    struct buffer *text = reply_buffer(reply);
+    put_found(text, &system, box, &found, args->arena);
     if (full)
-        put_vectors(&text, &system, &found);
-    buffer_format(&text, "%d boxes looked at", found.boxes);
-    put_seconds(&text, session, found.seconds);
-    reply_text(reply, text_trim(buffer_text(&text)));
-    buffer_free(&text);
+        put_vectors(text, &system, &found);
+    buffer_format(text, "%d boxes looked at", found.boxes);
+    put_seconds(text, session, found.seconds);
     reply_own_solver(session, NEWTON_SOLVER, reply);
     reply_equilibria(&system, &found, full, reply);
     const bool kept = dynamics_keep_equilibria(session, &found, error);

@@ -42,6 +42,15 @@ void table_finish(struct table_builder *builder, struct reply *reply, const char
 /* Values by their names, in SI, as an object of the record. */
 void reply_state(struct reply *reply, const struct system *system, const char *key,
                  const double *state);
+/* An exponent [1/s] as an object of the array that is open. */
+void reply_exponent(struct reply *reply, double value, double uncertainty);
+/* Puts "NAME = VALUE" of variable i. */
+void put_variable(struct buffer *out, const struct system *system, int i, double value, int digits);
+/* "-1 m .. 1 m" */
+const char *shown_range(struct value_text *text, double from, double to, enum quantity quantity,
+                        int digits);
+#define SHOWN_RANGE(from, to, quantity, digits)                                                    \
+    shown_range(&(struct value_text){""}, from, to, quantity, digits)
 void reply_stable(struct reply *reply, const struct solution *s, bool family);
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
 /* kept.c: list equilibria, orbits, branches, points; false: no memory. */

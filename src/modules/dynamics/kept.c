@@ -35,10 +35,8 @@ static void cell_values(struct text_table *table, const struct solution *s)
 static void cell_param(struct text_table *table, const struct scene *scene, int param, double value,
                        int digits)
 {
-    struct buffer out = {0};
-    buffer_format(&out, "%s = ", param_at(scene, param)->row.name);
-    buffer_quantity(&out, value, param_at(scene, param)->quantity, digits);
-    cell_take(table, &out);
+    const struct param_row *row = param_at(scene, param);
+    cell_format(table, "%s = %s", row->row.name, SHOWN_QUANTITY(value, row->quantity, digits));
 }
 
 /* ---- special points ---- */
@@ -192,14 +190,6 @@ void reply_points(const struct session *session, const struct kept_branch *branc
 
 /* ---- list ---- */
 
-/* Without the last newline. */
-static struct text whole(const struct buffer *out)
-{
-    struct text text = buffer_text(out);
-    text.len -= text.len > 0;
-    return text;
-}
-
 static bool list_none(struct reply *reply, const char *what, const char *type)
 {
     reply_line(reply, "no %s of these equations ('%s' finds them)", what, type);
@@ -223,10 +213,10 @@ bool dynamics_list_equilibria(struct session *session, struct arena *arena, stru
                                      .form = d->equilibria.form,
                                      .forced = d->equilibria.forced,
                                      .complete = d->equilibria.complete};
-    struct buffer out = {0};
-    put_equilibria(&out, &system, &found, arena);
-    reply_text(reply, found.count > 0 ? whole(&out) : TEXT("none in the box"));
-    buffer_free(&out);
+    if (found.count > 0)
+        put_equilibria(reply_buffer(reply), &system, &found, arena);
+    else
+        reply_line(reply, "none in the box");
     for (int k = 0; k < found.count; k++)
         reply_equilibrium(&system, &found, k, false, reply);
     return true;
@@ -238,14 +228,9 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
     const struct solution *s = &orbit->solution;
     cell_count(table, orbit->number);
     cell_quantity(table, s->period, QUANTITY_TIME, 9);
-    for (int i = 0; i < system->n; i++) {
-        const enum quantity quantity = system_variable(system, i).quantity;
-        struct buffer out = {0};
-        buffer_quantity(&out, s->bottom[i], quantity, 5);
-        buffer_put(&out, TEXT(" .. "));
-        buffer_quantity(&out, s->top[i], quantity, 5);
-        cell_take(table, &out);
-    }
+    for (int i = 0; i < system->n; i++)
+        cell_text(table,
+                  SHOWN_RANGE(s->bottom[i], s->top[i], system_variable(system, i).quantity, 5));
     cell_text(table, !solution_is_known(s)  ? "not known"
                      : !solution_stable(s)  ? "unstable"
                      : solution_ones(s) > 0 ? "neutral"
@@ -260,7 +245,6 @@ bool dynamics_list_orbits(struct session *session, struct arena *arena, struct r
     if (!d || d->orbits == 0)
         return list_none(reply, "orbits", "orbit");
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system.n + 4};
-    struct buffer out = {0};
     cell_text(&table, "");
     cell_text(&table, "T");
     for (int i = 0; i < system.n; i++)
@@ -269,9 +253,7 @@ bool dynamics_list_orbits(struct session *session, struct arena *arena, struct r
     cell_text(&table, "multipliers");
     for (int k = 0; k < d->orbits; k++)
         put_orbit_row(&table, &system, &d->orbit[k]);
-    text_table_put(&table, &out);
-    reply_text(reply, whole(&out));
-    buffer_free(&out);
+    text_table_put(&table, reply_buffer(reply));
     for (int k = 0; k < d->orbits; k++) {
         const struct solution *s = &d->orbit[k].solution;
         reply_begin(reply, "kept-orbit");
@@ -303,7 +285,6 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
     static const char *const heads[] = {"", "of", "from", "to", "points", "labels"};
     struct text_table table = {
         .arena = arena, .gap = 2, .indent = 2, .columns = (int)COUNT_OF(heads)};
-    struct buffer out = {0};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
     for (int k = 0; k < d->branches; k++) {
@@ -318,9 +299,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
         put_labels(&labels, b);
         cell_take(&table, &labels);
     }
-    text_table_put(&table, &out);
-    reply_text(reply, whole(&out));
-    buffer_free(&out);
+    text_table_put(&table, reply_buffer(reply));
     for (int k = 0; k < d->branches; k++) {
         const struct kept_branch *b = d->branch[k];
         struct buffer labels = {0};
@@ -347,10 +326,8 @@ bool dynamics_list_points(struct session *session, struct arena *arena, struct r
         points += d->branch[k]->specials;
     if (points == 0)
         return list_none(reply, "special points", "branch NAME=FROM:TO");
-    struct buffer out = {0};
-    put_points(session, (const struct kept_branch *const *)d->branch, d->branches, arena, &out);
-    reply_text(reply, whole(&out));
-    buffer_free(&out);
+    put_points(session, (const struct kept_branch *const *)d->branch, d->branches, arena,
+               reply_buffer(reply));
     for (int k = 0; k < d->branches; k++)
         reply_points(session, d->branch[k], reply);
     return true;
@@ -421,10 +398,9 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
 static void put_changes(const struct scene *before, const struct scene *now, struct buffer *out)
 {
     for (int i = 0; i < (int)scene_params(now)->count; i++)
-        if (now->value[i] != before->value[i]) {
-            buffer_format(out, "%s%s = ", out->len > 0 ? "  " : "", param_at(now, i)->row.name);
-            buffer_quantity(out, now->value[i], param_at(now, i)->quantity, 9);
-        }
+        if (now->value[i] != before->value[i])
+            buffer_format(out, "%s%s = %s", out->len > 0 ? "  " : "", param_at(now, i)->row.name,
+                          SHOWN_QUANTITY(now->value[i], param_at(now, i)->quantity, 9));
 }
 
 bool use_kept(HANDLER_PARAMETERS)

@@ -78,12 +78,10 @@ static void put_checks(struct buffer *out, const struct lyapunov *f)
 static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chosen)
 {
     if (f->time > 0) {
-        buffer_format(out, "Lyapunov exponent%s over ", f->count == 1 ? "" : "s");
-        buffer_quantity(out, f->time, QUANTITY_TIME, 6);
-        buffer_put(out, TEXT(", after "));
-        buffer_quantity(out, f->skip, QUANTITY_TIME, 6);
-        buffer_put(out,
-                   chosen ? TEXT(" ('over T' chosen for about 2e6 evaluations)\n") : TEXT("\n"));
+        buffer_format(out, "Lyapunov exponent%s over %s, after %s%s\n", plural_s(f->count),
+                      SHOWN_QUANTITY(f->time, QUANTITY_TIME, 6),
+                      SHOWN_QUANTITY(f->skip, QUANTITY_TIME, 6),
+                      chosen ? " ('over T' chosen for about 2e6 evaluations)" : "");
         put_exponents(out, f);
         put_checks(out, f);
     }
@@ -91,19 +89,9 @@ static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chos
         buffer_format(out, "%s: %s\n", f->determined ? "ends early" : "not determined", f->reason);
     buffer_format(out,
                   "%lld evaluations by %s at tol = %.0e ('method', 'dt' and 'tol' do not matter "
-                  "here), ",
-                  (long long)f->evals, f->method, f->tol);
-    buffer_quantity(out, f->seconds, QUANTITY_TIME, 3);
-}
-
-static void reply_value(struct reply *reply, const char *key, struct exponent value,
-                        const char *unit)
-{
-    reply_object(reply, key);
-    reply_real(reply, "value", value.value);
-    reply_real(reply, "uncertainty", value.error);
-    reply_string(reply, "unit", unit);
-    reply_close(reply);
+                  "here), %s",
+                  (long long)f->evals, f->method, f->tol,
+                  SHOWN_QUANTITY(f->seconds, QUANTITY_TIME, 3));
 }
 
 static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
@@ -111,7 +99,7 @@ static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
     reply_begin(reply, "lyapunov");
     reply_array(reply, "exponents");
     for (int i = 0; i < f->count; i++)
-        reply_value(reply, NULL, f->exponent[i], "1/s");
+        reply_exponent(reply, f->exponent[i].value, f->exponent[i].error);
     reply_close(reply);
     reply_quantity(reply, "sum", f->time > 0 ? f->sum : NAN, "1/s");
     reply_quantity(reply, "divergence", f->time > 0 ? f->divergence : NAN, "1/s");
@@ -155,10 +143,7 @@ HANDLER(lyapunov)
                         found.n == 1 ? "" : "s");
     if (found.cancelled && !(found.time > 0))
         return error_set(error, ERROR_CANCELLED, "stopped before means were taken");
-    struct buffer text = {0};
-    put_lyapunov(&text, &found, !over->count);
-    reply_text(reply, text_trim(buffer_text(&text)));
-    buffer_free(&text);
+    put_lyapunov(reply_buffer(reply), &found, !over->count);
     reply_lyapunov(&found, reply);
     return !found.cancelled || error_set(error, ERROR_CANCELLED, "stopped");
 }

@@ -10,46 +10,39 @@ static void put_exponent(struct buffer *out, const char *name, const struct seri
                          enum quantity quantity)
 {
     if (f->determined) {
-        buffer_format(out, "largest Lyapunov exponent of %s: ", name);
-        buffer_measured(out, f->value, QUANTITY_RATE, 6);
-        buffer_format(out, ", from %zu pairs of neighbours\ndistances grow evenly from ", f->pairs);
-        buffer_quantity(out, f->from, QUANTITY_TIME, 3);
-        buffer_put(out, TEXT(" to "));
-        buffer_quantity(out, f->to, QUANTITY_TIME, 3);
-        buffer_format(out, ", by a factor of %.3g\n", f->growth);
+        buffer_format(out,
+                      "largest Lyapunov exponent of %s: %s, from %zu pairs of neighbours\n"
+                      "distances grow evenly from %s to %s, by a factor of %.3g\n",
+                      name, SHOWN_MEASURED(f->value, QUANTITY_RATE, 6), f->pairs,
+                      SHOWN_QUANTITY(f->from, QUANTITY_TIME, 3),
+                      SHOWN_QUANTITY(f->to, QUANTITY_TIME, 3), f->growth);
     } else
         buffer_format(out, "largest Lyapunov exponent of %s: not determined: %s\n", name,
                       f->reason);
     if (isfinite(f->dimension.value)) {
-        buffer_put(out, TEXT("correlation dimension "));
-        buffer_measured(out, f->dimension, QUANTITY_NUMBER, 6);
-        buffer_put(out, TEXT(", at distances from "));
-        buffer_quantity(out, f->distance[0], quantity, 3);
-        buffer_put(out, TEXT(" to "));
-        buffer_quantity(out, f->distance[1], quantity, 3);
-        buffer_char(out, '\n');
+        buffer_format(out, "correlation dimension %s, at distances from %s to %s\n",
+                      SHOWN_MEASURED(f->dimension, QUANTITY_NUMBER, 6),
+                      SHOWN_QUANTITY(f->distance[0], quantity, 3),
+                      SHOWN_QUANTITY(f->distance[1], quantity, 3));
     } else if (f->dimensions > 0)
         buffer_format(out, "correlation dimension: not determined: %s\n", f->dimension_reason);
-    if (f->dimensions == 0)
-        return;
-    buffer_format(out, "vectors of %d value%s, ", f->dimensions, f->dimensions == 1 ? "" : "s");
-    buffer_quantity(out, f->delay, QUANTITY_TIME, 3);
-    buffer_put(out, TEXT(" from one to the next; neighbours are farther apart in time than "));
-    buffer_quantity(out, f->apart, QUANTITY_TIME, 3);
+    if (f->dimensions > 0)
+        buffer_format(out,
+                      "vectors of %d value%s, %s from one to the next; neighbours are farther "
+                      "apart in time than %s",
+                      f->dimensions, plural_s(f->dimensions),
+                      SHOWN_QUANTITY(f->delay, QUANTITY_TIME, 3),
+                      SHOWN_QUANTITY(f->apart, QUANTITY_TIME, 3));
 }
 
-static void reply_exponent(const struct subject *subject, const struct series_exponent *f,
-                           struct reply *reply)
+static void reply_largest(const struct subject *subject, const struct series_exponent *f,
+                          struct reply *reply)
 {
     const struct series *s = &subject->series;
     reply_begin(reply, "lyapunov");
     reply_string(reply, "of", subject->name);
     reply_array(reply, "exponents");
-    reply_object(reply, NULL);
-    reply_real(reply, "value", f->value.value);
-    reply_real(reply, "uncertainty", f->value.uncertainty);
-    reply_string(reply, "unit", "1/s");
-    reply_close(reply);
+    reply_exponent(reply, f->value.value, f->value.uncertainty);
     reply_close(reply);
     reply_quantity(reply, "sum", NAN, "1/s");
     reply_quantity(reply, "divergence", NAN, "1/s");
@@ -87,10 +80,7 @@ bool lyapunov_of_series(struct session *session, const struct arguments *args, s
         (column->count && !subject_column(&subject, column, window, args->arena, error)) ||
         !series_exponent(&subject.series, args->arena, &found, error))
         return false;
-    struct buffer text = {0};
-    put_exponent(&text, subject.name, &found, subject.series.quantity);
-    reply_text(reply, text_trim(buffer_text(&text)));
-    buffer_free(&text);
-    reply_exponent(&subject, &found, reply);
+    put_exponent(reply_buffer(reply), subject.name, &found, subject.series.quantity);
+    reply_largest(&subject, &found, reply);
     return true;
 }

@@ -80,13 +80,10 @@ static void put_from(struct buffer *out, const struct found_orbit *orbit, const 
 
 static void put_energy(struct buffer *out, const struct found_orbit *orbit, bool driven)
 {
-    if (!isfinite(orbit->energy_in) || orbit->energy_in == 0)
-        return;
-    buffer_put(out, TEXT("  energy "));
-    buffer_quantity(out, orbit->energy_in, QUANTITY_ENERGY, 6);
-    buffer_put(out, driven ? TEXT(" put in by the drive in a period")
-                           : TEXT(" put in and taken out in a period"));
-    buffer_char(out, '\n');
+    if (isfinite(orbit->energy_in) && orbit->energy_in != 0)
+        buffer_format(out, "  energy %s put in %s in a period\n",
+                      SHOWN_QUANTITY(orbit->energy_in, QUANTITY_ENERGY, 6),
+                      driven ? "by the drive" : "and taken out");
 }
 
 static void put_multipliers(struct buffer *out, const struct solution *s)
@@ -104,8 +101,7 @@ static void put_orbit(struct buffer *out, const struct system *system, int numbe
                       const struct found_orbit *orbit)
 {
     const struct solution *s = &orbit->solution;
-    buffer_format(out, "orbit %d: T = ", number);
-    buffer_quantity(out, s->period, QUANTITY_TIME, 12);
+    buffer_format(out, "orbit %d: T = %s", number, SHOWN_QUANTITY(s->period, QUANTITY_TIME, 12));
     if (s->multiple > 1)
         buffer_format(out, " (%d periods of the drive)", s->multiple);
     else if (s->multiple == 1)
@@ -120,10 +116,8 @@ static void put_orbit(struct buffer *out, const struct system *system, int numbe
     put_multipliers(out, s);
     for (int i = 0; i < system->n; i++) {
         const struct variable variable = system_variable(system, i);
-        buffer_format(out, "\n  %s = ", variable.name);
-        buffer_quantity(out, s->bottom[i], variable.quantity, 8);
-        buffer_put(out, TEXT(" .. "));
-        buffer_quantity(out, s->top[i], variable.quantity, 8);
+        buffer_format(out, "\n  %s = %s", variable.name,
+                      SHOWN_RANGE(s->bottom[i], s->top[i], variable.quantity, 8));
     }
     buffer_char(out, '\n');
     put_energy(out, orbit, s->multiple > 0);
@@ -180,7 +174,6 @@ HANDLER(orbit)
                                     .context = &session->front};
     struct found_orbit found;
     struct system system;
-    struct buffer text = {0};
     if (!scene_bind(&session->setup.scene, &system, error))
         return false;
     if (system.n > DYNAMICS_VARIABLES)
@@ -203,20 +196,18 @@ HANDLER(orbit)
     const struct kept_orbit *kept =
         dynamics_keep_orbit(session, &found.solution, found.samples, found.sample, error);
     if (kept) {
-        put_orbit(&text, &system, kept->number, &found);
-        put_seconds(&text, session, found.seconds);
-        if (found.family_from > 0) {
-            buffer_put(&text, TEXT(",\n  along its family from T = "));
-            buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);
-        } else {
-            put_from(&text, &found, request.settles ? from : "the guess");
-        }
-        reply_text(reply, buffer_text(&text));
+        struct buffer *text = reply_buffer(reply);
+        put_orbit(text, &system, kept->number, &found);
+        put_seconds(text, session, found.seconds);
+        if (found.family_from > 0)
+            buffer_format(text, ",\n  along its family from T = %s",
+                          SHOWN_QUANTITY(found.family_from, QUANTITY_TIME, 6));
+        else
+            put_from(text, &found, request.settles ? from : "the guess");
         reply_own_solver(session, FLOW_SOLVER, reply);
         reply_orbit(&system, kept->number, &found, reply);
         keep_table(&system, &found, reply);
     }
-    buffer_free(&text);
     orbit_free(&found);
     return kept != NULL;
 }

@@ -12,10 +12,9 @@ static void put_crossing(struct buffer *text, const struct portrait_crossing *cr
 {
     const struct variable *at = &variable[crossing->variable],
                           *other = &variable[!crossing->variable];
-    buffer_format(text, ", %s = ", other->name);
-    buffer_quantity(text, crossing->other, other->quantity, 7);
-    buffer_format(text, " at %s = ", at->name);
-    buffer_quantity(text, crossing->value, at->quantity, 4);
+    buffer_format(text, ", %s = %s at %s = %s", other->name,
+                  SHOWN_QUANTITY(crossing->other, other->quantity, 7), at->name,
+                  SHOWN_QUANTITY(crossing->value, at->quantity, 4));
 }
 
 static void reply_crossings(const struct separatrix *s, const struct variable variable[2],
@@ -46,15 +45,13 @@ void reply_portrait(const struct session *session, const struct figure_request *
                                          system_variable(&system, stored->request.variable[1])};
     for (int i = 0; i < portrait->separatrices; i++) {
         const struct separatrix *s = &portrait->separatrix[i];
-        struct buffer text = {0};
-        buffer_format(&text, "separatrix of equilibrium %d, %s", s->equilibrium + 1,
+        struct buffer *text = reply_buffer(reply);
+        buffer_format(text, "separatrix of equilibrium %d, %s", s->equilibrium + 1,
                       s->stable ? "stable" : "unstable");
         if (s->to >= 0)
-            buffer_format(&text, ", %s equilibrium %d", s->stable ? "from" : "to", s->to + 1);
+            buffer_format(text, ", %s equilibrium %d", s->stable ? "from" : "to", s->to + 1);
         for (int k = 0; k < s->crossings && k < 2; k++)
-            put_crossing(&text, &s->crossing[k], variable);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
+            put_crossing(text, &s->crossing[k], variable);
         reply_begin(reply, "separatrix");
         reply_int(reply, "n", i + 1);
         reply_int(reply, "equilibrium", s->equilibrium + 1);
@@ -63,11 +60,9 @@ void reply_portrait(const struct session *session, const struct figure_request *
         reply_crossings(s, variable, reply);
         reply_end(reply);
     }
-    struct buffer cost = {0};
-    buffer_format(&cost, "%lld evaluations", (long long)portrait->evals);
-    put_seconds(&cost, session, portrait->seconds);
-    reply_text(reply, buffer_text(&cost));
-    buffer_free(&cost);
+    struct buffer *cost = reply_buffer(reply);
+    buffer_format(cost, "%lld evaluations", (long long)portrait->evals);
+    put_seconds(cost, session, portrait->seconds);
     reply_own_solver(session, FLOW_SOLVER, reply);
     if (!portrait->found.complete && portrait->found.count > 0)
         reply_line(reply, "equilibria: may be incomplete (%s)", portrait->found.reason);

@@ -5,6 +5,8 @@
 #include <hooke/run/timing.h>
 #include "modules/dynamics/handlers.h"
 
+#include <stdio.h>
+
 /* ---- arguments ---- */
 
 bool take_equals(struct parser *parser, struct text argument, struct text name)
@@ -44,10 +46,8 @@ int read_variable(struct parser *parser, struct text argument, const struct syst
 
 void put_seconds(struct buffer *out, const struct session *session, double seconds)
 {
-    if (session->setup.settings.timing == TIMING_OFF)
-        return;
-    buffer_put(out, TEXT(", "));
-    buffer_quantity(out, seconds, QUANTITY_TIME, 3);
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(out, ", %s", SHOWN_QUANTITY(seconds, QUANTITY_TIME, 3));
 }
 
 void reply_state(struct reply *reply, const struct system *system, const char *key,
@@ -59,15 +59,34 @@ void reply_state(struct reply *reply, const struct system *system, const char *k
     reply_close(reply);
 }
 
+void reply_exponent(struct reply *reply, double value, double uncertainty)
+{
+    reply_object(reply, NULL);
+    reply_real(reply, "value", value);
+    reply_real(reply, "uncertainty", uncertainty);
+    reply_string(reply, "unit", "1/s");
+    reply_close(reply);
+}
+
+void put_variable(struct buffer *out, const struct system *system, int i, double value, int digits)
+{
+    const struct variable variable = system_variable(system, i);
+    buffer_format(out, "%s = %s", variable.name, SHOWN_QUANTITY(value, variable.quantity, digits));
+}
+
+const char *shown_range(struct value_text *text, double from, double to, enum quantity quantity,
+                        int digits)
+{
+    snprintf(text->at, sizeof text->at, "%s .. %s", SHOWN_QUANTITY(from, quantity, digits),
+             SHOWN_QUANTITY(to, quantity, digits));
+    return text->at;
+}
+
 void reply_values(struct reply *reply, const char *key, const struct solution *s)
 {
     reply_array(reply, key);
-    for (int i = 0; i < s->values; i++) {
-        reply_array(reply, NULL);
-        reply_real(reply, NULL, s->value[i].re);
-        reply_real(reply, NULL, s->value[i].im);
-        reply_close(reply);
-    }
+    for (int i = 0; i < s->values; i++)
+        reply_reals(reply, NULL, (const double[]){s->value[i].re, s->value[i].im}, 2, "");
     reply_close(reply);
 }
 

@@ -75,21 +75,16 @@ static void list_starts(const struct session *session, const struct system *syst
         reply_line(reply, "no trajectory has been started: start %s=VALUE",
                    system->model->variable[0].name);
     for (int k = first; k < starts; k++) {
-        struct buffer text = {0};
-        buffer_format(&text, "%3d ", k + 1);
+        struct buffer *text = reply_buffer(reply);
+        buffer_format(text, "%3d ", k + 1);
+        for (int i = 0; i < system->n; i++) {
+            buffer_char(text, ' ');
+            put_variable(text, system, i, view->start[k][i], 6);
+        }
         reply_begin(reply, "start");
         reply_int(reply, "n", k + 1);
-        reply_object(reply, "state");
-        for (int i = 0; i < system->n; i++) {
-            const struct variable variable = system_variable(system, i);
-            buffer_format(&text, " %s = ", variable.name);
-            buffer_quantity(&text, view->start[k][i], variable.quantity, 6);
-            reply_real(reply, variable.name, view->start[k][i]);
-        }
-        reply_close(reply);
+        reply_state(reply, system, "state", view->start[k]);
         reply_end(reply);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
     }
 }
 

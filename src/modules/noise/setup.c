@@ -119,10 +119,7 @@ static void reply_values(struct reply *reply, const char *key, const double *val
         reply_real(reply, key, value[0]);
         return;
     }
-    reply_array(reply, key);
-    for (int i = 0; i < count; i++)
-        reply_real(reply, NULL, value[i]);
-    reply_close(reply);
+    reply_reals(reply, key, value, count, "");
 }
 
 void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *grid,
