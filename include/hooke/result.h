@@ -95,6 +95,9 @@ void reply_null(struct reply *reply, const char *key);
 void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit);
 void reply_measured(struct reply *reply, const char *key, struct measured value,
                     enum quantity quantity);
+/* the same; null where the value is not finite */
+void reply_if_known(struct reply *reply, const char *key, struct measured value,
+                    enum quantity quantity);
 void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);
 /* an array of numbers */

@@ -62,15 +62,6 @@ static enum quantity quantity_in(const struct result_column *column, const void 
 
 /* ---- records ---- */
 
-static void put_measured(struct reply *reply, const struct result_column *column, const void *row)
-{
-    const struct measured *value = member(column, row);
-    if (isfinite(value->value))
-        reply_measured(reply, column->name, *value, quantity_in(column, row));
-    else
-        reply_null(reply, column->name);
-}
-
 static void put_parts(struct reply *reply, const struct result_column *column, const void *row)
 {
     size_t count = 0;
@@ -106,7 +97,8 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
             reply_bool(reply, c->name, bool_of(c, row));
             break;
         case COLUMN_MEASURED:
-            put_measured(reply, c, row);
+            reply_if_known(reply, c->name, *(const struct measured *)member(c, row),
+                           quantity_in(c, row));
             break;
         case COLUMN_NAME:
         case COLUMN_CHARS:

@@ -419,6 +419,15 @@ void reply_measured(struct reply *reply, const char *key, struct measured value,
     reply_in_unit(reply, key, value, quantity_unit(quantity));
 }
 
+void reply_if_known(struct reply *reply, const char *key, struct measured value,
+                    enum quantity quantity)
+{
+    if (isfinite(value.value))
+        reply_measured(reply, key, value, quantity);
+    else
+        reply_null(reply, key);
+}
+
 void reply_object(struct reply *reply, const char *key)
 {
     open_level(reply, key, false);

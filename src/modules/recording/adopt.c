@@ -111,10 +111,8 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
     const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
     if (isfinite(rms)) {
-        buffer_put(text, TEXT("\nrms of the run "));
-        buffer_quantity(text, rms, quantity, 3);
-        buffer_put(text, TEXT(", of the fit "));
-        buffer_quantity(text, fit->rms, quantity, 3);
+        buffer_format(text, "\nrms of the run %s, of the fit %s", SHOWN_QUANTITY(rms, quantity, 3),
+                      SHOWN_QUANTITY(fit->rms, quantity, 3));
         const struct method *method = a->session->setup.method;
         if (!a->session->setup.method_chosen && method->order < 4)
             buffer_format(text, " (to rounding; %s's is farther off: 'method rk4')",
@@ -333,14 +331,14 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
 {
     const enum quantity position = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
     const char *unit = quantity_unit(quantity);
-    buffer_format(text, "\nwith 1 %s = ", unit);
-    buffer_quantity(text, scale, position, 4);
+    buffer_format(text, "\nwith 1 %s = %s", unit, SHOWN_QUANTITY(scale, position, 4));
     if (option)
         return;
-    buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ",
-                  quantity_article(quantity), quantity_name(quantity), quantity_name(position));
-    buffer_quantity(text, fit->amplitude.value * scale, position, 4);
-    buffer_format(text, ", is kept ('adopt scale=..' says what 1 %s is)", unit);
+    buffer_format(text,
+                  ": the amplitude of the fit is %s %s, no %s; that of the scene, %s, is kept "
+                  "('adopt scale=..' says what 1 %s is)",
+                  quantity_article(quantity), quantity_name(quantity), quantity_name(position),
+                  SHOWN_QUANTITY(fit->amplitude.value * scale, position, 4), unit);
     if (fit->drag.candidates > 0 && (fit->drag.best & (LAW_QUADRATIC | LAW_DRY)))
         buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
 }

@@ -13,11 +13,8 @@
 static void reply_part(const struct recording *recording, struct reply *reply)
 {
     const enum quantity quantity = recording->column[recording->value].quantity;
-    struct buffer zero = {0};
-    buffer_measured(&zero, (struct measured){recording->zero, 0}, quantity, 6);
     reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0],
-               recording->window[1], buffer_view(&zero));
-    buffer_free(&zero);
+               recording->window[1], SHOWN_VALUE(recording->zero, quantity, 6));
 }
 
 static void list_recordings(const struct session *session, struct reply *reply)
@@ -80,12 +77,9 @@ static bool join(const struct session *session, struct recording *recording,
 
 static void reply_joined(const struct recording *recording, struct reply *reply)
 {
-    if (recording->mass.value > 0) {
-        struct buffer mass = {0};
-        buffer_measured(&mass, recording->mass, QUANTITY_MASS, 6);
-        reply_line(reply, "%s: mass %s", recording->name, buffer_view(&mass));
-        buffer_free(&mass);
-    }
+    if (recording->mass.value > 0)
+        reply_line(reply, "%s: mass %s", recording->name,
+                   SHOWN_MEASURED(recording->mass, QUANTITY_MASS, 6));
     if (recording->velocity[0])
         reply_line(reply, "%s: velocities from %s", recording->name, recording->velocity);
 }

@@ -172,10 +172,9 @@ static const char *describe_fixed(const struct scene *scene, const int *fixed, i
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
         const struct param_row *row = param_at(scene, fixed[i]);
-        buffer_format(&text, "%s%s = ", i ? ", " : "", row->row.name);
-        buffer_measured(&text,
-                        (struct measured){scene->value[fixed[i]], scene->uncertainty[fixed[i]]},
-                        row->quantity, 6);
+        const struct measured value = {scene->value[fixed[i]], scene->uncertainty[fixed[i]]};
+        buffer_format(&text, "%s%s = %s", i ? ", " : "", row->row.name,
+                      SHOWN_MEASURED(value, row->quantity, 6));
     }
     buffer_put(&text, count ? TEXT(", as you have set (free=NAME,.. fits them)") : TEXT(""));
     const char *copy = text.len ? arena_text(arena, buffer_text(&text)) : NULL;
@@ -297,10 +296,9 @@ static bool find_known(const void *context, struct text name, int *slot)
             return false;
     if (!known->all->find(known->all->context, name, slot))
         return false;
-    buffer_format(known->fixed, "%s%.*s = ", known->fixed->len ? ", " : "", (int)name.len, name.at);
-    buffer_measured(known->fixed,
-                    (struct measured){known->all->load(known->all->context, *slot), 0},
-                    name_quantity(known->all, name), 6);
+    const double value = known->all->load(known->all->context, *slot);
+    buffer_format(known->fixed, "%s%.*s = %s", known->fixed->len ? ", " : "", (int)name.len,
+                  name.at, SHOWN_VALUE(value, name_quantity(known->all, name), 6));
     return true;
 }
 

@@ -72,8 +72,7 @@ void put_modes(const struct fit_summary *summary, struct buffer *text)
     }
     if (modes->modes == 2)
         put_coupling(summary, text);
-    buffer_put(text, TEXT("\n  rms "));
-    buffer_quantity(text, modes->fit.rms, quantity, 3);
+    buffer_format(text, "\n  rms %s", SHOWN_QUANTITY(modes->fit.rms, quantity, 3));
     put(text, "   offset ", modes->fit.offset, quantity);
     buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
 }
@@ -90,17 +89,11 @@ void reply_modes(const struct fit_summary *summary, struct reply *reply)
         reply_close(reply);
     }
     reply_close(reply);
-    if (modes->modes == 2) {
-        reply_measured(reply, "splitting", modes->splitting, QUANTITY_FREQUENCY);
-        reply_measured(reply, "coupling", modes->coupling, QUANTITY_NUMBER);
-    } else {
-        reply_null(reply, "splitting");
-        reply_null(reply, "coupling");
-    }
-    if (isfinite(summary->k.value))
-        reply_measured(reply, "kc", summary->k, QUANTITY_STIFFNESS);
-    else
-        reply_null(reply, "kc");
+    const struct measured none = {NAN, NAN};
+    const bool two = modes->modes == 2;
+    reply_if_known(reply, "splitting", two ? modes->splitting : none, QUANTITY_FREQUENCY);
+    reply_if_known(reply, "coupling", two ? modes->coupling : none, QUANTITY_NUMBER);
+    reply_if_known(reply, "kc", summary->k, QUANTITY_STIFFNESS);
 }
 
 /* fit_frequency1, fit_gamma1 … and the like: results that expressions can use. */

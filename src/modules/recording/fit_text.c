@@ -63,12 +63,9 @@ void fit_add_residuals(struct fit_summary *summary)
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured)
 {
-    buffer_format(text, "%s = ", name);
-    if (isfinite(value.value))
-        buffer_measured(text, value, quantity,
-                        measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
-    else
-        buffer_put(text, TEXT("unknown"));
+    const int digits = measured && value.uncertainty > 0 ? EXACT_DIGITS : 6;
+    buffer_format(text, "%s = %s", name,
+                  isfinite(value.value) ? SHOWN_MEASURED(value, quantity, digits) : "unknown");
 }
 
 void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
@@ -76,12 +73,10 @@ void put_reciprocal(struct buffer *text, const char *name, double top, struct me
 {
     double least;
     const struct measured value = measured_reciprocal(top, rate, &least);
-    if (isfinite(least)) {
-        buffer_format(text, "%s > ", name);
-        buffer_quantity(text, least, quantity, 2);
-    } else if (isfinite(value.value)) {
+    if (isfinite(least))
+        buffer_format(text, "%s > %s", name, SHOWN_QUANTITY(least, quantity, 2));
+    else if (isfinite(value.value))
         put_value(text, name, value, quantity, measured);
-    }
 }
 
 void put_pace(const struct series *series, struct buffer *text)
@@ -110,14 +105,12 @@ static void cell_rate(struct text_table *table, struct measured value)
 {
     const double u = value.uncertainty;
     const int decimals = u > 0 && u < 10 ? 1 - (int)floor(log10(u)) : 0;
-    struct buffer cell = {0};
     if (!isfinite(value.value) || (value.value == 0 && !(u > 0)))
-        buffer_char(&cell, '-');
+        cell_text(table, "-");
     else if (!(u > 0) || decimals > 9)
-        buffer_format(&cell, "%.4g", value.value);
+        cell_format(table, "%.4g", value.value);
     else
-        buffer_format(&cell, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
-    cell_take(table, &cell);
+        cell_format(table, "%.*f(%.0f)", decimals, value.value, u * pow(10, decimals));
 }
 
 /* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
@@ -158,15 +151,10 @@ static void put_forces(const struct fit_summary *summary, struct buffer *text)
 
 static void law_cells(const struct drag_candidate *c, struct text_table *table)
 {
-    struct buffer bic = {0};
     cell_text(table, drag_law_name(c->law));
     for (int k = 0; k < DRAG_RATES; k++)
         cell_rate(table, c->rate[k]);
-    if (c->converged && isfinite(c->bic))
-        buffer_format(&bic, "%.1f", c->bic);
-    else
-        buffer_put(&bic, c->converged ? TEXT("-") : TEXT("no fit"));
-    cell_take(table, &bic);
+    cell_format(table, !c->converged ? "no fit" : isfinite(c->bic) ? "%.1f" : "-", c->bic);
 }
 
 /* Sets rank [candidates] to their places by BIC, the preferred one first. */
@@ -195,20 +183,15 @@ static void put_laws(const struct fit_summary *summary, struct arena *arena, str
     struct text_table table = {.arena = arena, .columns = 2 + DRAG_RATES, .gap = 2, .indent = 2};
     int rank[COUNT_OF(drag->candidate)];
     cell_text(&table, "law");
-    for (int k = 0; k < DRAG_RATES; k++) {
-        struct buffer head = {0};
-        buffer_format(&head, "%s [%s]", names[k], fit_rate_unit(summary, k));
-        cell_take(&table, &head);
-    }
+    for (int k = 0; k < DRAG_RATES; k++)
+        cell_format(&table, "%s [%s]", names[k], fit_rate_unit(summary, k));
     cell_text(&table, "BIC");
     rank_laws(summary->motion, rank);
     for (int i = 0; i < drag->candidates; i++)
         law_cells(&drag->candidate[rank[i]], &table);
     buffer_char(text, '\n');
     text_table_put(&table, text);
-    while (text->len && text->data[text->len - 1] == '\n')
-        text->len--;
-    buffer_format(text, "\n  %s", drag->said);
+    buffer_format(text, "  %s", drag->said);
     put_forces(summary, text);
 }
 
@@ -238,13 +221,12 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
     buffer_format(text, " at t = %.6g s", fit->t0);
     if (isfinite(summary->k.value))
         put_value(text, "\n  k", summary->k, QUANTITY_STIFFNESS, summary->subject->recording);
-    buffer_put(text, isfinite(summary->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
-    buffer_quantity(text, fit->rms, quantity, 3);
+    buffer_format(text, "%s rms %s", isfinite(summary->k.value) ? "  " : "\n ",
+                  SHOWN_QUANTITY(fit->rms, quantity, 3));
     if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
         put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE,
                   summary->subject->recording);
-        buffer_put(text, TEXT(" and "));
-        buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
+        buffer_format(text, " and %s", SHOWN_MEASURED(fit->halves[1], QUANTITY_RATE, 4));
     }
     if (fit->drag.candidates > 0)
         put_laws(summary, arena, text);
@@ -271,26 +253,17 @@ static void put_parameters(const struct fit_summary *summary, struct arena *aren
         const int digits = summary->subject->recording && half > 0 && size > half
                                ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15)
                                : 6;
-        struct buffer value = {0}, interval = {0};
-        buffer_measured(&value, curve->value[j], summary->quantity[j],
-                        summary->subject->recording ? EXACT_DIGITS : 8);
-        if (curve->bound[j]) {
-            buffer_put(&interval, TEXT("on its bound"));
-        } else if (!curve->determined[j]) {
-            buffer_put(&interval, TEXT("not determined"));
-        } else {
-            buffer_quantity(&interval, range[0], summary->quantity[j], digits);
-            buffer_put(&interval, TEXT(" .. "));
-            buffer_quantity(&interval, range[1], summary->quantity[j], digits);
-        }
         cell_text(&table, summary->name[j]);
-        cell_take(&table, &value);
-        cell_take(&table, &interval);
+        cell_text(&table, SHOWN_MEASURED(curve->value[j], summary->quantity[j],
+                                         summary->subject->recording ? EXACT_DIGITS : 8));
+        if (curve->bound[j] || !curve->determined[j])
+            cell_text(&table, curve->bound[j] ? "on its bound" : "not determined");
+        else
+            cell_format(&table, "%s .. %s", SHOWN_QUANTITY(range[0], summary->quantity[j], digits),
+                        SHOWN_QUANTITY(range[1], summary->quantity[j], digits));
     }
     buffer_char(text, '\n');
     text_table_put(&table, text);
-    while (text->len && text->data[text->len - 1] == '\n')
-        text->len--;
 }
 
 bool fit_correlated(const struct curve_fit *curve, int i, int j)
@@ -302,10 +275,9 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
 {
     const struct curve_fit *curve = summary->curve;
     put_parameters(summary, arena, text);
-    buffer_put(text, TEXT("\n  residuals: standard deviation "));
-    buffer_quantity(text, curve->sigma, summary->subject->series.quantity, 3);
-    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation,
-                  curve->said);
+    buffer_format(text, "  residuals: standard deviation %s, correlation of neighbours %.2f; %s",
+                  SHOWN_QUANTITY(curve->sigma, summary->subject->series.quantity, 3),
+                  curve->autocorrelation, curve->said);
     if (curve->bootstrapped > 0)
         buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
     const char *before = "\n  correlated: ";
@@ -323,14 +295,12 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
 
 void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply)
 {
-    struct buffer text = {0};
-    put_head(summary, &text);
+    struct buffer *text = reply_buffer(reply);
+    put_head(summary, text);
     if (summary->modes)
-        put_modes(summary, &text);
+        put_modes(summary, text);
     else
-        (summary->motion ? put_motion : put_curve)(summary, arena, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        (summary->motion ? put_motion : put_curve)(summary, arena, text);
     reply_fit_record(summary, reply);
     for (int i = 0; i < summary->warnings; i++)
         reply_warning(reply, "%s", summary->warning[i]);

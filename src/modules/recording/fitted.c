@@ -80,10 +80,9 @@ static void reply_laws(const struct fit_summary *summary, struct reply *reply)
     const bool known =
         compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
     reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
-    if (compared && drag->force == RESTORING_CUBIC)
-        reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
-    else
-        reply_null(reply, "beta");
+    const bool cubic = compared && drag->force == RESTORING_CUBIC;
+    reply_if_known(reply, "beta", cubic ? drag->cubic : (struct measured){NAN, NAN},
+                   QUANTITY_OTHER);
     reply_real(reply, "delta", compared ? drag->delta : NAN);
     reply_real(reply, "p_value", compared ? drag->p_value : NAN);
 }
@@ -149,19 +148,14 @@ static enum quantity series_quantity(const void *row)
 static void put_window(struct reply *reply, const char *key, const void *row)
 {
     const struct series *series = &told_by(row)->subject->series;
-    reply_array(reply, key);
-    reply_quantity(reply, NULL, series->t[0], "s");
-    reply_quantity(reply, NULL, series->t[series->n - 1], "s");
-    reply_close(reply);
+    reply_reals(reply, key, (const double[]){series->t[0], series->t[series->n - 1]}, 2, "s");
 }
 
 static void put_halves(struct reply *reply, const char *key, const void *row)
 {
     reply_object(reply, key);
-    reply_array(reply, "gamma");
-    for (int i = 0; i < 2; i++)
-        reply_quantity(reply, NULL, ((const struct fit_record *)row)->fit.halves[i].value, "1/s");
-    reply_close(reply);
+    const struct measured *half = ((const struct fit_record *)row)->fit.halves;
+    reply_reals(reply, "gamma", (const double[]){half[0].value, half[1].value}, 2, "1/s");
     reply_close(reply);
 }
 

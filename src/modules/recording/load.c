@@ -63,10 +63,7 @@ void reply_recording(const struct recording *recording, struct reply *reply)
     reply_string(reply, "separator",
                  word_of(&separator_catalog, separator_letters, recording->separator));
     reply_string(reply, "decimal", word_of(&decimal_catalog, decimal_letters, recording->decimal));
-    reply_array(reply, "window");
-    reply_real(reply, NULL, recording->window[0]);
-    reply_real(reply, NULL, recording->window[1]);
-    reply_close(reply);
+    reply_reals(reply, "window", recording->window, 2, "");
     reply_real(reply, "zero", recording->zero);
     reply_bool(reply, "cleaned", recording->cleaned);
     reply_int(reply, "masked", recording->cleaned ? (int64_t)recording->findings->masked : 0);
@@ -122,28 +119,21 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 {
     const struct column *value = &recording->column[recording->value];
     struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
-    struct buffer head = {0}, text = {0};
     reply_line(reply, "format %s%s%s: %s", recording->format,
                recording->container ? ", out of " : "",
                recording->container ? recording->container : "",
                catalog_find(&format_catalog, text_of(recording->format))->brief);
     cell_text(&table, "line");
     cell_text(&table, "t [s]");
-    buffer_format(&head, "%s [%s]", value->name,
-                  value->quantity == QUANTITY_OTHER ? "as in the file"
-                                                    : quantity_unit(value->quantity));
-    cell_take(&table, &head);
+    cell_format(&table, "%s [%s]", value->name,
+                value->quantity == QUANTITY_OTHER ? "as in the file"
+                                                  : quantity_unit(value->quantity));
     for (size_t i = 0; i < recording->rows && i < PREVIEW_ROWS; i++) {
-        struct buffer t = {0}, y = {0};
         cell_count(&table, recording->line[i]);
-        buffer_short(&t, recording->t[i], 9);
-        buffer_short(&y, recording->y[i], 9);
-        cell_take(&table, &t);
-        cell_take(&table, &y);
+        cell_text(&table, SHOWN_SHORT(recording->t[i], 9));
+        cell_text(&table, SHOWN_SHORT(recording->y[i], 9));
     }
-    text_table_put(&table, &text);
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    text_table_put(&table, reply_buffer(reply));
     reply_line(reply, "nothing was loaded: the same line without --preview does it");
 }
 
@@ -201,15 +191,14 @@ static bool read_table(const char *path, const struct cancel *cancel, struct are
 static void reply_loaded(const struct table *table, struct text file, struct arena *arena,
                          struct reply *reply)
 {
-    struct buffer shown = {0}, text = {0};
+    struct buffer shown = {0};
     struct text_table cells = {.arena = arena, .columns = table->columns, .gap = 2, .indent = 2};
     cells.columns = cells.columns > SHOWN_COLUMNS ? SHOWN_COLUMNS : cells.columns;
     safe_text(&shown, file, false);
     reply_line(reply, "%s: a table of %zu row%s; 'plot COLUMN against COLUMN of loaded'",
                buffer_view(&shown), table->rows, table->rows == 1 ? "" : "s");
     table_cells(table, SHOWN_ROWS, &cells);
-    text_table_put(&cells, &text);
-    reply_text(reply, buffer_text(&text));
+    text_table_put(&cells, reply_buffer(reply));
     reply_begin(reply, "table");
     reply_string(reply, "file", buffer_view(&shown));
     reply_int(reply, "rows", (int64_t)table->rows);
@@ -222,7 +211,6 @@ static void reply_loaded(const struct table *table, struct text file, struct are
     }
     reply_end(reply);
     buffer_free(&shown);
-    buffer_free(&text);
 }
 
 /* *found: the file was a table and no recording. */

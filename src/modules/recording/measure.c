@@ -49,10 +49,9 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
 {
     if (!isfinite(theory))
         return;
-    buffer_put(text, TEXT("   theory "));
-    buffer_measured(text, (struct measured){theory, 0}, unit, 5);
     const double percent = 100 * (value - theory) / theory;
-    buffer_format(text, " (%+.2f %%)", fabs(percent) < 0.005 ? 0.0 : percent);
+    buffer_format(text, "   theory %s (%+.2f %%)", SHOWN_VALUE(theory, unit, 5),
+                  fabs(percent) < 0.005 ? 0.0 : percent);
 }
 
 /* Of a recording only where the scene is its own: k was set or adopted. */
@@ -199,12 +198,10 @@ static bool measure_decay(struct measuring *m)
     put_reciprocal(&text, "   Q", PI, d.decrement, QUANTITY_NUMBER, measured);
     put_measured(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial,
                  unit);
-    if (isfinite(d.halves[0]) && isfinite(d.halves[1])) {
-        buffer_put(&text, TEXT("\nhalves: gamma = "));
-        buffer_quantity(&text, d.halves[0], QUANTITY_RATE, 3);
-        buffer_put(&text, TEXT(" and "));
-        buffer_quantity(&text, d.halves[1], QUANTITY_RATE, 3);
-    }
+    if (isfinite(d.halves[0]) && isfinite(d.halves[1]))
+        buffer_format(&text, "\nhalves: gamma = %s and %s",
+                      SHOWN_QUANTITY(d.halves[0], QUANTITY_RATE, 3),
+                      SHOWN_QUANTITY(d.halves[1], QUANTITY_RATE, 3));
     begin(m, d.gamma, QUANTITY_RATE, NAN);
     double least;
     measured_reciprocal(2, d.gamma, &least);
@@ -213,10 +210,7 @@ static bool measure_decay(struct measuring *m)
     reply_measured(m->reply, "decrement", d.decrement, QUANTITY_NUMBER);
     reply_measured(m->reply, "Q", d.quality, QUANTITY_NUMBER);
     reply_measured(m->reply, "initial", d.initial, unit);
-    reply_array(m->reply, "halves");
-    reply_real(m->reply, NULL, d.halves[0]);
-    reply_real(m->reply, NULL, d.halves[1]);
-    reply_close(m->reply);
+    reply_reals(m->reply, "halves", d.halves, 2, "");
     reply_array(m->reply, "readings");
     for (int i = 0; i < d.readings; i++) {
         reply_object(m->reply, NULL);
@@ -243,12 +237,9 @@ static bool measure_energy(struct measuring *m)
     struct buffer text = {0};
     const bool kinetic = m->subject.run && !m->subject.run->system.energy;
     put_measured(&text, kinetic ? "Ekin" : "E", mean, s->quantity);
-    buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
-    buffer_measured(&text, (struct measured){first, 0}, s->quantity, 6);
-    buffer_put(&text, TEXT(" to "));
-    buffer_measured(&text, (struct measured){last, 0}, s->quantity, 6);
-    buffer_put(&text, TEXT(", a factor of "));
-    buffer_short(&text, last / first, 6);
+    buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from %s to %s, a factor of %s",
+                  s->t[0], s->t[s->n - 1], SHOWN_VALUE(first, s->quantity, 6),
+                  SHOWN_VALUE(last, s->quantity, 6), SHOWN_SHORT(last / first, 6));
     if (m->subject.how[0])
         buffer_format(&text, "\n%s", m->subject.how);
     begin(m, mean, s->quantity, NAN);
@@ -286,11 +277,9 @@ static bool measure_drift(struct measuring *m)
         return false;
     struct buffer text = {0};
     const bool balanced = m->subject.run->plan.ledger;
-    buffer_put(&text, balanced ? TEXT("energy balance = ") : TEXT("dE/E0 = "));
-    buffer_short(&text, ledger.error, 4);
-    buffer_put(&text, TEXT(" at the end, max "));
-    buffer_short(&text, ledger.error_max, 4);
-    buffer_put(&text, balanced ? TEXT("   ((E - E0 - work)/E0)") : TEXT("   ((E - E0)/E0)"));
+    buffer_format(&text, "%s = %s at the end, max %s   ((E - E0%s)/E0)",
+                  balanced ? "energy balance" : "dE/E0", SHOWN_SHORT(ledger.error, 4),
+                  SHOWN_SHORT(ledger.error_max, 4), balanced ? " - work" : "");
     begin(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
@@ -346,9 +335,9 @@ static bool measure_reynolds(struct measuring *m)
         return false;
     struct buffer text = {0};
     put_measured(&text, "Re", re, QUANTITY_NUMBER);
-    buffer_format(&text, " (%s) at the largest speed ", reynolds_regime(re.value));
-    buffer_measured(&text, speed, QUANTITY_VELOCITY, 4);
-    buffer_put(&text, TEXT("; rho, length and eta are those of the scene"));
+    buffer_format(&text,
+                  " (%s) at the largest speed %s; rho, length and eta are those of the scene",
+                  reynolds_regime(re.value), SHOWN_MEASURED(speed, QUANTITY_VELOCITY, 4));
     begin(m, re, QUANTITY_NUMBER, NAN);
     reply_string(m->reply, "regime", reynolds_regime(re.value));
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);

@@ -14,10 +14,8 @@
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
-    if (!isfinite(value.value))
-        return;
-    buffer_format(text, "%s = ", name);
-    buffer_measured(text, value, unit, 6);
+    if (isfinite(value.value))
+        buffer_format(text, "%s = %s", name, SHOWN_MEASURED(value, unit, 6));
 }
 
 void measure_begin(struct measuring *m, const char *quantity, struct measured value,
@@ -167,10 +165,7 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
                   (struct measured){change.value / 100, change.uncertainty / 100}, QUANTITY_NUMBER,
                   NAN);
     reply_real(m->reply, "sigmas", sigmas);
-    reply_array(m->reply, "amplitudes");
-    reply_real(m->reply, NULL, low);
-    reply_real(m->reply, NULL, high);
-    reply_close(m->reply);
+    reply_reals(m->reply, "amplitudes", (const double[]){low, high}, 2, "");
     reply_end(m->reply);
 }
 

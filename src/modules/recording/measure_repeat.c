@@ -168,8 +168,7 @@ static bool collect(struct measuring *m, struct repeated *r)
 static void put_scatter(const struct repeated *r, const struct repeat *repeat, struct buffer *text)
 {
     put_measured(text, "\nmean", repeat->mean, r->unit);
-    buffer_put(text, TEXT("   scatter of one "));
-    buffer_quantity(text, repeat->scatter, r->unit, 2);
+    buffer_format(text, "   scatter of one %s", SHOWN_QUANTITY(repeat->scatter, r->unit, 2));
     put_measured(text, "\nweighted mean", repeat->weighted, r->unit);
     if (isfinite(repeat->birge)) {
         buffer_format(text, "   Birge ratio %.*f", repeat->birge < 10 ? 1 : 0, repeat->birge);
@@ -177,8 +176,7 @@ static void put_scatter(const struct repeated *r, const struct repeat *repeat, s
                       repeat->chance);
     }
     put_measured(text, "\nquote", repeat->quote, r->unit);
-    buffer_put(text, TEXT("   95 %: +- "));
-    buffer_quantity(text, repeat->interval, r->unit, 2);
+    buffer_format(text, "   95 %%: +- %s", SHOWN_QUANTITY(repeat->interval, r->unit, 2));
 }
 
 static void put_verdict(const struct repeat *repeat, struct reply *reply)
@@ -223,7 +221,6 @@ bool measure_repeat(struct measuring *m)
 {
     struct repeated r = {.count = 0};
     struct repeat repeat;
-    struct buffer text = {0};
     if (!collect(m, &r))
         return false;
     repeat_values(r.value, r.count, &repeat);
@@ -232,13 +229,12 @@ bool measure_repeat(struct measuring *m)
     if (!session_add_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
                                  m->error))
         return false;
+    struct buffer *text = reply_buffer(m->reply);
     for (int i = 0; i < r.count; i++) {
-        buffer_format(&text, "%s%-24s ", i ? "\n" : "", r.name[i]);
-        put_measured(&text, what, r.value[i], r.unit);
+        buffer_format(text, "%s%-24s ", i ? "\n" : "", r.name[i]);
+        put_measured(text, what, r.value[i], r.unit);
     }
-    put_scatter(&r, &repeat, &text);
-    reply_text(m->reply, buffer_text(&text));
-    buffer_free(&text);
+    put_scatter(&r, &repeat, text);
     reply_repeat(m, &r, &repeat);
     put_verdict(&repeat, m->reply);
     return true;

@@ -23,14 +23,9 @@ static bool refuse_value(const struct session *session, const struct run *run, i
 {
     const struct scene *adopted = &fits_of(session)->adopted.scene;
     const struct param_row *row = param_at(adopted, index);
-    struct buffer text = {0};
-    buffer_format(&text, "%s is ", row->row.name);
-    buffer_quantity(&text, run->scene.value[index], row->quantity, 6);
-    buffer_format(&text, " in run %d, and ", run->number);
-    buffer_quantity(&text, adopted->value[index], row->quantity, 6);
-    buffer_put(&text, TEXT(" in the adopted fit"));
-    error_at(error, where, "%s", text.data && !text.failed ? text.data : "it is another scene");
-    buffer_free(&text);
+    error_at(error, where, "%s is %s in run %d, and %s in the adopted fit", row->row.name,
+             SHOWN_QUANTITY(run->scene.value[index], row->quantity, 6), run->number,
+             SHOWN_QUANTITY(adopted->value[index], row->quantity, 6));
     return error_hint(error, "adopt; run; plot position --band");
 }
 

@@ -83,8 +83,7 @@ void spectrum_note(const struct drawing *d, struct buffer *text)
 {
     if (!(d->line.frequency.value > 0) || d->request->running)
         return;
-    buffer_put(text, TEXT("line at "));
-    buffer_measured(text, d->line.frequency, QUANTITY_FREQUENCY, 5);
+    buffer_format(text, "line at %s", SHOWN_MEASURED(d->line.frequency, QUANTITY_FREQUENCY, 5));
 }
 
 /* The lines of spectra in words and as records; with names where there are several curves. */
@@ -92,13 +91,11 @@ void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply 
 {
     for (int i = 0; i < peaks->count; i++) {
         const struct figure_peak *peak = &peaks->peak[i];
-        struct buffer text = {0};
+        struct buffer *text = reply_buffer(reply);
         if (curves > 1 && peak->label)
-            buffer_format(&text, "%s: ", peak->label);
-        put_measured(&text, "line at f", peak->line.frequency, QUANTITY_FREQUENCY);
-        put_measured(&text, "   A", peak->line.amplitude, peak->quantity);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
+            buffer_format(text, "%s: ", peak->label);
+        put_measured(text, "line at f", peak->line.frequency, QUANTITY_FREQUENCY);
+        put_measured(text, "   A", peak->line.amplitude, peak->quantity);
         reply_begin(reply, "peak");
         reply_string(reply, "of", peak->label);
         reply_measured(reply, "frequency", peak->line.frequency, QUANTITY_FREQUENCY);

@@ -98,16 +98,12 @@ static bool find_spring(const struct session *session, const struct recording *r
         own ? recording->mass : (struct measured){scene->value[m], scene->uncertainty[m]};
     motion->k = fit ? fit_stiffness(&fits_of(session)->fit, motion->mass)
                     : (struct measured){scene->value[k], scene->uncertainty[k]};
-    struct buffer text = {0};
-    buffer_put(&text, TEXT("m = "));
-    buffer_measured(&text, motion->mass, QUANTITY_MASS, 5);
-    buffer_put(&text, own   ? TEXT(" of the recording, k = ")
-                      : fit ? TEXT(" of the scene, k = ")
-                            : TEXT(", k = "));
-    buffer_measured(&text, motion->k, QUANTITY_STIFFNESS, 5);
-    buffer_put(&text, fit ? TEXT(" of the fit") : TEXT(" of the scene"));
-    snprintf(motion->how_k, sizeof motion->how_k, "%s", buffer_view(&text));
-    buffer_free(&text);
+    snprintf(motion->how_k, sizeof motion->how_k, "m = %s%s, k = %s of the %s",
+             SHOWN_MEASURED(motion->mass, QUANTITY_MASS, 5),
+             own   ? " of the recording"
+             : fit ? " of the scene"
+                   : "",
+             SHOWN_MEASURED(motion->k, QUANTITY_STIFFNESS, 5), fit ? "fit" : "scene");
     return true;
 }
 

@@ -297,10 +297,7 @@ static void reply_record(const struct recording *recording, struct reply *reply)
     reply_bool(reply, "applied", recording->cleaned);
     reply_int(reply, "rows", (int64_t)recording->rows);
     reply_int(reply, "masked", (int64_t)f->masked);
-    reply_array(reply, "window");
-    reply_real(reply, NULL, f->window[0]);
-    reply_real(reply, NULL, f->window[1]);
-    reply_close(reply);
+    reply_reals(reply, "window", f->window, 2, "");
     reply_real(reply, "period", f->period);
     reply_array(reply, "findings");
     for (size_t k = 0; k < FINDINGS; k++) {
@@ -328,29 +325,25 @@ void reply_findings(const struct recording *recording, struct arena *arena, stru
     const struct findings *f = recording->findings;
     const bool windowed =
         f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
-    struct buffer text = {0};
-    const size_t kinds = put_table(recording, arena, &text);
+    struct buffer *text = reply_buffer(reply);
+    const size_t kinds = put_table(recording, arena, text);
     if (kinds == 0)
-        buffer_format(&text, "%s: nothing wrong was found\n", recording->name);
+        buffer_format(text, "%s: nothing wrong was found\n", recording->name);
     if (isnan(f->period))
-        buffer_format(&text, "it does not oscillate: %s; only times and steps were looked at\n",
+        buffer_format(text, "it does not oscillate: %s; only times and steps were looked at\n",
                       f->still);
     if (recording->cleaned)
         buffer_format(
-            &text,
+            text,
             "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
             recording->name, f->masked, recording->rows, recording->window[0],
             recording->window[1]);
     else if (f->masked > 0 || windowed)
         buffer_format(
-            &text,
+            text,
             "'data clean apply' would mask %zu of %zu samples and use the window %.6g..%.6g s",
             f->masked, recording->rows, f->window[0], f->window[1]);
     else if (kinds > 0)
-        buffer_put(&text, TEXT("there is nothing to mask"));
-    while (text.len > 0 && text.data[text.len - 1] == '\n')
-        text.len--;
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+        buffer_put(text, TEXT("there is nothing to mask"));
     reply_record(recording, reply);
 }
