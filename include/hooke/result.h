@@ -237,7 +237,8 @@ struct result_column {
     enum quantity quantity; /* of a real */
     /* where rows differ; files have the first row's unit */
     enum quantity (*quantity_of)(const void *row);
-    size_t at;                            /* offset in the struct */
+    size_t at; /* offset in the struct, or in what a pointer in it points to: */
+    size_t in; /* COLUMN_IN of that pointer; 0: none */
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
@@ -254,6 +255,8 @@ struct result_column {
     void (*look)(struct text_table *table, double value);
     void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
 };
+
+#define COLUMN_IN(type, pointer) (offsetof(type, pointer) + 1)
 
 struct result_columns {
     const struct result_column *column;

@@ -65,6 +65,7 @@ struct run_slot {
 
 struct run_row { /* a run in the list of them */
     const struct run_slot *slot;
+    const struct run *run; /* of the slot */
     bool current;
 };
 

@@ -27,7 +27,8 @@ bool export_run_table(const struct session *session, struct export *export, stru
         return error_hint(error, "type: compare euler verlet");
     }
     for (int i = 0; row && i < session->runs.count; i++)
-        row[i] = (struct run_row){session->runs.slot[i], i == session->runs.current};
+        row[i] = (struct run_row){session->runs.slot[i], session->runs.slot[i]->run,
+                                  i == session->runs.current};
     return row && columns_table(&run_columns, row, (size_t)session->runs.count, export->arena,
                                 &export->table)
                ? export_scene_keys(session, export, error)

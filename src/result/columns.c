@@ -16,6 +16,8 @@ static const void *row_at(const struct result_columns *columns, const void *rows
 
 static const void *member(const struct result_column *column, const void *row)
 {
+    if (column->in > 0)
+        row = *(const void *const *)((const char *)row + column->in - 1);
     return (const char *)row + column->at;
 }
 

@@ -33,27 +33,7 @@ const struct result_columns measurement_columns =
 
 static const struct run *run_of(const void *row)
 {
-    return ((const struct run_row *)row)->slot->run;
-}
-
-static int64_t run_number(const void *row)
-{
-    return run_of(row)->number;
-}
-
-static const char *run_name(const void *row)
-{
-    return run_of(row)->name[0] ? run_of(row)->name : NULL;
-}
-
-static const char *run_scene(const void *row)
-{
-    return run_of(row)->scene.preset->row.name;
-}
-
-static const char *run_method(const void *row)
-{
-    return run_of(row)->method->row.name;
+    return ((const struct run_row *)row)->run;
 }
 
 static double run_dt(const void *row)
@@ -64,16 +44,6 @@ static double run_dt(const void *row)
 static double run_tol(const void *row)
 {
     return run_of(row)->plan.adaptive ? run_of(row)->settings.tol : NAN;
-}
-
-static int64_t run_steps(const void *row)
-{
-    return run_of(row)->steps;
-}
-
-static double run_t(const void *row)
-{
-    return run_of(row)->t;
 }
 
 static int64_t run_rows(const void *row)
@@ -100,34 +70,32 @@ static const char *run_status(const void *row)
     return stop_name(run_of(row)->stop);
 }
 
-static const char *run_note(const void *row)
-{
-    return ((const struct run_row *)row)->slot->note;
-}
-
-#define NUMBER(function) .kind = COLUMN_COUNT, .number = function
-#define NAME(function) .kind = COLUMN_NAME, .text = function
+#define IN_RUN(member) .in = COLUMN_IN(struct run_row, run), .at = offsetof(struct run, member)
 
 /* Records have the method before the numbers, files after them. */
 static const struct result_column of_run[] = {
-    {.name = "run", NUMBER(run_number)},
-    {.name = "name", NAME(run_name), .flags = COLUMN_NO_FILE},
-    {.name = "scene", NAME(run_scene), .flags = COLUMN_NO_FILE},
-    {.name = "method", NAME(run_method), .flags = COLUMN_NO_FILE},
+    {.name = "run", .kind = COLUMN_INT, IN_RUN(number)},
+    {.name = "name", .kind = COLUMN_CHARS, IN_RUN(name), .flags = COLUMN_NO_FILE},
+    {.name = "scene", .kind = COLUMN_ROW, IN_RUN(scene.preset), .flags = COLUMN_NO_FILE},
+    {.name = "method", .kind = COLUMN_ROW, IN_RUN(method), .flags = COLUMN_NO_FILE},
     {.name = "dt", .real = run_dt, .quantity = QUANTITY_TIME},
     {.name = "tol", .real = run_tol},
-    {.name = "steps", NUMBER(run_steps)},
-    {.name = "t", .real = run_t, .quantity = QUANTITY_TIME},
+    {.name = "steps", .kind = COLUMN_COUNT, IN_RUN(steps)},
+    {.name = "t", IN_RUN(t), .quantity = QUANTITY_TIME},
     {.name = "energy_error", .real = run_energy_error, .flags = COLUMN_NO_RECORD},
     {.name = "error", .real = run_error, .flags = COLUMN_NO_RECORD},
-    {.name = "method", NAME(run_method), .flags = COLUMN_NO_RECORD},
-    {.name = "rows", NUMBER(run_rows), .flags = COLUMN_NO_FILE},
-    {.name = "status", NAME(run_status)},
+    {.name = "method", .kind = COLUMN_ROW, IN_RUN(method), .flags = COLUMN_NO_RECORD},
+    {.name = "rows", .kind = COLUMN_COUNT, .number = run_rows, .flags = COLUMN_NO_FILE},
+    {.name = "status", .kind = COLUMN_NAME, .text = run_status},
     {.name = "current",
      .kind = COLUMN_BOOL,
      .at = offsetof(struct run_row, current),
      .flags = COLUMN_NO_FILE},
-    {.name = "note", NAME(run_note), .flags = COLUMN_NO_FILE},
+    {.name = "note",
+     .kind = COLUMN_NAME,
+     .in = COLUMN_IN(struct run_row, slot),
+     .at = offsetof(struct run_slot, note),
+     .flags = COLUMN_NO_FILE},
 };
 
 const struct result_columns run_columns = RESULT_COLUMNS(of_run, struct run_row);

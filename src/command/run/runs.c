@@ -31,7 +31,7 @@ static void reply_row(const struct session *session, int index, struct reply *re
         buffer_put(text, TEXT("  # "));
         safe_text(text, text_of(slot->note), false);
     }
-    const struct run_row row = {slot, index == session->runs.current};
+    const struct run_row row = {slot, slot->run, index == session->runs.current};
     reply_records(reply, "runs", &run_columns, &row, 1);
 }
 

@@ -53,25 +53,20 @@ static void say_path(const struct noise_setup *setup, const struct path_grid *gr
                      const double *end, const double *distance, struct reply *reply)
 {
     const struct system *system = &setup->forcing.system;
-    struct buffer text = {0};
-    buffer_format(&text, "a path over ");
-    buffer_quantity(&text, grid->span, QUANTITY_TIME, 6);
-    buffer_format(&text, ": %s, %lld step%s of ", setup->method->row.name, (long long)grid->steps,
-                  grid->steps == 1 ? "" : "s");
-    buffer_quantity(&text, grid->h, QUANTITY_TIME, 6);
-    buffer_format(&text, ", %zu rows\n", grid->rows);
-    noise_setup_put(setup, &text);
-    buffer_format(&text, "\nat the end");
-    for (int i = 0; i < system->n && i < SHOWN_VARIABLES; i++) {
-        buffer_format(&text, "%s %s = ", i ? "," : "", system_variable(system, i).name);
-        buffer_quantity(&text, end[i], system_variable(system, i).quantity, 6);
-    }
-    for (int i = 0; distance && i < system->n && i < SHOWN_VARIABLES; i++) {
-        buffer_format(&text, i ? ", " : "\nhalf the step on the same noise ends this far away: ");
-        buffer_quantity(&text, distance[i], system_variable(system, i).quantity, 2);
-    }
-    reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "a path over %s: %s, %lld step%s of %s, %zu rows\n",
+                  SHOWN_QUANTITY(grid->span, QUANTITY_TIME, 6), setup->method->row.name,
+                  (long long)grid->steps, plural_s(grid->steps),
+                  SHOWN_QUANTITY(grid->h, QUANTITY_TIME, 6), grid->rows);
+    noise_setup_put(setup, text);
+    buffer_put(text, TEXT("\nat the end"));
+    for (int i = 0; i < system->n && i < SHOWN_VARIABLES; i++)
+        buffer_format(text, "%s %s = %s", i ? "," : "", system_variable(system, i).name,
+                      SHOWN_QUANTITY(end[i], system_variable(system, i).quantity, 6));
+    for (int i = 0; distance && i < system->n && i < SHOWN_VARIABLES; i++)
+        buffer_format(text, "%s%s",
+                      i ? ", " : "\nhalf the step on the same noise ends this far away: ",
+                      SHOWN_QUANTITY(distance[i], system_variable(system, i).quantity, 2));
 }
 
 /* Reads the grid of the path. */

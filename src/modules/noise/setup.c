@@ -90,10 +90,9 @@ static int shown_count(const double *value, int count)
 static void put_values(struct buffer *text, const char *name, const double *value, int count,
                        enum quantity quantity)
 {
-    for (int i = 0; i < shown_count(value, count); i++) {
-        buffer_format(text, "%s%s", i ? ", " : name, i ? "" : " = ");
-        buffer_quantity(text, value[i], quantity, 6);
-    }
+    for (int i = 0; i < shown_count(value, count); i++)
+        buffer_format(text, "%s%s%s", i ? ", " : name, i ? "" : " = ",
+                      SHOWN_QUANTITY(value[i], quantity, 6));
 }
 
 void noise_setup_put(const struct noise_setup *setup, struct buffer *text)
@@ -103,12 +102,10 @@ void noise_setup_put(const struct noise_setup *setup, struct buffer *text)
         put_values(text, "gamma", forcing->gamma, forcing->count, QUANTITY_RATE);
         buffer_format(text, ", ");
     }
-    if (isnan(forcing->energy)) {
+    if (isnan(forcing->energy))
         put_values(text, "noise", forcing->strength, forcing->count, QUANTITY_NUMBER);
-    } else {
-        buffer_format(text, "kT = ");
-        buffer_quantity(text, forcing->energy, noise_energy_quantity(setup), 6);
-    }
+    else
+        put_values(text, "kT", &forcing->energy, 1, noise_energy_quantity(setup));
     buffer_format(text, ", seed %lld", (long long)(int64_t)setup->seed);
 }
 

@@ -130,11 +130,6 @@ static const struct fit_summary *told_by(const void *row)
     return ((const struct fit_record *)row)->summary;
 }
 
-static const char *model_of(const void *row)
-{
-    return told_by(row)->model;
-}
-
 static const char *subject_of(const void *row)
 {
     return told_by(row)->subject->name;
@@ -200,7 +195,10 @@ static void put_warnings(struct reply *reply, const char *key, const void *row)
 #define MEASURED(member, of) .kind = COLUMN_MEASURED, AT(member), .quantity = of
 
 static const struct result_column of_fit[] = {
-    {.name = "model", .kind = COLUMN_NAME, .text = model_of},
+    {.name = "model",
+     .kind = COLUMN_NAME,
+     .in = COLUMN_IN(struct fit_record, summary),
+     .at = offsetof(struct fit_summary, model)},
     {.name = "of", .kind = COLUMN_NAME, .text = subject_of},
     {.name = "period", MEASURED(fit.period, QUANTITY_TIME)},
     {.name = "omega", MEASURED(fit.omega, QUANTITY_ANGULAR_FREQUENCY)},

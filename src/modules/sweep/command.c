@@ -213,17 +213,15 @@ static struct swept swept_of(const struct sweep_request *request, const struct s
 static void reply_sweep(struct session *session, const struct swept *swept,
                         const struct arguments *args, struct reply *reply)
 {
-    struct buffer text = {0};
     struct arena own = {0};
     struct table table;
     const bool made = swept_table(swept, &own, &table);
     if (made && reply->store)
         table_store_put(reply->store, "sweep", &own, &table);
     if (reply->format == FORMAT_TEXT && !reply->quiet) {
-        (swept->section ? diagram_text : sweep_text)(
-            session, swept, asks_full(args) ? 0 : answer_rows(session), args->arena, &text);
-        reply_text(reply, buffer_text(&text));
-        buffer_free(&text);
+        (swept->section ? diagram_text : sweep_text)(session, swept,
+                                                     asks_full(args) ? 0 : answer_rows(session),
+                                                     args->arena, reply_buffer(reply));
     } else if (reply->format != FORMAT_TEXT && made) {
         reply_points(swept, &table, reply);
     }

@@ -103,12 +103,11 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
             buffer_put(text, TEXT("  ... (all of them: export FILE table)\n"));
             return;
         }
-        buffer_format(text, "  %s = ", axis->name);
-        buffer_quantity(text, swept_position(sweep, 0, i), axis->quantity, 6);
-        if (end > i + 1) {
-            buffer_put(text, TEXT(" to "));
-            buffer_quantity(text, swept_position(sweep, 0, end - 1), axis->quantity, 6);
-        }
+        buffer_format(text, "  %s = %s", axis->name,
+                      SHOWN_QUANTITY(swept_position(sweep, 0, i), axis->quantity, 6));
+        if (end > i + 1)
+            buffer_format(text, " to %s",
+                          SHOWN_QUANTITY(swept_position(sweep, 0, end - 1), axis->quantity, 6));
         if (swept_events(swept, i) == 0)
             buffer_put(text, TEXT(": no event\n"));
         else if (isnan(after))

@@ -26,12 +26,8 @@ struct sweep_column {
 static void put_number(struct text_table *table, const struct sweep_column *column, double value,
                        int digits)
 {
-    struct buffer text = {0};
-    if (isfinite(value))
-        buffer_short(&text, value / (column->unit ? column->unit->factor : 1) + 0.0, digits);
-    else
-        buffer_char(&text, '-');
-    cell_take(table, &text);
+    const double shown = value / (column->unit ? column->unit->factor : 1) + 0.0;
+    cell_text(table, isfinite(value) ? SHOWN_SHORT(shown, digits) : "-");
 }
 
 /* The unit is one in which most values say something: that of the largest. */
@@ -71,12 +67,8 @@ static void put_table(const struct session *session, const struct swept *swept, 
         .arena = arena, .columns = columns + failures, .gap = 3, .max = width};
     for (int c = 0; c < columns; c++) {
         column[c] = column_of(swept, c);
-        struct buffer heading = {0};
         const char *unit = swept_unit_name(column[c].unit, column[c].quantity);
-        buffer_put(&heading, text_of(column[c].name));
-        if (*unit)
-            buffer_format(&heading, " [%s]", unit);
-        cell_take(&table, &heading);
+        cell_format(&table, *unit ? "%s [%s]" : "%s", column[c].name, unit);
     }
     if (failures)
         cell_text(&table, "status");
@@ -220,21 +212,19 @@ static void put_attractor(const struct swept *swept, const struct sweep_attracto
     buffer_format(text, ": %lld of %lld points, the first at ", (long long)a->count,
                   (long long)sweep->count);
     for (int axis = 0; axis < sweep->axes; axis++) {
-        buffer_format(text, "%s%s = ", axis ? ", " : "", sweep->axis[axis].name);
-        buffer_quantity(text, swept_position(sweep, axis, a->first), sweep->axis[axis].quantity, 6);
+        const double value = swept_position(sweep, axis, a->first);
+        buffer_format(text, "%s%s = %s", axis ? ", " : "", sweep->axis[axis].name,
+                      SHOWN_QUANTITY(value, sweep->axis[axis].quantity, 6));
     }
-    for (int i = 0; i < model->n && a->known && !irregular; i++) {
-        buffer_format(text, "%s%s = ",
+    for (int i = 0; i < model->n && a->known && !irregular; i++)
+        buffer_format(text, "%s%s = %s",
                       i                              ? ", "
                       : b->kind == BASIN_EQUILIBRIUM ? ": "
                                                      : ", through ",
-                      model->variable[i].name);
-        buffer_quantity(text, b->state[i], model->variable[i].quantity, 6);
-    }
-    if (a->known && b->kind == BASIN_ORBIT) {
-        buffer_put(text, TEXT(", period "));
-        buffer_quantity(text, b->period, QUANTITY_TIME, 6);
-    }
+                      model->variable[i].name,
+                      SHOWN_QUANTITY(b->state[i], model->variable[i].quantity, 6));
+    if (a->known && b->kind == BASIN_ORBIT)
+        buffer_format(text, ", period %s", SHOWN_QUANTITY(b->period, QUANTITY_TIME, 6));
     buffer_char(text, '\n');
 }
 
