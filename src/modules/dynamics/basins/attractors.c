@@ -25,41 +25,14 @@
 
 /* ---- distances ---- */
 
-static double apart(const struct basin_walk *walk, const double *a, const double *b)
-{
-    double sum = 0;
-    for (int i = 0; i < walk->n; i++) {
-        const double turn = walk->field.turn[i], d = a[i] - b[i];
-        sum = fmax(sum, fabs(turn > 0 ? remainder(d, turn) : d) / walk->size[i]);
-    }
-    return sum;
-}
-
-/* To the straight line between two states. */
-static double apart_line(const struct basin_walk *walk, const double *y, const double *a,
-                         const double *b)
-{
-    double along = 0, length = 0, at[FIELD_VARIABLES];
-    for (int i = 0; i < walk->n; i++) {
-        const double d = (b[i] - a[i]) / walk->size[i], turn = walk->field.turn[i];
-        const double from = turn > 0 ? remainder(y[i] - a[i], turn) : y[i] - a[i];
-        along += from / walk->size[i] * d;
-        length += d * d;
-    }
-    const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
-    for (int i = 0; i < walk->n; i++)
-        at[i] = a[i] + share * (b[i] - a[i]);
-    return apart(walk, y, at);
-}
-
 static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     double least = HUGE_VAL;
     for (int k = 0; k < a->points; k++) {
         const double *from = a->point + k * walk->n;
         least = fmin(least, a->basin.kind == BASIN_ORBIT && k + 1 < a->points
-                                ? apart_line(walk, y, from, from + walk->n)
-                                : apart(walk, y, from));
+                                ? field_distance_to_line(&walk->field, y, from, from + walk->n)
+                                : field_distance(&walk->field, y, from));
     }
     return least;
 }
@@ -78,7 +51,7 @@ static long cell_at(const struct basin_walk *walk, const double *y, const int *b
     long at = 0;
     for (int i = 0; i < walk->n; i++) {
         /* twice what starts cover */
-        const double share = (y[i] - walk->centre[i]) / walk->size[i] / 4 + 0.5;
+        const double share = (y[i] - walk->centre[i]) / walk->field.size[i] / 4 + 0.5;
         const int place = (int)floor(fmin(fmax(share * cells, -2), cells + 2)) + (by ? by[i] : 0);
         if (place < 0 || place >= cells)
             return -1;
@@ -133,7 +106,7 @@ static int comes_to(const struct basin_walk *walk, struct walker *w)
 static bool repeats(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
-        if (apart(walk, w->y, w->past[(w->looks - q) % WALK_PAST]) >= SAME)
+        if (field_distance(&walk->field, w->y, w->past[(w->looks - q) % WALK_PAST]) >= SAME)
             continue;
         w->again = q == w->period ? w->again + 1 : 1;
         w->period = q;
@@ -149,7 +122,7 @@ int walker_look(const struct basin_walk *walk, struct walker *w)
         const double turn = walk->field.turn[i];
         if (turn > 0 && fabs(w->y[i]) > turn)
             w->y[i] = remainder(w->y[i], turn);
-        if (!(fabs(w->y[i] - walk->centre[i]) < BEYOND * walk->size[i]))
+        if (!(fabs(w->y[i] - walk->centre[i]) < BEYOND * walk->field.size[i]))
             return BASIN_ESCAPES;
     }
     w->looks++;
@@ -171,7 +144,7 @@ static bool is_equilibrium(struct basin_walk *walk, const double *y)
     double rate[FIELD_VARIABLES], most = 0;
     field_rate(&walk->field, y, rate);
     for (int i = 0; i < walk->n; i++)
-        most = fmax(most, fabs(rate[i]) / walk->size[i]);
+        most = fmax(most, fabs(rate[i]) / walk->field.size[i]);
     return !walk->forced && most * walk->strobe < 1e-5;
 }
 
@@ -244,7 +217,7 @@ static void settle(struct basin_walk *walk, double *y)
         if (!matrix_solve(walk->n, jacobian, by))
             return;
         for (int i = 0; i < walk->n; i++)
-            small = small && fabs(by[i]) < ALIKE * walk->size[i];
+            small = small && fabs(by[i]) < ALIKE * walk->field.size[i];
         for (int i = 0; small && i < walk->n; i++)
             y[i] -= by[i];
     }
@@ -270,45 +243,25 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
     return add(walk, &a);
 }
 
-/* The plane across the motion at its start. */
-struct plane_at_start {
-    const struct basin_walk *walk;
-    const double *start;
-    double rate[FIELD_VARIABLES];
-};
-
-static double side_of(const void *context, const double *y)
-{
-    const struct plane_at_start *plane = context;
-    const struct basin_walk *walk = plane->walk;
-    double side = 0;
-    for (int i = 0; i < walk->n; i++) {
-        const double turn = walk->field.turn[i], d = y[i] - plane->start[i];
-        side +=
-            plane->rate[i] * (turn > 0 ? remainder(d, turn) : d) / (walk->size[i] * walk->size[i]);
-    }
-    return side;
-}
-
 /* Once around: until it comes through the plane across its start in the same direction, near it.
  * 0: it does not; *off: how far it is then. */
 static double go_round(struct basin_walk *walk, const double *start, double *off)
 {
-    struct plane_at_start plane = {walk, start, {0}};
+    struct field_plane plane;
     double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, before = 0;
     const double h = walk->strobe / (ROUND / TURNS), t0 = walk->field.system.t0;
-    field_rate(&walk->field, start, plane.rate);
+    field_plane_across(&walk->field, start, &plane);
     memcpy(y[0], start, sizeof y[0]);
     for (int k = 0; k < ROUND; k++) {
         double *now = y[(k + 1) % 2];
         if (!field_flow(&walk->field, t0, y[k % 2], h, now, NULL))
             return 0;
-        const double gone = apart(walk, now, start), side = side_of(&plane, now);
+        const double gone = field_distance(&walk->field, now, start),
+                     side = field_side(&walk->field, &plane, now);
         far = fmax(far, gone);
         if (before < 0 && side >= 0 && gone < far / 2) {
-            const double when =
-                field_crossing(&walk->field, t0, y[k % 2], h, side_of, &plane, before, side, end);
-            *off = apart(walk, end, start);
+            const double when = field_crossing(&walk->field, t0, y[k % 2], h, now, &plane, end);
+            *off = field_distance(&walk->field, end, start);
             if (!isfinite(when) || *off < far / 20)
                 return isfinite(when) ? k * h + when : 0;
         }

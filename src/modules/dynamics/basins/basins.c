@@ -76,7 +76,7 @@ static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIAB
         field_rate(&walk->field, start[k], rate);
         speed[k] = 0;
         for (int i = 0; i < walk->n; i++)
-            speed[k] = fmax(speed[k], fabs(rate[i]) / walk->size[i]);
+            speed[k] = fmax(speed[k], fabs(rate[i]) / walk->field.size[i]);
     }
     const double middle = values_quantile(speed, FIRST, 0.5);
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
@@ -119,13 +119,12 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
         const int i = request->axis[a].variable;
         const double from = request->axis[a].from, to = request->axis[a].to;
         walk->centre[i] = (from + to) / 2;
-        walk->size[i] = from != to ? fabs(to - from) / 2 : walk->field.size[i];
-        most = fmax(most, walk->size[i]);
+        walk->field.size[i] = from != to ? fabs(to - from) / 2 : walk->field.size[i];
+        most = fmax(most, walk->field.size[i]);
     }
     for (int i = 0; i < walk->n; i++)
         if (i != request->axis[0].variable && i != request->axis[1].variable)
-            walk->size[i] = walk->field.size[i] < SMALL * most ? most : walk->field.size[i];
-    memcpy(walk->field.size, walk->size, sizeof walk->size);
+            walk->field.size[i] = walk->field.size[i] < SMALL * most ? most : walk->field.size[i];
 }
 
 bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,

@@ -26,7 +26,7 @@ struct basin_walk {
     double strobe; /* [s] */
     bool forced;
     int steps; /* of rk4 */
-    double size[FIELD_VARIABLES], centre[FIELD_VARIABLES];
+    double centre[FIELD_VARIABLES];
     int attractors;
     struct attractor attractor[BASINS_MOST];
 };

@@ -47,14 +47,9 @@ static int follow(struct basin_walk *walk, const struct cancel *cancel)
 static int periods_of(const struct basin_walk *walk, const struct attractor *a)
 {
     int periods = a->basin.multiple;
-    for (bool halves = true; halves && periods % 2 == 0 && periods > 0;) {
-        const double *p = a->point, *q = a->point + periods / 2 * walk->n;
-        for (int i = 0; i < walk->n; i++) {
-            const double turn = walk->field.turn[i], d = p[i] - q[i];
-            halves = halves && fabs(turn > 0 ? remainder(d, turn) : d) < HALVED * walk->size[i];
-        }
-        periods = halves ? periods / 2 : periods;
-    }
+    while (periods % 2 == 0 && periods > 0 &&
+           field_distance(&walk->field, a->point, a->point + periods / 2 * walk->n) < HALVED)
+        periods /= 2;
     return periods;
 }
 

@@ -108,7 +108,7 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
         for (int k = 0; k < walk->n; k++) {
             const double a = walker[i].y[k], b = walker[LANE_COUNT + i].y[k];
             /* what leaves does so either way */
-            const double by = fabs(a - b) / fmax(walk->size[k], 1e-2 * fabs(b));
+            const double by = fabs(a - b) / fmax(walk->field.size[k], 1e-2 * fabs(b));
             off[i] = fmax(off[i], isfinite(b) ? (isfinite(a) ? by : HUGE_VAL) : 0);
         }
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The phase portrait as a figure: what is shown of it, and words about it. */
 #include <hooke/run.h>
+#include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
 #include <hooke/scene/poles.h>
 #include "modules/dynamics/kept.h"
@@ -163,37 +164,38 @@ static bool add_line(struct drawing *d, const struct polyline *line, const char 
     return true;
 }
 
+/* Adds a line and frees its points. */
+static bool add_own_line(struct drawing *d, struct polyline *line, bool fine, const char *label,
+                         char mark)
+{
+    fine = fine ? add_line(d, line, label, mark) : error_memory(d->error);
+    free(line->x);
+    free(line->y);
+    return fine;
+}
+
 /* The present run, an angle as it is shown. */
 static bool add_run(struct drawing *d, const struct portrait_request *wanted)
 {
     const struct run *run = session_run(d->session);
     if (!run || run->scene.model != wanted->scene->model)
         return true;
-    const size_t all = trace_count(run->trace), each = all / RUN_ROWS + 1,
-                 n = (all + each - 1) / each;
-    struct polyline line = {.x = arena_array(d->arena, 4 * n + 2, sizeof(double))};
-    if (!line.x)
-        return error_memory(d->error);
-    line.y = line.x + 2 * n + 1;
-    for (size_t i = 0; i < n; i++) {
-        const double *y = trace_state(run->trace, i * each);
-        double at[2];
+    const size_t all = trace_count(run->trace), each = all / RUN_ROWS + 1;
+    struct polyline line = {NULL, NULL, 0, 0};
+    double at[2] = {NAN, NAN};
+    bool fine = true;
+    for (size_t i = 0; i < all && fine; i += each) {
+        bool jumps = false;
         for (int k = 0; k < 2; k++) {
-            const double *range = wanted->box[k], width = range[1] - range[0];
-            at[k] = y[wanted->variable[k]];
-            if (fabs(width - 6.283185307179586) < 1e-9)
+            const double *range = wanted->box[k], width = range[1] - range[0], last = at[k];
+            at[k] = trace_state(run->trace, i)[wanted->variable[k]];
+            if (fabs(width - TWO_PI) < 1e-9)
                 at[k] -= width * floor((at[k] - range[0]) / width);
-            if (line.n > 0 && fabs(at[k] - (k ? line.y : line.x)[line.n - 1]) > 0.5 * width) {
-                line.x[line.n] = NAN;
-                line.y[line.n++] = NAN;
-            }
+            jumps = jumps || fabs(at[k] - last) > 0.5 * width;
         }
-        line.x[line.n] = at[0];
-        line.y[line.n++] = at[1];
-        if (line.n + 3 > 2 * n)
-            break;
+        fine = (!jumps || polyline_put(&line, NAN, NAN)) && polyline_put(&line, at[0], at[1]);
     }
-    return add_line(d, &line, drawing_run_label(d, run), 0);
+    return add_own_line(d, &line, fine, drawing_run_label(d, run), 0);
 }
 
 static bool add_starts(struct drawing *d, const struct system *system,
@@ -210,10 +212,7 @@ static bool add_starts(struct drawing *d, const struct system *system,
         fine = portrait_trajectory(wanted, view->start[k], span, &line) &&
                portrait_trajectory(wanted, view->start[k], -span, &line);
     /* as fine as a run where there is none */
-    fine = fine ? add_line(d, &line, "starts", d->curves > 0 ? '*' : '\0') : error_memory(d->error);
-    free(line.x);
-    free(line.y);
-    return fine;
+    return add_own_line(d, &line, fine, "starts", d->curves > 0 ? '*' : '\0');
 }
 
 /* Orbits that were found with the present values: stable ones are lines, others dots. */
@@ -240,13 +239,11 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
             fine = fine && polyline_put(&line, NAN, NAN);
         }
         const int before = d->curves;
-        fine = fine && add_line(d, &line, label, stable ? '=' : ',');
+        fine = add_own_line(d, &line, fine, label, stable ? '=' : ',');
         if (d->curves > before)
             d->curve[before].points = d->curve[before].cloud = !stable;
-        free(line.x);
-        free(line.y);
     }
-    return fine || error_memory(d->error);
+    return fine;
 }
 
 /* Where the cursors' point stands, of a pane: in front of everything. */

@@ -264,28 +264,77 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
     return true;
 }
 
+/* ---- distances, and planes that the motion crosses ---- */
+
+double field_apart(const struct vector_field *field, int i, const double *x, const double *y)
+{
+    const double by = y[i] - x[i];
+    return (field->turn[i] > 0 ? remainder(by, field->turn[i]) : by) / field->size[i];
+}
+
+double field_distance(const struct vector_field *field, const double *x, const double *y)
+{
+    double most = 0;
+    for (int i = 0; i < field->n; i++)
+        most = fmax(most, fabs(field_apart(field, i, x, y)));
+    return most;
+}
+
+double field_distance_to_line(const struct vector_field *field, const double *y, const double *a,
+                              const double *b)
+{
+    double along = 0, length = 0, nearest[FIELD_VARIABLES];
+    for (int i = 0; i < field->n; i++) {
+        const double by = (b[i] - a[i]) / field->size[i];
+        along += field_apart(field, i, a, y) * by;
+        length += by * by;
+    }
+    const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
+    for (int i = 0; i < field->n; i++)
+        nearest[i] = a[i] + share * (b[i] - a[i]);
+    return field_distance(field, nearest, y);
+}
+
+void field_plane_across(struct vector_field *field, const double *state, struct field_plane *plane)
+{
+    field_rate(field, state, plane->normal);
+    for (int i = 0; i < field->n; i++) {
+        plane->origin[i] = state[i];
+        plane->normal[i] /= field->size[i];
+    }
+}
+
+double field_side(const struct vector_field *field, const struct field_plane *plane,
+                  const double *y)
+{
+    double sum = 0;
+    for (int i = 0; i < field->n; i++)
+        sum += plane->normal[i] * field_apart(field, i, plane->origin, y);
+    return sum;
+}
+
 struct crossing_search {
     struct vector_field *field;
     double t;
     const double *start;
-    field_side *side;
-    const void *context;
+    const struct field_plane *plane;
     double *at;
 };
 
 static double side_after(void *context, double span)
 {
     const struct crossing_search *c = context;
-    return field_flow(c->field, c->t, c->start, span, c->at, NULL) ? c->side(c->context, c->at)
-                                                                   : NAN;
+    return field_flow(c->field, c->t, c->start, span, c->at, NULL)
+               ? field_side(c->field, c->plane, c->at)
+               : NAN;
 }
 
 double field_crossing(struct vector_field *field, double t, const double *start, double span,
-                      field_side *side, const void *context, double before, double after,
-                      double *at)
+                      const double *end, const struct field_plane *plane, double *at)
 {
-    struct crossing_search c = {field, t, start, side, context, at};
-    const double when = root_between(side_after, &c, 0, before, span, after, 1e-15 * fabs(span));
+    struct crossing_search c = {field, t, start, plane, at};
+    const double when = root_between(side_after, &c, 0, field_side(field, plane, start), span,
+                                     field_side(field, plane, end), 1e-15 * fabs(span));
     return isnan(side_after(&c, when)) ? NAN : when;
 }
 

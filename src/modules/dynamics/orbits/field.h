@@ -77,14 +77,30 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
                   double *grid);
 
-/* A function of the state whose sign says on which side of a surface it lies. */
-typedef double field_side(const void *context, const double *y);
-/* Returns when [s] after t, within the span, the motion from `start` goes through the surface, on
- * both sides of which its ends lie: `before` and `after`, the values there. The state is put into
- * `at` [n]. NAN if the motion does not get there, or if it is cancelled. */
+/* Returns how far y lies beyond x along variable i, in units of size; of angles the short way. */
+double field_apart(const struct vector_field *field, int i, const double *x, const double *y);
+/* Returns the largest of these distances. */
+double field_distance(const struct vector_field *field, const double *x, const double *y);
+
+/* Returns how far y lies from the straight line between two states. */
+double field_distance_to_line(const struct vector_field *field, const double *y, const double *a,
+                              const double *b);
+
+/* A plane in the space of states, which has units of size. */
+struct field_plane {
+    double origin[FIELD_VARIABLES], normal[FIELD_VARIABLES];
+};
+
+/* Makes the plane through a state across the motion there. */
+void field_plane_across(struct vector_field *field, const double *state, struct field_plane *plane);
+/* Returns a number whose sign says on which side of the plane y lies. */
+double field_side(const struct vector_field *field, const struct field_plane *plane,
+                  const double *y);
+/* Returns when [s] after t, within the span, the motion from `start` goes through the plane, on
+ * both sides of which it lies at `start` and at `end`. The state is put into `at` [n]. NAN if the
+ * motion does not get there, or if it is cancelled. */
 double field_crossing(struct vector_field *field, double t, const double *start, double span,
-                      field_side *side, const void *context, double before, double after,
-                      double *at);
+                      const double *end, const struct field_plane *plane, double *at);
 
 /* Do the equations jump anywhere on the way from there (not where only their slopes do)? Then what
  * derivatives say of differences is not so. */

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * A periodic orbit from a state near it: the motion is followed until it nearly returns, the turn
- * with the smallest period first, and Newton's method closes it. Where orbits come in families (of
- * conservative motion) the shooting equations are singular: the least change is taken, which stays
- * near the amplitude that there is.
+ * with the smallest period first, and Newton's method closes it (close.c).
  */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,163 +19,22 @@
 #define WAITS 40       /* spans for which the motion may settle */
 #define STROBES 240    /* periods of the drive likewise */
 #define MOST 16        /* periods of the drive that one of the motion may take */
-#define CLOSED 1e-8    /* residual, in natural sizes */
-#define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
 #define TRIES 6        /* returns from which an orbit is looked for at once; */
 #define ALL_TRIES 24   /* in all: the motion may be chaotic */
 #define SEARCH 6000000 /* evaluations after which nothing more is tried: a second, about */
-#define POLISHED 1e-11 /* residual below which nothing more is to be gained */
 
-/* ---- closing it ---- */
-
-#define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
-
-/* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
- * along which the unknowns stay as they are, NULL: none. room: [2][SQUARE] */
-static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
-{
-    const struct curve_problem *problem = path->problem;
-    const int n = problem->n, all = n + 1;
-    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
-    double begin[CURVE_MAX];
-    bool fine = false;
-    memcpy(begin, u, (size_t)n * sizeof *u);
-    problem->aim(problem->context, fine);
-    for (int look = 0; look < 40; look++) {
-        double worst = 0, trace = 0, size = 0;
-        if (!problem->residual(problem->context, u, f, jacobian))
-            return false;
-        for (int i = 0; i < n; i++)
-            worst = fmax(worst, fabs(f[i]));
-        double off = 0;
-        for (int i = 0; i < n && across; i++)
-            off += across[i] * (u[i] - begin[i]);
-        if (fine && (worst < 1e-13 || (worst < CLOSED && worst > last / 2)))
-            return true;
-        if (!fine && worst < 1e-5) {
-            problem->aim(problem->context, fine = true);
-            last = HUGE_VAL;
-            continue;
-        }
-        for (int i = 0; i < n; i++) {
-            by[i] = across ? -across[i] * off : 0;
-            for (int k = 0; k < n; k++)
-                by[i] -= jacobian[k * all + i] * f[k];
-            for (int j = 0; j < n; j++) {
-                a[i * n + j] = across ? across[i] * across[j] : 0;
-                for (int k = 0; k < n; k++)
-                    a[i * n + j] += jacobian[k * all + i] * jacobian[k * all + j];
-            }
-            trace += a[i * n + i];
-        }
-        for (int i = 0; i < n; i++)
-            a[i * n + i] += 1e-13 * trace / n;
-        if (!matrix_solve(n, a, by))
-            return false;
-        for (int i = 0; i < n; i++)
-            size = fmax(size, fabs(by[i]) / fmax(1, fabs(u[i])));
-        for (int i = 0; i < n; i++)
-            u[i] += by[i] * fmin(1, 0.2 / size);
-        last = worst;
-    }
-    return false;
-}
-
-double orbit_extent(const struct vector_field *field, const struct solution *s)
-{
-    double most = 0;
-    for (int i = 0; i < s->n; i++)
-        most = fmax(most, (s->top[i] - s->bottom[i]) / field->size[i]);
-    return most;
-}
-
-/* How far a solution at a looser tolerance is off. */
-static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
-{
-    const int n = path->problem->n;
-    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
-    path->field.tol = LOOSE;
-    const bool fine = path->problem->residual(path->problem->context, point->u, f, jacobian);
-    for (int i = 0; fine && i < n; i++)
-        memcpy(a + i * n, jacobian + i * (n + 1), (size_t)n * sizeof *a);
-    if (!fine || !matrix_solve(n, a, f))
-        return NAN;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(f[i]) / fmax(1, fabs(point->u[i])));
-    return most;
-}
+/* ---- the smallest period ---- */
 
 /* An orbit with that many parts of the period would do as well? */
 static bool closes_after(struct orbit_search *s, const struct solution *orbit, int parts)
 {
-    double end[FIELD_VARIABLES], most = 0;
-    if (!field_flow(&s->field, s->field.system.t0, orbit->state, orbit->period / parts, end, NULL))
-        return false;
-    for (int i = 0; i < orbit->n; i++) {
-        double off = end[i] - orbit->state[i];
-        if (s->field.turn[i] > 0)
-            off = remainder(off, s->field.turn[i]);
-        most = fmax(most, fabs(off) / s->field.size[i]);
-    }
-    return most < 1e-5 * orbit_extent(&s->field, orbit);
+    double end[FIELD_VARIABLES];
+    return field_flow(&s->field, s->field.system.t0, orbit->state, orbit->period / parts, end,
+                      NULL) &&
+           field_distance(&s->field, orbit->state, end) < 1e-5 * orbit_extent(&s->field, orbit);
 }
 
-/* In units of the unknowns: those of the start and the period. */
-static void hold(const struct solution_curve *path, const double *across, double *held)
-{
-    const int n = path->problem->n, variables = path->field.n;
-    memset(held, 0, (size_t)n * sizeof *held);
-    for (int i = 0; i < variables; i++)
-        held[i] = across[i] * path->field.size[i];
-    held[n - 1] = across[variables];
-    vector_normalise(n, held);
-}
-
-bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
-                 const double *across, struct found_orbit *orbit)
-{
-    struct solution guess = {.kind = multiple > 0 ? SOLUTION_RESPONSE : SOLUTION_ORBIT,
-                             .n = s->field.n,
-                             .period = period,
-                             .multiple = multiple};
-    struct solution_curve path;
-    struct curve_place point = {.corrections = 0}, better;
-    struct error ignored;
-    guess.param[0] = s->field.scene.value[s->field.param[0]];
-    memcpy(guess.state, state, (size_t)s->field.n * sizeof *state);
-    if (!solutions_begin(&path, s->request->scene, s->field.param[0], s->field.unit[0], &guess,
-                         s->request->cancel, point.u, &ignored))
-        return false;
-    double held[CURVE_MAX];
-    if (across)
-        hold(&path, across, held);
-    double *room = malloc(2 * SQUARE * sizeof *room);
-    bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
-                solutions_at(&path, &point, true, &orbit->solution);
-    orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
-    if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
-        solutions_correct_at(&path, point.u, 1, &better)) {
-        memcpy(point.u, better.u, sizeof point.u);
-        fine = solutions_at(&path, &point, true, &orbit->solution);
-    }
-    orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
-    if (fine && orbit->family) { /* double ones are no more exact than that */
-        orbit->solution.unstable = 0;
-        for (int i = 0; i < orbit->solution.values; i++)
-            orbit->solution.unstable +=
-                hypot(orbit->solution.value[i].re, orbit->solution.value[i].im) > 1 + SOLUTION_ONE;
-    }
-    s->field.evals += path.field.evals;
-    solutions_end(&path);
-    free(room);
-    const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
-    /* what winds into a rest ever more slowly nearly closes, too */
-    return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
-           (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
-                             orbit->solution.residual < CLOSED * extent));
-}
-
-/* The same, with the smallest period. */
+/* Closes the orbit, and looks for one with a part of its period. */
 static bool close_smallest(struct orbit_search *s, const double *state, double period, int multiple,
                            struct found_orbit *orbit)
 {
@@ -228,37 +84,14 @@ struct returns {
     double time[RETURNS], distance[RETURNS]; /* part of the extent */
 };
 
-static double off(const struct orbit_search *s, const double *y, int i)
-{
-    const double by = y[i] - s->state[i];
-    return (s->field.turn[i] > 0 ? remainder(by, s->field.turn[i]) : by) / s->field.size[i];
-}
-
-/* The plane through the state, across the motion there. */
-struct plane_across {
-    const struct orbit_search *s;
-    double normal[FIELD_VARIABLES];
-};
-
-static double above(const void *context, const double *y)
-{
-    const struct plane_across *plane = context;
-    double sum = 0;
-    for (int i = 0; i < plane->s->field.n; i++)
-        sum += plane->normal[i] * off(plane->s, y, i);
-    return sum;
-}
-
 /* False: the motion does not get there. */
 static bool look(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;
     double grid[FIELD_TIMES * FIELD_VARIABLES], at[FIELD_VARIABLES];
-    struct plane_across plane = {.s = s};
+    struct field_plane plane;
     const double h = span / (FIELD_TIMES - 1);
-    field_rate(&s->field, s->state, plane.normal);
-    for (int i = 0; i < n; i++)
-        plane.normal[i] /= s->field.size[i];
+    field_plane_across(&s->field, s->state, &plane);
     if (!field_follow(&s->field, s->t, s->state, span, grid))
         return false;
     found->count = 0;
@@ -275,18 +108,13 @@ static bool look(struct orbit_search *s, double span, struct returns *found, dou
     }
     for (int k = 2; k < FIELD_TIMES && found->count < RETURNS; k++) {
         const double *a = grid + (k - 1) * n;
-        const double before = above(&plane, a), after = above(&plane, a + n);
-        if (!(before < 0 && after >= 0))
+        if (!(field_side(&s->field, &plane, a) < 0 && field_side(&s->field, &plane, a + n) >= 0))
             continue;
-        const double by =
-            field_crossing(&s->field, s->t + (k - 1) * h, a, h, above, &plane, before, after, at);
-        double most = 0;
-        for (int i = 0; i < n; i++)
-            most = fmax(most, fabs(off(s, at, i)));
+        const double by = field_crossing(&s->field, s->t + (k - 1) * h, a, h, a + n, &plane, at);
         if (!isfinite(by))
             continue;
         found->time[found->count] = (k - 1) * h + by;
-        found->distance[found->count++] = most / s->extent;
+        found->distance[found->count++] = field_distance(&s->field, s->state, at) / s->extent;
     }
     memcpy(end, grid + (FIELD_TIMES - 1) * n, (size_t)n * sizeof *end);
     return true;
@@ -381,7 +209,6 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
 
 static bool find_driven(struct orbit_search *s, double drive, struct error *error)
 {
-    const int n = s->field.n;
     const double t0 = s->field.system.t0;
     double history[MOST + 1][FIELD_VARIABLES];
     if (s->request->period > 0) {
@@ -409,9 +236,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
             return nothing(s, "the motion from there ends", error);
         memcpy(s->state, now, sizeof s->state);
         for (int q = 1; q <= MOST && q <= k; q++) {
-            distance[q] = 0;
-            for (int i = 0; i < n; i++)
-                distance[q] = fmax(distance[q], fabs(off(s, history[(k - q) % (MOST + 1)], i)));
+            distance[q] = field_distance(&s->field, s->state, history[(k - q) % (MOST + 1)]);
             best = fmin(best, distance[q]);
         }
         if (spent(s))
@@ -489,20 +314,9 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
     double nearest = HUGE_VAL;
     for (int k = 0; k + 1 < orbit->samples; k++) {
         const double *a = orbit->sample + k * (n + 1) + 1, *b = a + n + 1;
-        double along = 0, length = 0, sum = 0, to[FIELD_VARIABLES], by[FIELD_VARIABLES];
-        for (int i = 0; i < n; i++) {
-            const double off = s->request->state[i] - a[i], turn = s->field.turn[i];
-            to[i] = (turn > 0 ? remainder(off, turn) : off) / s->field.size[i];
-            by[i] = (b[i] - a[i]) / s->field.size[i];
-            along += to[i] * by[i];
-            length += by[i] * by[i];
-        }
-        const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
-        for (int i = 0; i < n; i++)
-            sum += (to[i] - share * by[i]) * (to[i] - share * by[i]);
-        nearest = fmin(nearest, sum);
+        nearest = fmin(nearest, field_distance_to_line(&s->field, s->request->state, a, b));
     }
-    return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
+    return nearest / orbit_extent(&s->field, &orbit->solution);
 }
 
 /* [J] over a period: what a drive puts in; without one, what is put in where power is above 0. */

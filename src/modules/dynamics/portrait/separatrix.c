@@ -99,25 +99,15 @@ static int reached(const struct plane_walk *w, int except)
 
 /* ---- crossings ---- */
 
-struct line_at {
-    int variable;
-    double value;
-};
-
-static double beyond_line(const void *context, const double *y)
-{
-    const struct line_at *line = context;
-    return y[line->variable] - line->value;
-}
-
 /* Where variable k has this value, between the state before and the one `span` later. */
 static void cross(struct plane_walk *w, const double *before, double span, int k, double value)
 {
     struct separatrix *s = w->separatrix;
-    const struct line_at line = {variable_of(w, k), value};
+    struct field_plane plane = {.normal = {0}};
     double at[LIMIT_VARIABLES];
-    const double when = field_crossing(&w->work->field, w->t, before, span, beyond_line, &line,
-                                       beyond_line(&line, before), beyond_line(&line, w->y), at);
+    plane.origin[variable_of(w, k)] = value;
+    plane.normal[variable_of(w, k)] = 1;
+    const double when = field_crossing(&w->work->field, w->t, before, span, w->y, &plane, at);
     if (isfinite(when) && s->crossings < CROSSINGS_MAX)
         s->crossing[s->crossings++] = (struct portrait_crossing){k, value, at[variable_of(w, !k)]};
 }

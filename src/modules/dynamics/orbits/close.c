@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Newton's method for a periodic orbit near a guess. Where orbits come in families (of conservative
+ * motion) the shooting equations are singular: the least change is taken, which stays near the
+ * amplitude that there is.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "modules/dynamics/orbits/solutions.h"
+
+#define CLOSED 1e-8    /* residual, in natural sizes */
+#define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
+#define POLISHED 1e-11 /* residual below which nothing more is to be gained */
+#define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
+
+/* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
+ * along which the unknowns stay as they are, NULL: none. room: [2][SQUARE] */
+static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
+{
+    const struct curve_problem *problem = path->problem;
+    const int n = problem->n, all = n + 1;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
+    double begin[CURVE_MAX];
+    bool fine = false;
+    memcpy(begin, u, (size_t)n * sizeof *u);
+    problem->aim(problem->context, fine);
+    for (int look = 0; look < 40; look++) {
+        double worst = 0, trace = 0, size = 0;
+        if (!problem->residual(problem->context, u, f, jacobian))
+            return false;
+        for (int i = 0; i < n; i++)
+            worst = fmax(worst, fabs(f[i]));
+        double off = 0;
+        for (int i = 0; i < n && across; i++)
+            off += across[i] * (u[i] - begin[i]);
+        if (fine && (worst < 1e-13 || (worst < CLOSED && worst > last / 2)))
+            return true;
+        if (!fine && worst < 1e-5) {
+            problem->aim(problem->context, fine = true);
+            last = HUGE_VAL;
+            continue;
+        }
+        for (int i = 0; i < n; i++) {
+            by[i] = across ? -across[i] * off : 0;
+            for (int k = 0; k < n; k++)
+                by[i] -= jacobian[k * all + i] * f[k];
+            for (int j = 0; j < n; j++) {
+                a[i * n + j] = across ? across[i] * across[j] : 0;
+                for (int k = 0; k < n; k++)
+                    a[i * n + j] += jacobian[k * all + i] * jacobian[k * all + j];
+            }
+            trace += a[i * n + i];
+        }
+        for (int i = 0; i < n; i++)
+            a[i * n + i] += 1e-13 * trace / n;
+        if (!matrix_solve(n, a, by))
+            return false;
+        for (int i = 0; i < n; i++)
+            size = fmax(size, fabs(by[i]) / fmax(1, fabs(u[i])));
+        for (int i = 0; i < n; i++)
+            u[i] += by[i] * fmin(1, 0.2 / size);
+        last = worst;
+    }
+    return false;
+}
+
+double orbit_extent(const struct vector_field *field, const struct solution *s)
+{
+    double most = 0;
+    for (int i = 0; i < s->n; i++)
+        most = fmax(most, (s->top[i] - s->bottom[i]) / field->size[i]);
+    return most;
+}
+
+/* How far a solution at a looser tolerance is off. */
+static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
+{
+    const int n = path->problem->n;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
+    path->field.tol = LOOSE;
+    const bool fine = path->problem->residual(path->problem->context, point->u, f, jacobian);
+    for (int i = 0; fine && i < n; i++)
+        memcpy(a + i * n, jacobian + i * (n + 1), (size_t)n * sizeof *a);
+    if (!fine || !matrix_solve(n, a, f))
+        return NAN;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(f[i]) / fmax(1, fabs(point->u[i])));
+    return most;
+}
+
+/* In units of the unknowns: those of the start and the period. */
+static void hold(const struct solution_curve *path, const double *across, double *held)
+{
+    const int n = path->problem->n, variables = path->field.n;
+    memset(held, 0, (size_t)n * sizeof *held);
+    for (int i = 0; i < variables; i++)
+        held[i] = across[i] * path->field.size[i];
+    held[n - 1] = across[variables];
+    vector_normalise(n, held);
+}
+
+bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
+                 const double *across, struct found_orbit *orbit)
+{
+    struct solution guess = {.kind = multiple > 0 ? SOLUTION_RESPONSE : SOLUTION_ORBIT,
+                             .n = s->field.n,
+                             .period = period,
+                             .multiple = multiple};
+    struct solution_curve path;
+    struct curve_place point = {.corrections = 0}, better;
+    struct error ignored;
+    guess.param[0] = s->field.scene.value[s->field.param[0]];
+    memcpy(guess.state, state, (size_t)s->field.n * sizeof *state);
+    if (!solutions_begin(&path, s->request->scene, s->field.param[0], s->field.unit[0], &guess,
+                         s->request->cancel, point.u, &ignored))
+        return false;
+    double held[CURVE_MAX];
+    if (across)
+        hold(&path, across, held);
+    double *room = malloc(2 * SQUARE * sizeof *room);
+    bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
+                solutions_at(&path, &point, true, &orbit->solution);
+    orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
+    if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
+        solutions_correct_at(&path, point.u, 1, &better)) {
+        memcpy(point.u, better.u, sizeof point.u);
+        fine = solutions_at(&path, &point, true, &orbit->solution);
+    }
+    orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
+    if (fine && orbit->family) { /* double ones are no more exact than that */
+        orbit->solution.unstable = 0;
+        for (int i = 0; i < orbit->solution.values; i++)
+            orbit->solution.unstable +=
+                hypot(orbit->solution.value[i].re, orbit->solution.value[i].im) > 1 + SOLUTION_ONE;
+    }
+    s->field.evals += path.field.evals;
+    solutions_end(&path);
+    free(room);
+    const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
+    /* what winds into a rest ever more slowly nearly closes, too */
+    return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
+           (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
+                             orbit->solution.residual < CLOSED * extent));
+}
