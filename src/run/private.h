@@ -417,8 +417,12 @@ void event_records_truncate(struct run *run, double ahead);
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias));
 #define FOUR 4
-#define LARGER(x, y)                                                                               \
-    ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
+/* Raises each of *max to that of *x. */
+ALWAYS_INLINE void four_raise(four *max, const four *x)
+{
+    for (int i = 0; i < FOUR; i++)
+        (*max)[i] = (*x)[i] > (*max)[i] ? (*x)[i] : (*max)[i];
+}
 
 /* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
 /* NULL: no memory, or a step that fails */

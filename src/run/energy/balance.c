@@ -78,7 +78,7 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
         const four missing = *(const four *)(const void *)(done->energy + k) - initial -
                              *(const four *)(const void *)(done->all_work + k);
         const four lack = (four)((four_bits)missing & INT64_MAX);
-        max = LARGER(lack, max);
+        four_raise(&max, &lack);
     }
     memcpy(first, &max, sizeof first);
     tally->max = largest(first, tally->max);

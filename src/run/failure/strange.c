@@ -122,36 +122,42 @@ static bool ends_near(struct run *run, size_t i)
 
 /* ---- rows to look at ---- */
 
-/* Returns the row of a block before the change of a variable that stands out most among its changes
- * there. */
-static size_t row_that_stands_out(const struct run *run, size_t block, size_t count)
+/* Returns the row before the change of a variable that stands out most among its changes in a block
+ * of rows, or the first row if none does. Sets *count to the rows of the block: at most that many,
+ * which follow each other in memory and fill whole vectors, or 1. */
+CLONES static size_t row_that_stands_out(const struct trace *trace, size_t block, size_t *count)
 {
-    const struct trace *trace = run->trace;
-    const size_t rows = trace_count(trace), end = block + count < rows ? block + count : rows - 1;
-    const int n = run->system.n;
-    double max[LIMIT_VARIABLES] = {0}, sum[LIMIT_VARIABLES] = {0};
-    size_t row[LIMIT_VARIABLES] = {0};
-    const double *y = trace_state(trace, block);
-    for (size_t i = block; i < end; i++) {
-        const double *next = trace_state(trace, i + 1);
-        for (int k = 0; k < n; k++) {
-            const double change = fabs(next[k] - y[k]);
-            sum[k] += change;
-            if (change > max[k]) {
-                max[k] = change;
-                row[k] = i;
-            }
+    static const double times_mean = 2; /* the largest change of a sine is 1.6 times their mean */
+    const size_t end = block + *count + 1 < trace->count ? block + *count + 1 : trace->count,
+                 width = trace->width;
+    const double *row = trace_rows(trace, block, end, count);
+    double sum[LIMIT_VARIABLES + 1] = {0}, max[LIMIT_VARIABLES + 1] = {0};
+    size_t values = (*count - 1) * width, found = values;
+    values -= values % (FOUR * width);
+    for (size_t p = 0; p < FOUR * width; p += FOUR) {
+        four all = {0}, largest = {0};
+        for (size_t i = p; i < values; i += FOUR * width) {
+            const four change = *(const four *)(const void *)(row + i + width) -
+                                *(const four *)(const void *)(row + i),
+                       size = (four)((four_bits)change & INT64_MAX);
+            all += size;
+            four_raise(&largest, &size);
         }
-        y = next;
+        for (size_t lane = 0; lane < FOUR; lane++) {
+            sum[(p + lane) % width] += all[lane];
+            max[(p + lane) % width] = fmax(max[(p + lane) % width], largest[lane]);
+        }
     }
-    size_t found = block;
-    double most = 0;
-    for (int k = 0; k < n; k++)
+    *count = values > 0 ? values / width : 1;
+    double most = times_mean / (double)*count;
+    for (size_t k = 0; k < width; k++)
         if (max[k] > most * sum[k]) {
             most = max[k] / sum[k];
-            found = row[k];
+            found = k;
         }
-    return found;
+    while (found < values && fabs(row[found + width] - row[found]) < max[found % width])
+        found += width;
+    return block + (found < values ? found / width : 0);
 }
 
 size_t run_rows_looked_max(const struct system *system, const struct method *method, double evals,
@@ -178,14 +184,15 @@ void run_find_strange_steps(struct run *run)
     const size_t max = run_rows_looked_max(&run->system, run->method, (double)run->cost.evals,
                                            (double)(rows - first), &picks),
                  by = 1 + (rows - first) / max;
+    picks &= by >= FOUR;
     size_t strange = rows; /* the last one, if it was not looked into */
     p->looked = rows - 1;
-    for (size_t block = first; block + 1 < rows; block += by) {
+    for (size_t block = first, count = by; block + 1 < rows; block += count, count = by) {
         if (block % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
             p->looked = block; /* the rest next time */
             return;
         }
-        const size_t i = by > 1 && picks ? row_that_stands_out(run, block, by) : block;
+        const size_t i = picks ? row_that_stands_out(run->trace, block, &count) : block;
         if (!step_looks_strange(run, i))
             continue;
         const bool is_seldom = (p->checks & (p->checks + 1)) == 0; /* 0, 1, 3, 7, … before */

@@ -63,7 +63,7 @@ static double strange_price(const struct run_scenario *s, const struct run_work 
 {
     const struct recording_rule *record = &s->settings->record;
     const double each = 100 + 200 * (double)s->system->n, a_block = 450,
-                 a_change = 10 + 9 * (double)s->system->n;
+                 a_change = 3 * (double)s->system->n;
     if (s->plan->adaptive || run_is_never_singular(s->system) || record->rule == RECORD_TIMES ||
         (record->rule == RECORD_EVERY && record->every > 1))
         return 0;

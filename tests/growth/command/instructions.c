@@ -43,6 +43,8 @@ static const struct growth rows[] = {
     {"steps_even", 5000, 1, .first = "set record every 10 ms; " STEPS("drag", "rk4")},
     {"steps_typed", 5000, 1,
      .first = "var x = 1; var z = 0; x'' = z - 2*x; z'' = x - 2*z; method rk4 dt=1ms; run # ms"},
+    {"steps_typed_cubic", 20000, 1, .each_max = 190,
+     .first = "var y = 0.05; y'' = -75*y - 500*y^3; method verlet dt=1ms; run # ms"},
     {"steps_adaptive", 30, 1, .first = "scene kepler; method dop853; run # s"},
     {"step_lines", 50, 1, .first = "scene drag; method rk4 dt=1ms; run 1 ms", .each = "step"},
     {"step_lines_linear", 50, 1, .first = "scene damped; method verlet dt=1ms; run 1 ms",
@@ -87,7 +89,7 @@ static const struct growth rows[] = {
     {"sweep_points", 50, 2,
      .first = "scene driven; method rk4 dt=10ms; duration = 1 s; sweep omega=1:#:1 measure=max "
               "--threads 1"},
-    {"sweep_short", 640, 2, .each_max = 4900,
+    {"sweep_short", 640, 2, .each_max = 4500,
      .first = "scene spring; method rk4 dt=10ms; duration = 0.1 s; sweep k=1:#:1 --threads 1"},
 };
 
