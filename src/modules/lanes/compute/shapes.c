@@ -21,21 +21,23 @@ INLINE four load(const double *x)
 
 /* ---- forces ---- */
 
-UNUSED INLINE four four_sin(four x)
-{
-    for (int lane = 0; lane < WIDE; lane++)
-        x[lane] = fixed_sin(x[lane]);
-    return x;
-}
+/* Functions of rows that no shape has. */
+#define OF_EACH_LANE(name)                                                                         \
+    UNUSED INLINE four four_##name(four x)                                                         \
+    {                                                                                              \
+        for (int lane = 0; lane < WIDE; lane++)                                                    \
+            x[lane] = fixed_##name(x[lane]);                                                       \
+        return x;                                                                                  \
+    }
+OF_EACH_LANE(sin)
+OF_EACH_LANE(cos)
 
-/* The drive's cosine is given, and its angle wanted. */
 #define abs(x) four_magnitude(x)
 #define sin(x) four_sin(x)
-#define cos(x) (*angle = (x), cosine)
+#define cos(x) four_cos(x)
 #define FORCE(name, expression)                                                                    \
-    INLINE four name##_of_four(UNUSED four c0, UNUSED four c1, UNUSED four c2, UNUSED four t,      \
-                               UNUSED four q, UNUSED four v, UNUSED four cosine,                   \
-                               UNUSED four *angle)                                                 \
+    UNUSED INLINE four name##_of_four(UNUSED four c0, UNUSED four c1, UNUSED four c2,              \
+                                      UNUSED four t, UNUSED four q, UNUSED four v)                 \
     {                                                                                              \
         return (expression);                                                                       \
     }
@@ -47,21 +49,22 @@ UNUSED INLINE four four_sin(four x)
 #undef cos
 
 /* The sum of terms whose flags under `mask` are `wanted`; c: coefficients
- * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on */
+ * [terms][TERM_COEFFICIENTS][LANE_COUNT] from the lane on; cosine: the drive's */
 typedef four lane_force(unsigned mask, unsigned wanted, const double *c, four q, four v,
                         four cosine);
 
 #define LANE_COEFFICIENT(i, j) load(c + ((i)*TERM_COEFFICIENTS + (j)) * LANE_COUNT)
 #define LANE_TERM(i, name)                                                                         \
-    if ((name##_flags & mask) == wanted)                                                           \
+    if ((name##_flags & mask) == wanted && name##_flags & TERM_TIME)                               \
+        a += LANE_COEFFICIENT(i, 0) * cosine;                                                      \
+    else if ((name##_flags & mask) == wanted)                                                      \
         a += name##_of_four(LANE_COEFFICIENT(i, 0), LANE_COEFFICIENT(i, 1), (four){0}, (four){0},  \
-                            q, v, cosine, &ignored);
+                            q, v);
 #define LANE_FORCE(shape)                                                                          \
     INLINE four shape##_in_lanes(unsigned mask, unsigned wanted, const double *c, UNUSED four q,   \
                                  UNUSED four v, UNUSED four cosine)                                \
     {                                                                                              \
         four a = -(four){0};                                                                       \
-        UNUSED four ignored;                                                                       \
         TERMS_OF_##shape(LANE_TERM) return a;                                                      \
     }
 #define LANE_SHAPES(S) SHAPES(S) LINEAR_SHAPES(S)
@@ -71,14 +74,10 @@ LANE_SHAPES(LANE_FORCE)
 
 /* ---- the drive ---- */
 
-/* Returns the angles of four lanes at time t. */
+/* The drive is FORCE(drive, c0 * cos(c1 * t + c2)). Returns the angles of four lanes at time t. */
 INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
 {
-    const four none = {0};
-    four angle;
-    drive_of_four(none, load(drive->c1 + lane), load(drive->c2 + lane), t, none, none, none,
-                  &angle);
-    return angle;
+    return load(drive->c1 + lane) * t + load(drive->c2 + lane);
 }
 
 CLONES static void look_at_drive(struct lane_drive *drive, int64_t place, struct lane_time at)
