@@ -81,8 +81,9 @@ void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 
 /* a message on the error stream, as it is */
 void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* Whether anybody wants records: where they cost much. */
+/* Whether anybody wants records, or, of a command that makes records, its lines. */
 bool reply_wants_records(const struct reply *reply);
+bool reply_wants_text(const struct reply *reply);
 /* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
 void reply_begin(struct reply *reply, const char *kind);
 void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */

@@ -87,8 +87,8 @@ void short_form_begin(struct short_form *form, const struct session *session,
     *form = (struct short_form){.outer = reply->sink,
                                 .width = width > ANSWER_WIDTH_MIN ? width : ANSWER_WIDTH_MIN,
                                 .rows_max = rows > ANSWER_ROWS_MIN ? rows : ANSWER_ROWS_MIN};
-    form->active = has_short_form(arguments->command) && reply->format == FORMAT_TEXT &&
-                   !reply->quiet && !reply->muted && !asks_full(arguments);
+    form->active =
+        has_short_form(arguments->command) && reply_wants_text(reply) && !asks_full(arguments);
     if (form->active)
         reply->sink = (struct sink){hold_result, hold_message, form};
 }

@@ -334,6 +334,11 @@ bool reply_wants_records(const struct reply *reply)
     return reply->format != FORMAT_TEXT || reply->muted;
 }
 
+bool reply_wants_text(const struct reply *reply)
+{
+    return reply->format == FORMAT_TEXT && !reply->quiet && !reply->muted;
+}
+
 /* The first field of an object in an array is what its others are called by. */
 static bool names_object(struct reply *reply, const char *key, const char *value)
 {

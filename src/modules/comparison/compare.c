@@ -296,7 +296,8 @@ HANDLER(compare)
     if (count > 0) {
         overlay_runs(&session->view, rows, count);
         fill_rows(session, rows, count, args->arena, compared);
-        reply_table(session, rows, compared, count, !asks_full(args), args->arena, reply);
+        if (reply_wants_text(reply))
+            reply_table(session, rows, compared, count, !asks_full(args), args->arena, reply);
         reply_comparison(session, compared, count, reply);
         for (int i = 0; i < count; i++)
             reply_unsound(rows[i].run, reply);

@@ -68,8 +68,8 @@ HANDLER(order)
     reply_assumed(session, false, true, reply);
     const bool ok = study_order(&request, &order, error);
     if (ok || order.points > 0) {
-        struct buffer *text = reply_buffer(reply);
-        put_order(session, &order, args->arena, text);
+        if (reply_wants_text(reply))
+            put_order(session, &order, args->arena, reply_buffer(reply));
         reply_result(session, reply, "order", &order_point_columns, order.point,
                      (size_t)order.points, order.by.method->row.name, NULL);
         reply_records(reply, "order", &order_columns, &order, 1);

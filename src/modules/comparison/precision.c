@@ -107,6 +107,8 @@ static void reply_study(const struct session *session, const struct arguments *a
                         const struct precision *precision, const struct buffer *absent,
                         double seconds, struct reply *reply)
 {
+    if (!reply_wants_text(reply))
+        return;
     struct buffer *text = reply_buffer(reply);
     int width, height;
     session_size(session, &width, &height);

@@ -237,38 +237,43 @@ static bool study_each(const struct session *session, const struct arguments *ar
     return *count > 0;
 }
 
+/* Several are put without a picture. */
+static void put_study(const struct session *session, const struct arguments *args,
+                      const struct stability *rows, int count, bool pictured,
+                      const struct buffer *absent, struct buffer *text)
+{
+    put_table(text, rows, count, args->arena);
+    buffer_put(text, buffer_text(absent));
+    for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
+        buffer_format(text, "%s:\n", rows[i].by.method->row.name);
+        put_scene(text, session, &rows[i]);
+        put_checks(text, &rows[i]);
+        put_weakness(text, &rows[i]);
+    }
+    if (count > 1 && !asks_full(args))
+        buffer_put(text, TEXT("'stability METHOD': the checks and the region of one; --full: the "
+                              "checks of all\n"));
+    int width, height;
+    session_size(session, &width, &height);
+    if (!asks_full(args))
+        height = answer_rows(session) - text_rows(buffer_text(text), width);
+    if (count == 1 && pictured && !put_picture(text, session, &rows[0], height, args->arena))
+        text->failed = true;
+}
+
 HANDLER(stability)
 {
     const struct argument_value *methods = argument_value(args, "METHOD");
     struct stability *rows = arena_array(args->arena, (size_t)methods->count + 1, sizeof *rows);
-    struct buffer text = {0}, absent = {0};
+    struct buffer absent = {0};
     int count = 0;
     if (!rows)
         return error_memory(error);
     const bool ok = study_each(session, args, rows, &count, &absent, error);
-    if (count > 0)
-        put_table(&text, rows, count, args->arena);
-    buffer_put(&text, buffer_text(&absent));
+    if (count > 0 && reply_wants_text(reply))
+        put_study(session, args, rows, count, ok && methods->count <= 1, &absent,
+                  reply_buffer(reply));
     buffer_free(&absent);
-    for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
-        buffer_format(&text, "%s:\n", rows[i].by.method->row.name);
-        put_scene(&text, session, &rows[i]);
-        put_checks(&text, &rows[i]);
-        put_weakness(&text, &rows[i]);
-    }
-    if (count > 1 && !asks_full(args))
-        buffer_put(&text, TEXT("'stability METHOD': the checks and the region of one; --full: the "
-                               "checks of all\n"));
-    int width, height;
-    session_size(session, &width, &height);
-    if (!asks_full(args))
-        height = answer_rows(session) - text_rows(buffer_text(&text), width);
-    if (count == 1 && methods->count <= 1 && ok &&
-        !put_picture(&text, session, &rows[0], height, args->arena))
-        text.failed = true;
-    if (count > 0)
-        reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
     if (count > 0)
         reply_result(session, reply, "stability", &stability_columns, rows, (size_t)count, NULL,
                      NULL);

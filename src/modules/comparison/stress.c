@@ -307,7 +307,7 @@ HANDLER(stress)
         for (int i = 0; i < stress->rows; i++)
             stress->row[i].seconds = NAN;
     }
-    if (stress->rows > 0)
+    if (stress->rows > 0 && reply_wants_text(reply))
         (asks_full(args) ? put_full : put_short)(session, stress, method, methods, args->arena,
                                                  reply_buffer(reply));
     reply_records(reply, "stress", &stress_columns, stress->row, (size_t)stress->rows);

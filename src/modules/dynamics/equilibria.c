@@ -276,12 +276,14 @@ HANDLER(equilibria)
     report_fraction(&session->front, 2);
     if (!fine)
         return false;
-    struct buffer *text = reply_buffer(reply);
-    put_found(text, &system, box, &found, args->arena);
-    if (full)
-        put_vectors(text, &system, &found);
-    buffer_format(text, "%d boxes looked at", found.boxes);
-    put_seconds(text, session, found.seconds);
+    if (reply_wants_text(reply)) {
+        struct buffer *text = reply_buffer(reply);
+        put_found(text, &system, box, &found, args->arena);
+        if (full)
+            put_vectors(text, &system, &found);
+        buffer_format(text, "%d boxes looked at", found.boxes);
+        put_seconds(text, session, found.seconds);
+    }
     reply_own_solver(session, NEWTON_SOLVER, reply);
     reply_equilibria(&system, &found, full, reply);
     const bool kept = dynamics_keep_equilibria(session, &found, error);

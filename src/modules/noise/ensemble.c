@@ -247,7 +247,8 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
                       "too large",
                       (long long)answer->ensemble.diverged, (long long)paths);
     noise_setup_warn(setup, reply);
-    say_ensemble(answer, args->arena, reply);
+    if (reply_wants_text(reply))
+        say_ensemble(answer, args->arena, reply);
     reply_ensemble(answer, reply);
     struct arena arena = {0};
     struct table table;

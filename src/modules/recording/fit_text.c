@@ -293,14 +293,19 @@ static void put_curve(const struct fit_summary *summary, struct arena *arena, st
     inputs_put(&summary->inputs, text);
 }
 
-void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply)
+static void put_fit(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
-    struct buffer *text = reply_buffer(reply);
     put_head(summary, text);
     if (summary->modes)
         put_modes(summary, text);
     else
         (summary->motion ? put_motion : put_curve)(summary, arena, text);
+}
+
+void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply)
+{
+    if (reply_wants_text(reply))
+        put_fit(summary, arena, reply_buffer(reply));
     reply_fit_record(summary, reply);
     for (int i = 0; i < summary->warnings; i++)
         reply_warning(reply, "%s", summary->warning[i]);

@@ -218,7 +218,7 @@ static void reply_sweep(struct session *session, const struct swept *swept,
     const bool made = swept_table(swept, &own, &table);
     if (made && reply->store)
         table_store_put(reply->store, "sweep", &own, &table);
-    if (reply->format == FORMAT_TEXT && !reply->quiet) {
+    if (reply_wants_text(reply)) {
         (swept->section ? diagram_text : sweep_text)(session, swept,
                                                      asks_full(args) ? 0 : answer_rows(session),
                                                      args->arena, reply_buffer(reply));
