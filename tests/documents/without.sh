@@ -43,7 +43,7 @@ without() { # NAME, or all
     make -j"$(nproc)" OPTIONAL=$optional WITHOUT="$([ "$name" = all ] && echo all || echo "${left[*]}")" WERROR=1 "$folder/hooke" "$folder"/tests/unit/command/{scripts,catalog,rows} >"$work/log" 2>&1
     ok "without $name it is built" $?
     for module in "${left[@]}"; do
-        comm -12 <(symbols build/release/modules/"$module"/*.o build/release/modules/"$module"/*/*.o) <(symbols "$folder/hooke") >"$work/log"
+        comm -12 <(symbols build/release/modules/"$module"/*.o build/release/modules/"$module"/*/*.o) <(symbols "$folder/hooke" "$folder/libhooke.a") >"$work/log"
         [ ! -s "$work/log" ]
         ok "and has no symbol of $module" $?
         while IFS=, read -r word of; do
@@ -70,6 +70,14 @@ without() { # NAME, or all
         ok "without $name: unit/command/$test" $?
     done
 }
+
+# The linker makes what is hidden local: functions of the library can be seen in its archive only.
+for module in "${modules[@]}"; do
+    symbols build/release/modules/"$module"/*.o build/release/modules/"$module"/*/*.o >"$work/log"
+    seen=$(comm -12 "$work/log" <(symbols "${HOOKE:-build/hooke}" "${LIBHOOKE:-build/libhooke.a}") | wc -l)
+    [ "$((2 * seen))" -gt "$(wc -l <"$work/log")" ]
+    ok "most symbols of $module are seen in the whole program" $?
+done
 
 for name in "${chosen[@]}" all; do without "$name"; done
 echo "1..$n"
