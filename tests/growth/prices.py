@@ -80,7 +80,7 @@ ADAPTIVE = [
 MEMORY_MAX = 60
 # Instructions of `data clean` a row, per fault.
 CLEAN_ROWS = 40000
-CLEAN = {"noise": 3400, "spikes": 3600, "flat tops": 8800}
+CLEAN = {"noise": 2900, "spikes": 3100, "flat tops": 4200}
 # Short runs with -q, less their set-up: looks for singularities and resting variables have a least size.
 SHORT = [
     ("scene spring; method verlet; run 10 s", 1.5),

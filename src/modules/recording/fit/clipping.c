@@ -84,15 +84,18 @@ struct censoring {
     size_t censored;
 };
 
-/* From a first level on: censor beyond it, fit the rest, read the level again from what is
+/* From a first level and sine on: censor beyond it, fit the rest, read the level again from what is
  * censored. */
-static bool settle(const struct motion *m, int side, struct censoring *c)
+static bool settle(const struct motion *m, int side, const struct harmonic *start,
+                   struct censoring *c)
 {
+    static const double small = 1e-6, unseen = 1e-2; /* of the amplitude, of the uncertainty */
     struct samples x = m->samples;
     x.use = c->use;
-    c->harmonic = m->harmonic;
+    c->harmonic = *start;
     memcpy(c->use, m->samples.use, x.n);
-    memcpy(c->residual, m->residual, x.n * sizeof(double));
+    if (!harmonic_residuals(&x, start, c->residual))
+        return false;
     for (int round = 0; round < ROUNDS; round++) {
         double sum = 0, counted = 0, before = c->level;
         size_t changed = 0;
@@ -111,7 +114,8 @@ static bool settle(const struct motion *m, int side, struct censoring *c)
             return false;
         c->level = sum / counted;
         if (changed <= x.n / ROWS_A_CHANGE &&
-            fabs(c->level - before) <= 1e-6 * hypot(c->harmonic.a, c->harmonic.b))
+            fabs(c->level - before) <= fmax(small * hypot(c->harmonic.a, c->harmonic.b),
+                                            unseen * m->overview.noise / sqrt(counted)))
             break;
     }
     c->beyond = 0;
@@ -147,7 +151,7 @@ static bool is_flat(const struct motion *m, const struct censoring *c)
  * a short one. Returns false if out of memory. */
 static bool some_rows(const struct motion *m, struct arena *arena, struct motion *some)
 {
-    enum { ROWS_MIN = 16384, ROWS_A_PERIOD = 16 };
+    enum { ROWS_MIN = 4096, ROWS_A_PERIOD = 6 };
     const struct samples *x = &m->samples;
     const double period = TWO_PI / (m->harmonic.omega * x->dt);
     const size_t each =
@@ -185,7 +189,8 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
     static const double heights[] = {0.95, 0.8, 0.6};
     const struct harmonic *h = &m->harmonic;
     const bool all = some->samples.n == m->samples.n;
-    double swing = 0, level = NAN, least = HUGE_VAL;
+    struct harmonic start = *h;
+    double swing = 0, level = NAN, least = HUGE_VAL, settled = HUGE_VAL;
     bool found = false;
     for (size_t i = 0; i < m->samples.n; i++)
         if (m->samples.use[i])
@@ -193,11 +198,18 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
     for (size_t k = 0; k < COUNT_OF(heights) + !all; k++) {
         const bool last = k == COUNT_OF(heights);
         trial->level = last ? level : h->c + side * heights[k] * swing;
-        if (!isfinite(trial->level) || !settle(last ? m : some, side, trial))
+        /* From between a start and where it led, the way leads there, too. */
+        if (!last && side * trial->level >= settled)
             continue;
+        if (!isfinite(trial->level) || !settle(last ? m : some, side, last ? &start : h, trial))
+            continue;
+        settled = side * trial->level;
         if (!all && !last) {
-            level = trial->rss < least ? trial->level : level;
-            least = fmin(least, trial->rss);
+            if (trial->rss < least && is_flat(m, trial)) {
+                level = trial->level;
+                least = trial->rss;
+                start = trial->harmonic;
+            }
             continue;
         }
         const double variance = trial->rss / (double)h->used;

@@ -138,6 +138,11 @@ double harmonic_sigma(const struct harmonic *h, int unknowns)
     return h->used > fitted ? sqrt(h->rss / (double)(h->used - fitted)) : NAN;
 }
 
+bool harmonic_residuals(const struct samples *x, const struct harmonic *harmonic, double *residual)
+{
+    return products(x, 0, harmonic, (double[COLUMNS][COLUMNS]){{0}}, residual) > 0;
+}
+
 struct harmonic_problem {
     const struct samples *samples;
     const struct harmonic *start; /* origin, and whether it drifts */
@@ -169,12 +174,14 @@ static bool linearise(void *context, const double *x, int columns, struct triang
 }
 
 /* Solves for the linear parameters alone. */
-static bool fit_linear(struct harmonic_problem *p, double *x, struct triangle *t)
+static bool fit_linear(struct harmonic_problem *p, struct descent *d)
 {
     const struct least_squares model = {
         .linears = FREE_LINEAR, .context = p, .linearise = linearise};
-    t->n = FREE_LINEAR;
-    return isfinite(solve_linears(&model, x, t));
+    d->triangle.n = FREE_LINEAR;
+    d->rss = solve_linears(&model, d->x, &d->triangle);
+    d->converged = isfinite(d->rss);
+    return d->converged;
 }
 
 bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *out,
@@ -184,16 +191,16 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
      * noise, is none. */
     static const double trust = 1e-6, rounding = 1e-26;
     const int unknowns = (int)wanted;
+    const bool linear = wanted == FREE_LINEAR, cold = out->a == 0 && out->b == 0;
     if (x->n == 0 || cancelled(x->cancel))
         return false;
     struct harmonic_problem p = {x, out, x->t[x->n - 1] - x->t[0]};
     struct descent d = {.x = {out->a, out->b, out->c, out->d, out->omega, out->gamma}};
-    if (out->a == 0 && out->b == 0) {
-        /* no start: work around a first answer, so that rounding is that of the residuals */
+    if (cold)
         d.x[LINEAR_C] = x->y[0];
-        if (!fit_linear(&p, d.x, &d.triangle))
-            return false;
-    }
+    /* no start: work around a first answer, so that rounding is that of the residuals */
+    if ((cold && !fit_linear(&p, &d)) || (linear && !(cold && !residual) && !fit_linear(&p, &d)))
+        return false;
     const double size = d.x[LINEAR_A] * d.x[LINEAR_A] + d.x[LINEAR_B] * d.x[LINEAR_B] +
                         d.x[LINEAR_C] * d.x[LINEAR_C];
     const struct least_squares model = {
@@ -202,7 +209,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
                                             .rounding = rounding * (double)x->n * size,
                                             .iterations = PASSES,
                                             .cancel = x->cancel};
-    if (!least_squares_descend(&model, &options, &d))
+    if (!linear && !least_squares_descend(&model, &options, &d))
         return false;
     struct harmonic h = harmonic_at(out, d.x);
     h.rss = d.rss;
@@ -214,7 +221,7 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         return false;
     if (!h.drifts)
         h.inverse[LINEAR_D][LINEAR_D] = 0;
-    if (residual && products(x, 0, &h, (double[COLUMNS][COLUMNS]){{0}}, residual) == 0)
+    if (residual && !harmonic_residuals(x, &h, residual))
         return false;
     *out = h;
     return true;

@@ -249,13 +249,15 @@ static bool other_period(const struct series *series, const struct series *rows,
  * A wave that is no sine shifts the phases of sines by what its harmonics bring into each window:
  * where whole cycles contradict them, these are right.
  */
-static void prefer_cycles(const struct series *series, struct arena *arena, struct period *period)
+static void prefer_cycles(const struct series *series, const struct series *rows,
+                          struct arena *arena, struct period *period)
 {
     struct period other;
     const double span = series->t[series->n - 1] - series->t[0];
     if ((double)series->n * period->period.value < COARSE_PERIOD * span &&
-        cycle_period(series, period->period.value, arena, &other) &&
-        is_same(period, other.period.value) && series_has_harmonics(series, period->period.value) &&
+        series_has_harmonics(rows, period->period.value) &&
+        cycle_period(rows, period->period.value, arena, &other) &&
+        is_same(period, other.period.value) &&
         fabs(other.period.value - period->period.value) >
             CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
         /* of few cycles it is not sure which of the two is wrong */
@@ -296,7 +298,7 @@ static bool find_period(const struct series *series, struct arena *arena, struct
     /* The rows of a stiff run crowd in its jumps: the crossings use them where they are. */
     if (series_is_uneven(series) && wave_period(series, WAVE_EXACT, arena, period))
         return true;
-    if (!series_thin(series, NULL, THIN_KEEPS_LINES, arena, &rows))
+    if (!series_thin(series, NULL, THIN_FOR_PERIOD, arena, &rows))
         return error_memory(error);
     if (!motion_find(&m, &rows, arena, NULL, error))
         return false;
@@ -318,9 +320,9 @@ static bool find_period(const struct series *series, struct arena *arena, struct
         fabs(log(part.period.value / period->period.value)) > OTHER_PERIOD_LOG)
         *period = part;
     else if (has_lags)
-        take_multiple(series, exact, &lags, arena, period);
+        take_multiple(exact ? series : &rows, exact, &lags, arena, period);
     if (!exact && (m.tracked || is_poor(&m))) {
-        prefer_cycles(series, arena, period);
+        prefer_cycles(series, &rows, arena, period);
         widen_by_edges(series, period);
     }
     return true;

@@ -32,10 +32,12 @@ struct series series_longest_stretch(const struct series *series, double period)
 /*
  * Makes means of two, four, ... neighbours of a long series, of as many as lose no more of its
  * variance than white noise and lost_share_max. The series itself is returned where it is short, or
- * little but noise. use [n]: the rows that count, or NULL. Returns false if out of memory.
+ * little but noise; what has no noise loses no more than THIN_KEEPS_LINES. use [n]: the rows that
+ * count, or NULL. Returns false if out of memory.
  */
 #define THIN_KEEPS_LINES 1e-3 /* lost_share_max where a value may be read from the means */
 #define THIN_FOR_HINTS 1e-2   /* and where they serve a hint or a warning only */
+#define THIN_FOR_PERIOD 3e-2  /* and where its times are read, which means do not move */
 bool series_thin(const struct series *series, const unsigned char *use, double lost_share_max,
                  struct arena *arena, struct series *thin);
 /* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none.
@@ -94,6 +96,9 @@ struct harmonic {
  */
 bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
                   struct harmonic *harmonic, double *residual);
+/* Sets residual [n] to y - model. Returns false if no sample is used, or if cancelled. */
+bool harmonic_residuals(const struct samples *samples, const struct harmonic *harmonic,
+                        double *residual);
 /* standard deviation of the residuals */
 double harmonic_sigma(const struct harmonic *harmonic, int unknowns);
 /* Lag-1 autocorrelation of the residuals of the samples used. */

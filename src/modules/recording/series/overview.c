@@ -296,7 +296,7 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, double re
     char reason[sizeof o->reason];
     memcpy(reason, o->reason, sizeof reason);
     o->noise = noise;
-    memory = fit_whole(m, omega, SINE_TRIED_ANYWAY, arena);
+    memory = fit_whole(m, omega, SINE_TRIED_IF_NEAR, arena);
     if (o->oscillates && !(m->harmonic.gamma * span > GONE)) {
         refuse(o, "%s", reason);
     }

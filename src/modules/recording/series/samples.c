@@ -72,9 +72,9 @@ bool series_thin(const struct series *series, const unsigned char *use, double l
                  struct arena *arena, struct series *thin)
 {
     enum { ROWS_MIN = 4096, ROWS_MIN_OF_HINTS = 1024, NOISE_ROWS = 4096 };
-    static const double white_share_max = 0.5, white_tolerance = 1.1;
+    static const double white_share_max = 0.5, white_share_exact = 1e-8, white_tolerance = 1.1;
     *thin = *series;
-    const size_t rows_min = lost_share_max > THIN_KEEPS_LINES ? ROWS_MIN_OF_HINTS : ROWS_MIN;
+    const size_t rows_min = lost_share_max == THIN_FOR_HINTS ? ROWS_MIN_OF_HINTS : ROWS_MIN;
     if (series->n < 2 * rows_min)
         return true;
     const size_t rows = series->n;
@@ -89,11 +89,12 @@ bool series_thin(const struct series *series, const unsigned char *use, double l
     const size_t part = rows < NOISE_ROWS ? rows : NOISE_ROWS;
     const struct samples middle = {.y = thin->y + (rows - part) / 2, .n = part};
     const double all = values_variance(thin->y, rows), noise = samples_noise(&middle, scratch),
-                 white = noise * noise;
+                 white = noise * noise,
+                 lost_max = white > white_share_exact * all ? lost_share_max : THIN_KEEPS_LINES;
     for (size_t n = rows / 2; n >= rows_min && white < white_share_max * all; n /= 2) {
         left *= 0.5;
         if (all - variance_of_pairs(thin->y, n) >
-            white_tolerance * white * (1 - left) + lost_share_max * all)
+            white_tolerance * white * (1 - left) + lost_max * all)
             break;
         for (size_t i = 0; i < n; i++) {
             t[i] = 0.5 * (thin->t[2 * i] + thin->t[2 * i + 1]);
