@@ -216,6 +216,7 @@ struct clock {
     struct pendulum pendulum;
     struct pendulum spare[2];
     int spares;
+    const struct pendulum *model;
 };
 
 static const struct row uses[] = {{"tower", "", "", "", NULL}, {"ship", "", "", "", NULL}};
@@ -243,7 +244,15 @@ static const struct result_column of_clock[] = {
      .kind = COLUMN_OBJECT,
      .at = offsetof(struct clock, pendulum),
      .part = &part_columns},
-    {.name = "spares", .kind = COLUMN_LIST, .part = &part_columns, .list = list_spares}};
+    {.name = "spares", .kind = COLUMN_LIST, .part = &part_columns, .list = list_spares},
+    {.name = "maker",
+     .kind = COLUMN_NAME,
+     .in = COLUMN_IN(struct clock, model),
+     .at = offsetof(struct pendulum, maker)},
+    {.name = "note",
+     .kind = COLUMN_CHARS,
+     .in = COLUMN_IN(struct clock, model),
+     .at = offsetof(struct pendulum, note)}};
 static const struct result_columns clock_columns = RESULT_COLUMNS(of_clock, struct clock);
 
 static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
@@ -253,8 +262,9 @@ static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
                                     2,
                                     {.length = 1, .swings = 3},
                                     {{.length = 2}, {.length = 4}},
-                                    2},
-                                   {NULL, 0, {.length = NAN}, {{0}}, 0}};
+                                    2,
+                                    &pendulums[0]},
+                                   {NULL, 0, {.length = NAN}, {{0}}, 0, &pendulums[1]}};
     struct buffer out = {0};
     struct reply reply;
     reply_init(&reply, (struct sink){collect, collect, &out});
@@ -265,9 +275,9 @@ static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
     assert_string_equal(buffer_view(&out),
                         "{\"kind\":\"clock\",\"unit\":\"ms\",\"use\":\"ship\",\"pendulum\":{"
                         "\"length\":1,\"swings\":3},\"spares\":[{\"length\":2,\"swings\":0},{"
-                        "\"length\":4,\"swings\":0}]}\n"
+                        "\"length\":4,\"swings\":0}],\"maker\":\"Foucault\",\"note\":\"Paris\"}\n"
                         "{\"kind\":\"clock\",\"unit\":null,\"use\":null,\"pendulum\":{\"length\":"
-                        "null,\"swings\":0},\"spares\":[]}\n");
+                        "null,\"swings\":0},\"spares\":[],\"maker\":null,\"note\":null}\n");
     buffer_free(&out);
 }
 
