@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
+#include <hooke/run/timing.h>
 #include <hooke/report.h>
 #include <hooke/scene/poles.h>
 #include "modules/dynamics/chaos.h"
@@ -21,6 +22,7 @@ struct map {
     const struct basins *basins;
     const struct system *system;
     int answer, width; /* [row] [cell] of the short answer; 0: everything */
+    bool timed;
 };
 
 /* ---- the two axes ---- */
@@ -133,7 +135,8 @@ static void put_basins(struct buffer *out, const struct map *map)
                       4 * b->steps * (long long)b->looks);
     else
         buffer_format(out, ", %lld looks", (long long)b->looks);
-    buffer_format(out, ", %d thread%s, %.3g s", b->threads, b->threads == 1 ? "" : "s", b->seconds);
+    buffer_format(out, map->timed ? ", %d thread%s, %.3g s" : ", %d thread%s", b->threads,
+                  plural_s(b->threads), b->seconds);
 }
 
 static void reply_basin(struct reply *reply, const struct map *map, int k)
@@ -238,8 +241,9 @@ HANDLER(basins)
     if (basins.finished > 0) {
         int width, height;
         session_size(session, &width, &height);
-        const struct map map = {&request, &basins, &system,
-                                asks_full(args) ? 0 : answer_rows(session), width};
+        const struct map map = {&request, &basins,
+                                &system,  asks_full(args) ? 0 : answer_rows(session),
+                                width,    session->setup.settings.timing != TIMING_OFF};
         reply_map(&map, reply);
     }
     const bool stopped = basins.cancelled || cancelled(request.cancel);

@@ -4,6 +4,7 @@
 #include <hooke/base/number.h>
 #include <hooke/base/statement.h>
 #include <hooke/base/unit.h>
+#include <hooke/run/timing.h>
 #include <hooke/report.h>
 #include <hooke/scene/poles.h>
 #include <hooke/session/names.h>
@@ -351,7 +352,8 @@ static void reply_branch(const struct session *session, const struct kept_branch
     reply_real(reply, "to", b->branch.point[b->branch.count - 1].solution.param[0]);
     reply_real(reply, "step_max", longest_step(&b->branch));
     reply_int(reply, "evals", b->branch.evals);
-    reply_real(reply, "time", b->branch.seconds);
+    const bool timed = session->setup.settings.timing != TIMING_OFF;
+    reply_real(reply, "time", timed ? b->branch.seconds : NAN);
     reply_end(reply);
 }
 

@@ -75,7 +75,8 @@ static void put_checks(struct buffer *out, const struct lyapunov *f)
         buffer_put(out, TEXT("regular motion: means converge faster than any power of the time\n"));
 }
 
-static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chosen)
+static void put_lyapunov(struct buffer *out, const struct session *session,
+                         const struct lyapunov *f, bool chosen)
 {
     if (f->time > 0) {
         buffer_format(out, "Lyapunov exponent%s over %s, after %s%s\n", plural_s(f->count),
@@ -89,9 +90,9 @@ static void put_lyapunov(struct buffer *out, const struct lyapunov *f, bool chos
         buffer_format(out, "%s: %s\n", f->determined ? "ends early" : "not determined", f->reason);
     buffer_format(out,
                   "%lld evaluations by %s at tol = %.0e ('method', 'dt' and 'tol' do not matter "
-                  "here), %s",
-                  (long long)f->evals, f->method, f->tol,
-                  SHOWN_QUANTITY(f->seconds, QUANTITY_TIME, 3));
+                  "here)",
+                  (long long)f->evals, f->method, f->tol);
+    put_seconds(out, session, f->seconds);
 }
 
 static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
@@ -143,7 +144,7 @@ HANDLER(lyapunov)
                         found.n == 1 ? "" : "s");
     if (found.cancelled && !(found.time > 0))
         return error_set(error, ERROR_CANCELLED, "stopped before means were taken");
-    put_lyapunov(reply_buffer(reply), &found, !over->count);
+    put_lyapunov(reply_buffer(reply), session, &found, !over->count);
     reply_lyapunov(&found, reply);
     return !found.cancelled || error_set(error, ERROR_CANCELLED, "stopped");
 }
