@@ -378,7 +378,7 @@ check-all: ## the long forms: every allocation, every system call, many syntheti
 	$(Q)$(MAKE) --no-print-directory check LONG=1
 
 # Scripts of which nothing depends on how the program was compiled: texts, packages, what is installed.
-SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages editors features) \
+SAME_SCRIPTS := $(patsubst %,tests/documents/%.sh,install package format dependencies layers pages editors features words) \
   tests/modules/programs/program_names.sh
 
 check-asan: ## the quick tests under AddressSanitizer and UBSan
