@@ -17,7 +17,7 @@
 #include <sys/prctl.h>
 #endif
 
-#define PIECE 8192
+#define REPLY_CHUNK_BYTES 8192
 #define LOOK_MS 20
 
 /* The last that comes through the pipe, behind `len` bytes; without it the child has died. */
@@ -91,7 +91,7 @@ static bool take_all(const struct child *child, struct process *process, struct 
                      struct error *error)
 {
     double looks = child->patience * 1000 / LOOK_MS;
-    char piece[PIECE];
+    char piece[REPLY_CHUNK_BYTES];
     for (;;) {
         if (child->stopped && child->stopped(child->context))
             return error_set(error, ERROR_CANCELLED, "%s: it was stopped", child->what);

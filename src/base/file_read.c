@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define PIECE 16384u
+#define READ_CHUNK_BYTES 16384u
 #define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
 #define PATIENCE_LOOKS 20     /* … in so many looks */
 #define SLOW_BYTES 65536      /* in a watch's patience: a file comes faster, a sensor never */
@@ -162,13 +162,14 @@ static bool await_more(int fd, const struct file_reading *r, size_t so_far, stru
 static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
                         struct error *error)
 {
-    char piece[PIECE];
+    char piece[READ_CHUNK_BYTES];
     for (bool first = true;; first = false) {
         const size_t so_far = content->len - r->before;
-        const uintmax_t left = r->size > 0 ? r->size - so_far : PIECE;
+        const uintmax_t left = r->size > 0 ? r->size - so_far : READ_CHUNK_BYTES;
         if (!await_more(fd, r, so_far, error))
             return false;
-        const ssize_t got = read(fd, piece, left < PIECE ? (size_t)left : PIECE);
+        const ssize_t got =
+            read(fd, piece, left < READ_CHUNK_BYTES ? (size_t)left : READ_CHUNK_BYTES);
         if (got < 0 && errno == EAGAIN && r->until > 0 && clock_ns() < r->until) {
             const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
             if (nanosleep(&moment, NULL) != 0)

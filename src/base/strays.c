@@ -17,26 +17,28 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define PREFIX ".hooke-"
-#define PREFIX_LEN (sizeof PREFIX - 1)
-#define DIGITS 8
-#define MARK (PREFIX_LEN + DIGITS) /* where it stands; the name that is meant follows */
+#define STRAY_PREFIX ".hooke-"
+#define PREFIX_LEN (sizeof STRAY_PREFIX - 1)
+#define STRAY_HEX_DIGITS 8
+/* Index of the mark in a name; the base name follows it. */
+#define STRAY_MARK_INDEX (PREFIX_LEN + STRAY_HEX_DIGITS)
 
 bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark)
 {
     uint32_t random;
     if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
         return false;
-    snprintf(name, STRAY_NAME_SIZE, PREFIX "%08x%c%.*s", random, mark,
-             (int)(STRAY_NAME_SIZE - MARK - 2), base);
+    snprintf(name, STRAY_NAME_SIZE, STRAY_PREFIX "%08x%c%.*s", random, mark,
+             (int)(STRAY_NAME_SIZE - STRAY_MARK_INDEX - 2), base);
     return true;
 }
 
 static bool is_hidden_name(const char *name)
 {
-    return strncmp(name, PREFIX, PREFIX_LEN) == 0 &&
-           strspn(name + PREFIX_LEN, "0123456789abcdef") == DIGITS &&
-           (name[MARK] == STRAY_NEW || name[MARK] == STRAY_OLD) && name[MARK + 1] != '\0';
+    return strncmp(name, STRAY_PREFIX, PREFIX_LEN) == 0 &&
+           strspn(name + PREFIX_LEN, "0123456789abcdef") == STRAY_HEX_DIGITS &&
+           (name[STRAY_MARK_INDEX] == STRAY_NEW || name[STRAY_MARK_INDEX] == STRAY_OLD) &&
+           name[STRAY_MARK_INDEX + 1] != '\0';
 }
 
 enum { NAME_LOST, NAME_KEPT, NAME_UNKNOWN };
@@ -86,9 +88,10 @@ static void sweep_name(int folder, const char *name)
         return;
     if (is_abandoned(folder, name, fd)) {
         /* One that had to make room for a new one that never came goes back. */
-        const bool back = is_folder && name[MARK] == STRAY_OLD &&
-                          fstatat(folder, name + MARK + 1, &st, AT_SYMLINK_NOFOLLOW) != 0 &&
-                          renameat(folder, name, folder, name + MARK + 1) == 0;
+        const bool back =
+            is_folder && name[STRAY_MARK_INDEX] == STRAY_OLD &&
+            fstatat(folder, name + STRAY_MARK_INDEX + 1, &st, AT_SYMLINK_NOFOLLOW) != 0 &&
+            renameat(folder, name, folder, name + STRAY_MARK_INDEX + 1) == 0;
         if (is_folder && !back)
             folder_empty(fd, any_name);
         if (!back)

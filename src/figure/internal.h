@@ -8,7 +8,7 @@
 /* The best ticks for [from, to]; when `loose`, the outermost may lie beyond it. */
 struct ticks ticks_search(double from, double to, int want, int max, bool loose);
 
-#define LARGEST 1e300 /* ranges end here, so that differences stay finite */
+#define RANGE_VALUE_MAX 1e300 /* Ranges end here, so that differences stay finite. */
 
 /* The range an axis shows: fixed, or the extent with some air, widened to about `want` ticks. */
 struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want,

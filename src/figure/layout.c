@@ -138,7 +138,7 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
 
     x_half = unit * width * x_factor;
     y_half = unit * height * y_factor;
-    if (x_half + fabs(x_middle) > LARGEST || y_half + fabs(y_middle) > LARGEST)
+    if (x_half + fabs(x_middle) > RANGE_VALUE_MAX || y_half + fabs(y_middle) > RANGE_VALUE_MAX)
         return;
     layout->x = scale_of(x_middle - x_half, x_middle + x_half, false);
     layout->y = scale_of(y_middle - y_half, y_middle + y_half, false);

@@ -5,13 +5,13 @@
 #include <hooke/base/unit.h>
 #include "figure/internal.h"
 
-/* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
-#define EDGE 0.011
+/* Part of an axis by which points may lie outside; a live axis is not widened for less. */
+#define FRAME_MARGIN 0.011
 
 /* How far beyond the ends of an axis; 0: inside. */
 static double beyond(double fraction)
 {
-    return fraction < -EDGE ? -fraction : fraction > 1 + EDGE ? fraction - 1 : 0;
+    return fraction < -FRAME_MARGIN ? -fraction : fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
 }
 
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int index,

@@ -26,7 +26,7 @@ double scale_fraction(const struct scale *scale, double value)
 static bool fixed_range(const struct axis *axis)
 {
     double size = fmax(fabs(axis->from), fabs(axis->to));
-    return axis->fixed && size > 1 / LARGEST && size <= LARGEST &&
+    return axis->fixed && size > 1 / RANGE_VALUE_MAX && size <= RANGE_VALUE_MAX &&
            axis->to / size - axis->from / size > 1e-13 && (!axis->log || axis->from > 0);
 }
 
@@ -88,13 +88,13 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     double air = vertical || figure->equal ? 0.04 : 0;
     /* Less than this part of its size is the rounding of a few hundred doubles. */
     double thin = 1e-13;
-    double low = fmax(extent.low, -LARGEST), high = fmin(extent.high, LARGEST);
+    double low = fmax(extent.low, -RANGE_VALUE_MAX), high = fmin(extent.high, RANGE_VALUE_MAX);
     double size = fmax(fabs(low), fabs(high)), factor = axis_factor(axis);
 
     if (low > high) {
         low = 0;
         high = factor;
-    } else if (size < 1 / LARGEST) {
+    } else if (size < 1 / RANGE_VALUE_MAX) {
         low = -factor;
         high = factor;
     } else if (axis->flat > 0 && high - low <= axis->flat * size) {
@@ -126,7 +126,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
 static struct scale log_scale(struct extent extent, const struct axis *axis)
 {
     double shift = log10(axis_factor(axis));
-    /* a decade is left below LARGEST, and above 1 / it */
+    /* a decade is left below RANGE_VALUE_MAX, and above 1 / it */
     double low = fmin(fmax(log10(extent.low), -299), 299) - shift;
     double high = fmin(fmax(log10(extent.high), -299), 299) - shift;
 

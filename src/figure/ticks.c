@@ -80,7 +80,7 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
     return ticks;
 }
 
-#define DIGITS 5 /* of a label, before the axis gets an offset */
+#define LABEL_DIGITS_MAX 5 /* Digits of a label above which the axis gets an offset or a power. */
 
 static int power_below(double x)
 {
@@ -95,7 +95,7 @@ static void take_offset(struct ticks *ticks)
 {
     double last = ticks->first + (ticks->count - 1) * ticks->step,
            largest = fmax(fabs(ticks->first), fabs(last));
-    if (ticks->count < 2 || power_below(largest) - power_below(ticks->step) < DIGITS)
+    if (ticks->count < 2 || power_below(largest) - power_below(ticks->step) < LABEL_DIGITS_MAX)
         return;
     int power = power_below(last - ticks->first), digit = power_below(ticks->step);
     double unit = pow(10, power);
@@ -107,7 +107,7 @@ static void take_offset(struct ticks *ticks)
     power -= ticks->offset_power;
     ticks->offset_decimals = power < 0 ? -power : 0;
     power += ticks->offset_power;
-    ticks->exponent = digit < -2 || power >= DIGITS ? digit : 0;
+    ticks->exponent = digit < -2 || power >= LABEL_DIGITS_MAX ? digit : 0;
     double digits = ticks->step / pow(10, ticks->exponent);
     for (ticks->decimals = 0; ticks->decimals < 12 && fabs(digits - nearbyint(digits)) > 1e-6;
          digits *= 10)

@@ -14,15 +14,15 @@
 #include <string.h>
 #include <strings.h>
 
-/* Not each needs all that it is given. */
-#define NEEDLESS __attribute__((__unused__))
+/* Parsers of one signature do not all use each parameter. */
+#define UNUSED_OK __attribute__((__unused__))
 #define READ_ITEM(name)                                                                            \
-    static bool name(NEEDLESS struct parser *parser, NEEDLESS const struct argument *argument,     \
-                     NEEDLESS const char *stops, NEEDLESS struct item *item,                       \
-                     NEEDLESS struct error *error)
+    static bool name(UNUSED_OK struct parser *parser, UNUSED_OK const struct argument *argument,   \
+                     UNUSED_OK const char *stops, UNUSED_OK struct item *item,                     \
+                     UNUSED_OK struct error *error)
 #define COMPLETE_ITEM(name)                                                                        \
-    static void name(NEEDLESS struct completion *c, NEEDLESS const struct argument *argument,      \
-                     NEEDLESS struct text before)
+    static void name(UNUSED_OK struct completion *c, UNUSED_OK const struct argument *argument,    \
+                     UNUSED_OK struct text before)
 
 static bool in_range(const struct parser *parser, const struct argument *argument,
                      const struct item *item, struct error *error)

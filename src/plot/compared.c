@@ -11,7 +11,8 @@
 
 #include <math.h>
 
-#define ROUNDING 1e-9 /* of the unit of the recording: an offset below is none */
+/* A smaller offset, relative to the recording's unit, is rounding. */
+#define OFFSET_ROUNDING 1e-9
 
 bool quantity_is_scaled(enum quantity quantity)
 {
@@ -74,6 +75,6 @@ void put_scale(const struct data_distance *data, const struct run *run, struct b
     buffer_format(text, "1 %s = ", unit);
     buffer_quantity(text, data->gain, first.quantity, 4);
     buffer_format(text, ", 0 %s at %s = ", unit, first.name);
-    const bool rounding = fabs(data->at_zero) < ROUNDING * fabs(data->gain);
+    const bool rounding = fabs(data->at_zero) < OFFSET_ROUNDING * fabs(data->gain);
     buffer_quantity(text, rounding ? 0 : data->at_zero, first.quantity, 4);
 }

@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
-#define ROUNDING 1e-9
+/* Values below this part of the amplitude are shown as 0, and a smaller decrement gives no Q. */
+#define READING_ROUNDING 1e-9
 
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {
@@ -27,17 +27,18 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
     const bool spring = !scene || scene->model == &oscillator_model;
     const bool damped = scene && fabs(param_value(scene, "gamma")) > 0;
     double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
-    decrement = fabs(decrement) < ROUNDING ? 0 : decrement;
-    *reading = (struct cursor_reading){.dt = dt,
-                                       .periods = n,
-                                       .period = {period, spread},
-                                       .frequency = {1 / period, spread / (period * period)},
-                                       .theory = scene_period(scene),
-                                       .theory_name = !spring  ? "period"
-                                                      : damped ? "T_d"
-                                                               : "T0",
-                                       .decrement = decrement,
-                                       .quality = decrement > ROUNDING ? PI / decrement : NAN};
+    decrement = fabs(decrement) < READING_ROUNDING ? 0 : decrement;
+    *reading =
+        (struct cursor_reading){.dt = dt,
+                                .periods = n,
+                                .period = {period, spread},
+                                .frequency = {1 / period, spread / (period * period)},
+                                .theory = scene_period(scene),
+                                .theory_name = !spring  ? "period"
+                                               : damped ? "T_d"
+                                                        : "T0",
+                                .decrement = decrement,
+                                .quality = decrement > READING_ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
     return true;
 }
@@ -60,7 +61,7 @@ static void put_line(const struct cursors *c, int which, const char *name, const
               QUANTITY_TIME);
     const double y = c->at[which].y, amplitude = c->at[which].amplitude;
     buffer_put(text, TEXT("   "));
-    put_value(text, name, (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0},
+    put_value(text, name, (struct measured){fabs(y) < READING_ROUNDING * amplitude ? 0 : y, 0},
               c->quantity);
     if (c->at[which].crossing > 0)
         buffer_format(text, "   up-crossing #%d", c->at[which].crossing);

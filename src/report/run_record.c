@@ -88,17 +88,17 @@ static void put_below(struct reply *reply, const char *key, const void *row)
 }
 
 #define AT(member) .at = offsetof(struct run_record, member)
-#define TIME .quantity = QUANTITY_TIME
+#define TIME_QUANTITY .quantity = QUANTITY_TIME
 
 static const struct result_column of_run[] = {
     {.name = "run", .kind = COLUMN_INT, AT(number)},
     {.name = "method", .kind = COLUMN_NAME, AT(method)},
-    {.name = "dt", AT(dt), TIME},
+    {.name = "dt", AT(dt), TIME_QUANTITY},
     {.name = "tol", AT(tol)},
     {.name = "steps", .kind = COLUMN_COUNT, AT(steps)},
     {.name = "evals", .kind = COLUMN_COUNT, AT(cost.evals)},
     {.name = "turning_steps", .kind = COLUMN_COUNT, AT(cost.turns)},
-    {.name = "t", AT(t), TIME},
+    {.name = "t", AT(t), TIME_QUANTITY},
     {.name = "y", AT(y)},
     {.name = "v", AT(v)},
     {.name = "state", .record = put_state},
@@ -109,14 +109,14 @@ static const struct result_column of_run[] = {
     {.name = "error", AT(errors.max)},
     {.name = "error_estimate", AT(opinion_error)},
     {.name = "error_on_the_way", AT(opinion_max)},
-    {.name = "estimated_to", AT(opinion_t), TIME},
-    {.name = "digits_lost_from", AT(opinion_lost), TIME},
-    {.name = "rest_from", AT(rest), TIME},
+    {.name = "estimated_to", AT(opinion_t), TIME_QUANTITY},
+    {.name = "digits_lost_from", AT(opinion_lost), TIME_QUANTITY},
+    {.name = "rest_from", AT(rest), TIME_QUANTITY},
     {.name = "rms_from_data", AT(data.rms), .defined = has_data},
     {.name = "data_gain", AT(data.gain), .defined = has_data},
     {.name = "data_at_zero", AT(data.at_zero), .defined = has_data},
     {.name = "status", .kind = COLUMN_NAME, AT(status)},
-    {.name = "time", AT(seconds), TIME},
+    {.name = "time", AT(seconds), TIME_QUANTITY},
 };
 
 static const struct result_columns columns = RESULT_COLUMNS(of_run, struct run_record);

@@ -9,7 +9,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#define RESERVE ((size_t)1 << 19)
+#define RESCUE_RESERVE_BYTES ((size_t)1 << 19)
 
 /* All of it is static: a handler may neither allocate nor trust the stack or the heap. */
 static struct {
@@ -130,7 +130,7 @@ void crash_last_act(void (*act)(void))
 {
     rescue.last_act = act;
     free(rescue.reserve);
-    rescue.reserve = act ? malloc(RESERVE) : NULL;
+    rescue.reserve = act ? malloc(RESCUE_RESERVE_BYTES) : NULL;
 }
 
 static void *checked(void *memory)

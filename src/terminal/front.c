@@ -111,7 +111,7 @@ void rc_run(struct session *session, struct reply *reply)
     free(path);
 }
 
-#define OFFER "next (Enter): "
+#define OFFER_LABEL "next (Enter): "
 
 /* How many bytes of a line are statements that fit, one after another; of what is quoted a
  * semicolon ends none. */
@@ -157,7 +157,7 @@ void offer_next(struct front_program *program, int room)
     }
     buffer_clear(&program->passed);
     buffer_put(&program->passed, buffer_text(offer));
-    const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER)));
+    const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER_LABEL)));
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
         buffer_put(later, text_trim((struct text){whole.at + fits + 1, whole.len - fits - 1}));
@@ -170,7 +170,7 @@ void offer_next(struct front_program *program, int room)
         offer->data[fits] = '\0';
     }
     if (offer->len > 0) {
-        reply_line(program->reply, OFFER "%s", buffer_view(offer));
+        reply_line(program->reply, OFFER_LABEL "%s", buffer_view(offer));
     }
 }
 

@@ -12,7 +12,7 @@
 #include <readline/history.h>
 #include <readline/readline.h>
 
-#define CX "\030" /* C-x */
+#define CTRL_X "\030" /* C-x */
 
 struct press {
     const struct session *session;
@@ -194,24 +194,24 @@ static const struct key {
     make *make;       /* NULL: nothing follows */
     int arg;
 } keys[] = {
-    {{CX "h"}, "kf1", SAYS, NULL, say_help, 0},
-    {{CX "r"}, "kf5", SAYS, NULL, say_run, 0},
-    {{CX "l"}, "kf6", SAYS, "layout next", NULL, 0},
-    {{CX "c"}, "kf7", SAYS, "cursor", NULL, 0},
-    {{CX "s"}, "kf8", SAYS, NULL, say_step, 0},
-    {{CX "1"}, NULL, SAYS, NULL, say_pane, PLOT_POSITION},
-    {{CX "2"}, NULL, SAYS, NULL, say_pane, PLOT_PHASE},
-    {{CX "3"}, NULL, SAYS, NULL, say_pane, PLOT_VELOCITY},
-    {{CX "4"}, NULL, SAYS, NULL, say_pane, PLOT_ENERGY},
+    {{CTRL_X "h"}, "kf1", SAYS, NULL, say_help, 0},
+    {{CTRL_X "r"}, "kf5", SAYS, NULL, say_run, 0},
+    {{CTRL_X "l"}, "kf6", SAYS, "layout next", NULL, 0},
+    {{CTRL_X "c"}, "kf7", SAYS, "cursor", NULL, 0},
+    {{CTRL_X "s"}, "kf8", SAYS, NULL, say_step, 0},
+    {{CTRL_X "1"}, NULL, SAYS, NULL, say_pane, PLOT_POSITION},
+    {{CTRL_X "2"}, NULL, SAYS, NULL, say_pane, PLOT_PHASE},
+    {{CTRL_X "3"}, NULL, SAYS, NULL, say_pane, PLOT_VELOCITY},
+    {{CTRL_X "4"}, NULL, SAYS, NULL, say_pane, PLOT_ENERGY},
     {{"\033[5~"}, "kpp", LOOKS, NULL, say_page, 1},
     {{"\033[6~"}, "knp", LOOKS, NULL, say_page, -1},
-    {{CX "\033[H", CX "\033OH", CX "\033[1~"}, NULL, LOOKS, "scroll home", NULL, 0},
-    {{CX "\033[F", CX "\033OF", CX "\033[4~"}, NULL, LOOKS, "scroll end", NULL, 0},
-    {{CX "+"}, NULL, SAYS, "zoom 2", NULL, 0},
-    {{CX "-"}, NULL, SAYS, "zoom 0.5", NULL, 0},
-    {{CX ">"}, NULL, SAYS, NULL, say_pan, 1},
-    {{CX "<"}, NULL, SAYS, NULL, say_pan, -1},
-    {{CX "a"}, NULL, SAYS, NULL, say_charset, 0},
+    {{CTRL_X "\033[H", CTRL_X "\033OH", CTRL_X "\033[1~"}, NULL, LOOKS, "scroll home", NULL, 0},
+    {{CTRL_X "\033[F", CTRL_X "\033OF", CTRL_X "\033[4~"}, NULL, LOOKS, "scroll end", NULL, 0},
+    {{CTRL_X "+"}, NULL, SAYS, "zoom 2", NULL, 0},
+    {{CTRL_X "-"}, NULL, SAYS, "zoom 0.5", NULL, 0},
+    {{CTRL_X ">"}, NULL, SAYS, NULL, say_pan, 1},
+    {{CTRL_X "<"}, NULL, SAYS, NULL, say_pan, -1},
+    {{CTRL_X "a"}, NULL, SAYS, NULL, say_charset, 0},
     {{"\014"}, NULL, LOOKS, "redraw", NULL, 0},
 };
 

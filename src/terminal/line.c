@@ -214,7 +214,7 @@ static char **complete(const char *word, int begin, int end)
 __attribute__((weak)) int rl_newline(int count, int key);
 __attribute__((weak)) int rl_insert_text(const char *text);
 
-#define NARROWEST 12                    /* a prompt and some of a line */
+#define COLUMNS_MIN 12                  /* Columns that a prompt and a part of the line need. */
 #define COUNT_MOST 100                  /* of a key that is repeated, before its last digit */
 #define REPEATED_MOST ((size_t)1 << 14) /* [byte] of a line, by such keys */
 
@@ -269,8 +269,8 @@ void line_redisplay(void)
     int rows, columns;
     line_mend();
     rl_get_screen_size(&rows, &columns);
-    if (columns < NARROWEST)
-        rl_set_screen_size(rows, NARROWEST);
+    if (columns < COLUMNS_MIN)
+        rl_set_screen_size(rows, COLUMNS_MIN);
     rl_redisplay();
 }
 

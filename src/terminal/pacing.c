@@ -4,11 +4,12 @@
 #include <limits.h>
 #include <unistd.h>
 
-#define QUESTION "\033[5n"
+#define STATUS_QUERY "\033[5n"
 #define PATIENCE_NS 2000000000 /* an answer that has not come by then counts as missing */
 #define MISSING_MAX 2          /* then the terminal is one that does not answer */
 #define BLIND_FRAMES 2         /* frames a second without answers */
-#define SLOW_NS 8000000 /* an answer that takes longer has come over a link that may be slow */
+/* an answer that takes longer has come over a link that may be slow */
+#define SLOW_NS 8000000
 #define SLOW_BYTES 500
 
 int pacing_bytes(const struct pacing *pacing)
@@ -42,7 +43,7 @@ void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t 
     pacing->requested = 0;
     int ignored;
     if (shown != SHOWN_NOTHING && is_asking(pacing, session) &&
-        write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
+        write_all(STDOUT_FILENO, TEXT(STATUS_QUERY), &ignored)) {
         pacing->requested = now;
     }
 }

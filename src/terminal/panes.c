@@ -19,9 +19,9 @@
 
 #include <readline/readline.h>
 
-#define MORE "     > " /* before the further lines of a paste */
+#define PASTE_PROMPT "     > " /* Prompt before the further lines of a paste. */
 #define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
-#define GONE (POLLHUP | POLLERR | POLLNVAL)
+#define POLL_CLOSED (POLLHUP | POLLERR | POLLNVAL)
 /* wait for an answer that is still under way before the shell gets to see it */
 #define FAREWELL_NS 300000000
 
@@ -78,7 +78,7 @@ static void log_typed(struct panes *panes, struct text typed)
 {
     struct text line;
     for (const char *before = PANES_PROMPT; typed.len > 0 && text_split(&typed, '\n', &line);
-         before = MORE) {
+         before = PASTE_PROMPT) {
         struct buffer shown = {0};
         buffer_put(&shown, text_of(before));
         buffer_put(&shown, line);
@@ -201,7 +201,7 @@ static void await_answer(struct panes *panes)
         if (left <= 0 || poll(&ready, 1, (int)(left / 1000000) + 1) == 0) {
             break;
         }
-        input_read(&panes->input, (ready.revents & GONE) != 0);
+        input_read(&panes->input, (ready.revents & POLL_CLOSED) != 0);
     }
     panes->pacing.requested = 0;
 }
@@ -283,7 +283,7 @@ bool panes_read(struct panes *panes, int64_t until)
     heed_signals(panes, true);
     const bool typed = any && ready[0].revents;
     if (typed) {
-        input_read(&panes->input, (ready[0].revents & GONE) != 0);
+        input_read(&panes->input, (ready[0].revents & POLL_CLOSED) != 0);
         /* what a Ctrl-C in between has left for us to read was typed after it */
         heed_signals(panes, false);
     }
@@ -351,7 +351,7 @@ static void execute_line(struct panes *panes)
     if (ok && !nested && from == LINE_TYPED) {
         struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
         if (poll(&ahead, 1, 0) > 0) {
-            input_read(&panes->input, (ahead.revents & GONE) != 0);
+            input_read(&panes->input, (ahead.revents & POLL_CLOSED) != 0);
         }
         offer_next(program, input_pending(&panes->input) ? 0 : room_for_offer(session));
     }

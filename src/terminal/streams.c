@@ -14,8 +14,9 @@
 #include <termios.h>
 #include <unistd.h>
 
-#define GATHER ((size_t)1 << 16)
-#define HELD ((size_t)1 << 24) /* [byte] more goes straight to the terminal */
+#define GATHER_BYTES ((size_t)1 << 16)
+/* Output above this size goes straight to the terminal. */
+#define HELD_BYTES_MAX ((size_t)1 << 24)
 #define PAGER_WORDS 16
 
 void streams_reserve(void)
@@ -60,8 +61,9 @@ static bool out(void *context, struct text text)
     if (streams->split && split_takes(streams->split, text))
         return true;
     buffer_put(&streams->out, text);
-    return streams->out.len < (streams->holding ? HELD : GATHER) ? !streams->broken
-                                                                 : streams_flush(streams);
+    return streams->out.len < (streams->holding ? HELD_BYTES_MAX : GATHER_BYTES)
+               ? !streams->broken
+               : streams_flush(streams);
 }
 
 static bool err(void *context, struct text text)

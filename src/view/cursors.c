@@ -10,7 +10,8 @@
 #include <stdio.h>
 
 #define TABLE_ROWS 6
-#define SIDE 54 /* [cell] from here on it stands what the cursors snap to, and are on */
+/* Width [cell] from which the pane also names the curve that the cursors snap to. */
+#define CURSOR_DETAILS_WIDTH 54
 
 /* A piece of the frame without writing, where a letter can stand. */
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
@@ -133,8 +134,9 @@ void cursors_table(const struct screen *screen, struct rectangle at)
                TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help  PgUp log"));
     for (int i = 0; i < smaller(at.height, TABLE_ROWS); i++)
         shown[order[i]] = true;
-    int side_x = larger(
-        SIDE, larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
+    int side_x =
+        larger(CURSOR_DETAILS_WIDTH,
+               larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
     for (int i = 0, y = at.y; i < TABLE_ROWS; i++) {
         if (shown[i])
             line_draw(screen, at.x, y++, at.width, buffer_text(&line[i]),

@@ -3,7 +3,7 @@
  * recorded. */
 #include "view/internal.h"
 
-#define DENSE 2 /* samples a column */
+#define DENSE_SAMPLES 2 /* Samples per column from which a curve is dense. */
 
 /* The samples of a curve, with a NAN wherever a column or more of the time has none. NULL: no
  * memory. */
@@ -43,7 +43,7 @@ static const struct curve *joined(struct arena *arena, const struct curve *from,
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
 {
     if (figure->curves != 1 || !figure->curve[0].points ||
-        figure->curve[0].n < DENSE * (size_t)larger(columns, 1))
+        figure->curve[0].n < DENSE_SAMPLES * (size_t)larger(columns, 1))
         return true;
     const struct curve *curve = joined(arena, &figure->curve[0], larger(columns, 1));
     figure->curve = curve ? curve : figure->curve;

@@ -8,9 +8,10 @@
 
 #include <stdio.h>
 
-#define FRAME 8 /* [cell] of a frame that neither title nor legend can have */
-#define ENTRY 4 /* [cell] of the legend beside a label: mark and blanks */
-#define POWER 6 /* [cell] "1e-12 " in a title */
+#define FRAME_CELLS 8 /* Cells of a frame that neither title nor legend can use. */
+/* Cells of a legend's entry beside its label, for the mark and blanks. */
+#define LEGEND_MARK_CELLS 4
+#define POWER_CELLS 6 /* Cells of "1e-12 " in a title. */
 
 void labels_shorten(struct screen *screen, int width, int height,
                     const struct figure_request *request, struct figure *figure)
@@ -18,11 +19,13 @@ void labels_shorten(struct screen *screen, int width, int height,
     struct figure_layout layout;
     char number[16];
     figure_layout(figure, width, height, screen->charset, &layout);
-    int need = FRAME + text_width(text_of(figure->title)) + (*figure->title ? 1 : 0) +
+    int need = FRAME_CELLS + text_width(text_of(figure->title)) + (*figure->title ? 1 : 0) +
                text_width(text_of(figure->y.label)) + text_width(text_of(figure->y.unit)) + 3 +
-               (layout.y_ticks.exponent ? POWER : 0);
+               (layout.y_ticks.exponent ? POWER_CELLS : 0);
     for (int i = 0; i < figure->curves; i++)
-        need += figure->curve[i].label ? text_width(text_of(figure->curve[i].label)) + ENTRY : 0;
+        need += figure->curve[i].label
+                    ? text_width(text_of(figure->curve[i].label)) + LEGEND_MARK_CELLS
+                    : 0;
     if (need <= width || plot_row(request->kind)->residual)
         return;
     struct curve *brief = arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *brief);

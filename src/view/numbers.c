@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#define LEAD 2 /* [cell] of line before the first field */
+#define LEAD_CELLS 2 /* Cells of the line before the first field. */
 #define KEYS_LONG 110
 
 static double present(const struct run *run, const char *name)
@@ -93,13 +93,13 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     for (int x = 0; x < width; x++)
         canvas_put(screen->canvas, x, y, across, STYLE_DIM);
     if (hint.len) {
-        canvas_put(screen->canvas, LEAD, y, ' ', STYLE_PLAIN);
-        line_draw(screen, LEAD + 1, y, width - LEAD - 2, hint, STYLE_PLAIN);
-        canvas_put(screen->canvas, smaller(LEAD + 1 + text_width(hint), width - 1), y, ' ',
+        canvas_put(screen->canvas, LEAD_CELLS, y, ' ', STYLE_PLAIN);
+        line_draw(screen, LEAD_CELLS + 1, y, width - LEAD_CELLS - 2, hint, STYLE_PLAIN);
+        canvas_put(screen->canvas, smaller(LEAD_CELLS + 1 + text_width(hint), width - 1), y, ' ',
                    STYLE_PLAIN);
         return;
     }
-    int x = put_numbers(screen, LEAD, y);
+    int x = put_numbers(screen, LEAD_CELLS, y);
     if (screen->session->view.scroll > 0) {
         char text[48];
         const int max = screen_log_max(screen->session, width, screen->canvas->height);

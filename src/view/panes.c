@@ -8,9 +8,9 @@
 
 #include <stdio.h>
 
-#define CAPTION_WIDTH 40  /* [cell] from here on the phase plot has it in its title */
-#define PAGES 4           /* a live view moves on by a quarter of its window */
-#define PAGES_COLLECTED 2 /* noise is drawn anew, cell by cell: less often */
+#define CAPTION_WIDTH 40    /* [cell] from here on the phase plot has it in its title */
+#define LIVE_WINDOW_PARTS 4 /* A live view advances by one of this many parts of its window. */
+#define PAGES_COLLECTED 2   /* noise is drawn anew, cell by cell: less often */
 
 /* ---- what is asked of the session ---- */
 
@@ -73,7 +73,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         .span = view->window,
         .pages = !view->paging                                        ? larger(width, 1)
                  : session_grows(session, session_recording(session)) ? PAGES_COLLECTED
-                                                                      : PAGES,
+                                                                      : LIVE_WINDOW_PARTS,
         .until = run && run_in_progress(session) ? planned_end(run) : NAN,
     };
     if (view_has_time_range(view)) {

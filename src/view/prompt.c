@@ -6,11 +6,11 @@
 
 #include <stdio.h>
 
-#define PIECE 8
+#define ESCAPE_SIZE 8
 
 /* Takes the next thing off the text as it is shown: a code point, `^J` for a control character,
  * `\xNN` for a byte that is no UTF-8. */
-static struct text next_piece(struct text *text, char out[PIECE])
+static struct text next_piece(struct text *text, char out[ESCAPE_SIZE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */
     size_t used;
@@ -19,12 +19,14 @@ static struct text next_piece(struct text *text, char out[PIECE])
     text->at += used;
     text->len -= used;
     if (codepoint == CODEPOINT_INVALID && !text_is(piece, invalid))
-        piece =
-            (struct text){out, (size_t)snprintf(out, PIECE, "\\x%02X", (unsigned char)*piece.at)};
+        piece = (struct text){
+            out, (size_t)snprintf(out, ESCAPE_SIZE, "\\x%02X", (unsigned char)*piece.at)};
     else if (codepoint < 0x20 || codepoint == 0x7F)
-        piece = (struct text){out, (size_t)snprintf(out, PIECE, "^%c", (int)(codepoint ^ 0x40))};
+        piece =
+            (struct text){out, (size_t)snprintf(out, ESCAPE_SIZE, "^%c", (int)(codepoint ^ 0x40))};
     else if (codepoint < 0xA0 && codepoint >= 0x80)
-        piece = (struct text){out, (size_t)snprintf(out, PIECE, "\\x%02X", (unsigned)codepoint)};
+        piece =
+            (struct text){out, (size_t)snprintf(out, ESCAPE_SIZE, "\\x%02X", (unsigned)codepoint)};
     return piece;
 }
 
@@ -32,7 +34,7 @@ static struct text next_piece(struct text *text, char out[PIECE])
 static int shown_width(struct text text, size_t bytes)
 {
     size_t behind = bytes < text.len ? text.len - bytes : 0;
-    char out[PIECE];
+    char out[ESCAPE_SIZE];
     int width = 0;
     while (text.len > behind)
         width += text_width(next_piece(&text, out));
@@ -43,7 +45,7 @@ static int shown_width(struct text text, size_t bytes)
 static void draw_part(const struct screen *screen, struct text text, int from, int to, int x, int y,
                       enum style style)
 {
-    char out[PIECE];
+    char out[ESCAPE_SIZE];
     for (int column = 0; text.len && column < to;) {
         struct text piece = next_piece(&text, out);
         for (struct text glyph = piece; glyph.len;) {

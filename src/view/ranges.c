@@ -8,8 +8,9 @@
 #include <hooke/plot.h>
 #include "view/internal.h"
 
-#define TOUCH 0.01 /* of a range: so much more does not widen it */
-#define NEAR 0.06  /* of a time axis: so far it is extended to the next label */
+#define RANGE_TOLERANCE 0.01 /* A range is not widened for less than this part of it. */
+/* A time axis is extended to the next label if that is within this part of it. */
+#define LABEL_REACH 0.06
 
 bool run_in_progress(const struct session *session)
 {
@@ -53,7 +54,7 @@ static void settle(struct axis *axis, struct extent extent, int rows)
     struct ticks ticks =
         ticks_linear(extent.low / factor, extent.high / factor, 2 + rows / 4, larger(rows / 2, 3));
     double step = ticks.count > 1 ? ticks.step * factor / 4 : 0,
-           touch = TOUCH * (extent.high - extent.low);
+           touch = RANGE_TOLERANCE * (extent.high - extent.low);
     if (!(step > 0))
         return;
     axis->fixed = true;
@@ -67,7 +68,7 @@ void ranges_reach_label(struct axis *axis, int columns)
     struct ticks ticks = ticks_linear(axis->from / factor, axis->to / factor, 2 + columns / 12,
                                       larger(columns / 4, 2));
     double next = (ticks.first + ticks.count * ticks.step) * factor;
-    if (ticks.count > 1 && next > axis->to && next - axis->to < NEAR * span)
+    if (ticks.count > 1 && next > axis->to && next - axis->to < LABEL_REACH * span)
         axis->to = next;
 }
 
@@ -126,8 +127,9 @@ static void settle_decades(struct axis *axis, struct extent extent)
     if (axis->fixed || !isfinite(low) || !isfinite(high) || fabs(low) > 290 || fabs(high) > 290)
         return;
     axis->fixed = true;
-    axis->from = pow(10, floor(low + TOUCH)) * factor;
-    axis->to = pow(10, fmax(ceil(high - TOUCH), floor(low + TOUCH) + 1)) * factor;
+    axis->from = pow(10, floor(low + RANGE_TOLERANCE)) * factor;
+    axis->to =
+        pow(10, fmax(ceil(high - RANGE_TOLERANCE), floor(low + RANGE_TOLERANCE) + 1)) * factor;
 }
 
 /* The axes of one panel; the run that goes on is the first curve. */

@@ -21,8 +21,8 @@
     0x1p-40               /* and so does what is left of n pi/2 where it is less than this n       \
                            */
 #define CIRCLE_NEAR 0.785 /* nothing to reduce below */
-/* numbers that this is added to lose their fraction: it is in its bits */
-#define WHOLE 0x1.8p52
+/* Added to a number, it removes the fraction; the low bits of the sum are the integer. */
+#define ROUND_TO_INTEGER 0x1.8p52
 
 /* S and C, s = r^2, q = s^2; GIVE(coefficient of S, that of C) chooses. */
 #define CIRCLE_SERIES(GIVE, s, q)                                                                  \

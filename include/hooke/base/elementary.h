@@ -13,28 +13,28 @@
 
 /* Nothing but their arguments counts, and nothing is written. */
 #if defined(__GNUC__)
-#define FIXED __attribute__((const)) double
+#define FIXED_FUNCTION __attribute__((const)) double
 #else
-#define FIXED double
+#define FIXED_FUNCTION double
 #endif
 
-FIXED fixed_sin(double x);
-FIXED fixed_cos(double x);
-FIXED fixed_tan(double x);
-FIXED fixed_asin(double x);
-FIXED fixed_acos(double x);
-FIXED fixed_atan(double x);
-FIXED fixed_atan2(double y, double x);
-FIXED fixed_exp(double x);
-FIXED fixed_expm1(double x);
-FIXED fixed_sinh(double x);
-FIXED fixed_cosh(double x);
-FIXED fixed_tanh(double x);
-FIXED fixed_log(double x);
-FIXED fixed_log10(double x);
-FIXED fixed_pow(double x, double y);
-FIXED fixed_cbrt(double x);
-FIXED fixed_hypot(double x, double y);
+FIXED_FUNCTION fixed_sin(double x);
+FIXED_FUNCTION fixed_cos(double x);
+FIXED_FUNCTION fixed_tan(double x);
+FIXED_FUNCTION fixed_asin(double x);
+FIXED_FUNCTION fixed_acos(double x);
+FIXED_FUNCTION fixed_atan(double x);
+FIXED_FUNCTION fixed_atan2(double y, double x);
+FIXED_FUNCTION fixed_exp(double x);
+FIXED_FUNCTION fixed_expm1(double x);
+FIXED_FUNCTION fixed_sinh(double x);
+FIXED_FUNCTION fixed_cosh(double x);
+FIXED_FUNCTION fixed_tanh(double x);
+FIXED_FUNCTION fixed_log(double x);
+FIXED_FUNCTION fixed_log10(double x);
+FIXED_FUNCTION fixed_pow(double x, double y);
+FIXED_FUNCTION fixed_cbrt(double x);
+FIXED_FUNCTION fixed_hypot(double x, double y);
 
 /* Of n numbers at once, in vectors as wide as the machine has; out may be x. The same bits. */
 void fixed_sines(int n, const double *x, double *out);

@@ -10,7 +10,8 @@ struct cancel;
 #define PI 3.14159265358979323846
 #define TWO_PI 6.28318530717958647692
 #define MAD_TO_SIGMA 1.4826 /* median |x| of normal noise -> its standard deviation */
-#define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency (Holland & Welsch 1977) */
+/* Tuning constant in robust standard deviations; 95 % efficiency (Holland & Welsch 1977). */
+#define BISQUARE_TUNING 4.685
 
 /* The best instructions that the machine has, chosen when the program starts; the same bits with
  * all of them. */

@@ -5,8 +5,7 @@
 
 #include "base/elementary/wide.h"
 
-/* atan(j/16) */
-#define CENTRES 16
+#define ATAN_CENTRES 16 /* The table has atan(j/ATAN_CENTRES). */
 static const struct wide centre_angle[] = {
     {0, 0},
     {0x1.ff55bb72cfdeap-5, -0x1.c934d86d23f1dp-60},
@@ -30,9 +29,9 @@ static const struct wide centre_angle[] = {
 static const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
                          pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 
-/* atan x - x, |x| <= NEAR, by Remez exchange in 400 bits, to 2^-64.5 of atan x
- */
-#define NEAR 0.1875
+/* The polynomial gives atan x - x up to this |x|, by Remez exchange in 400 bits, to 2^-64.5 of
+ * atan x. */
+#define ATAN_POLYNOMIAL_MAX 0.1875
 static double angle_rest(double x)
 {
     const double s = x * x, q = s * s;
@@ -57,12 +56,13 @@ static double wide_less(struct wide a, struct wide b)
 INLINE struct wide first_angle(double y, double x)
 {
     const double about = y / x;
-    if (about <= NEAR) {
+    if (about <= ATAN_POLYNOMIAL_MAX) {
         const struct wide above = {y, 0}, below = {x, 0}, parts = wide_quotient(above, below),
                           t = ordered_sum(parts.high, parts.low);
         return (struct wide){t.high, t.low + angle_rest(t.high)};
     }
-    const double j = (about * CENTRES + WHOLE) - WHOLE, c = j / CENTRES, upper = upper_part(x);
+    const double j = (about * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
+                 c = j / ATAN_CENTRES, upper = upper_part(x);
     const double t = ((y - c * upper) - c * (x - upper)) / (x + c * y);
     const struct wide centre = centre_angle[(int)j], most = ordered_sum(centre.high, t);
     return (struct wide){most.high, most.low + (centre.low + angle_rest(t))};
@@ -86,16 +86,19 @@ static double angle(double y, double x)
 double fixed_atan(double x)
 {
     const double size = fabs(x);
-    if (!(size > NEAR))
+    if (!(size > ATAN_POLYNOMIAL_MAX))
         return size < 0x1p-27 || x != x ? x : x + angle_rest(x);
     if (size > 0x1p60)
         return copysign(half_pi.high, x);
     const bool beyond = size > 1;
-    const double about = beyond ? 1 / size : size, j = (about * CENTRES + WHOLE) - WHOLE,
-                 c = about > NEAR ? j / CENTRES : 0, upper = upper_part(size), lower = size - upper;
+    const double about = beyond ? 1 / size : size,
+                 j = (about * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
+                 c = about > ATAN_POLYNOMIAL_MAX ? j / ATAN_CENTRES : 0, upper = upper_part(size),
+                 lower = size - upper;
     const double t =
         beyond ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
-    const struct wide centre = centre_angle[(int)(c * CENTRES)], most = ordered_sum(centre.high, t),
+    const struct wide centre = centre_angle[(int)(c * ATAN_CENTRES)],
+                      most = ordered_sum(centre.high, t),
                       found = {most.high, most.low + (centre.low + angle_rest(t))};
     return copysign(beyond ? wide_less(half_pi, found) : found.high + found.low, x);
 }

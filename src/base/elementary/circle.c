@@ -135,7 +135,8 @@ INLINE double cotangent_small(double r, double low)
  * and t = tan(r + low - j/32) T + (1 + T^2) t/(1 - T t), of cot with other signs. */
 INLINE double tangent_rows(uint64_t odd, double r, double low)
 {
-    const double j = (r * 32 + WHOLE) - WHOLE, arc = (r - j * (1. / 32)) + low, s = arc * arc;
+    const double j = (r * 32 + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
+                 arc = (r - j * (1. / 32)) + low, s = arc * arc;
     const double t = arc + arc * s *
                                ((0x1.5555555555951p-2 + s * 0x1.111110dfe8db2p-3) +
                                 s * s * 0x1.ba31059ee0839p-5);

@@ -44,7 +44,7 @@ INLINE double cosine_near(double r, double low)
  * bits of what is returned. *fine: all of these digits are right */
 INLINE uint64_t quarters_near(double x, double *r, double *low, uint64_t *fine)
 {
-    const double turned = x * TWO_OVER_PI + WHOLE, n = turned - WHOLE;
+    const double turned = x * TWO_OVER_PI + ROUND_TO_INTEGER, n = turned - ROUND_TO_INTEGER;
     const double near = x - n * HALF_PI_1, step = n * HALF_PI_2;
     *r = near - step;
     *low = ((near - *r) - step) - n * HALF_PI_3;

@@ -7,8 +7,8 @@
 
 #include "base/elementary/exponential.h"
 
-#define EXP_SAFE 690 /* |x| up to which the result and its parts are normal */
-#define LOST 40      /* x where 1 beside e^x is less than its last place */
+#define EXP_SAFE 690     /* |x| up to which the result and its parts are normal */
+#define EXP_ALONE_MIN 40 /* From this x on, 1 is less than the last place of e^x. */
 
 /* 2^shift e^x, |shift| <= 1 */
 static double exp_shifted(double x, int shift)
@@ -49,15 +49,16 @@ CLONES void fixed_exponentials(int n, const double *x, double *out)
 
 /* ---- less 1, and of both signs ---- */
 
-#define EIGHTH 0.125 /* below it series of their own: nothing cancels */
+/* Smaller arguments have series of their own, in which nothing cancels. */
+#define SERIES_X_MAX 0.125
 
 double fixed_expm1(double x)
 {
-    if (!(fabs(x) <= LOST))
+    if (!(fabs(x) <= EXP_ALONE_MIN))
         return x < 0 ? -1 : fixed_exp(x);
     if (fabs(x) < 0x1p-54)
         return x;
-    if (fabs(x) < EIGHTH) { /* to 2^-56.4 of it */
+    if (fabs(x) < SERIES_X_MAX) { /* to 2^-56.4 of it */
         const double s = x * x, q = s * s;
         const double low = (0x1.ffffffffffff7p-2 + x * 0x1.555555555554fp-3) +
                            s * (0x1.555555556570cp-5 + x * 0x1.111111111e1e7p-7);
@@ -72,7 +73,7 @@ double fixed_expm1(double x)
     return sum.high + (sum.low + rest);
 }
 
-/* e^x + sign e^-x, EIGHTH <= x <= LOST or sign > 0 */
+/* e^x + sign e^-x, SERIES_X_MAX <= x <= EXP_ALONE_MIN or sign > 0 */
 INLINE double both_signs(double x, double sign)
 {
     double r, up, down;
@@ -85,19 +86,19 @@ INLINE double both_signs(double x, double sign)
 double fixed_sinh(double x)
 {
     const double size = fabs(x);
-    if (size < EIGHTH) { /* to 2^-62.7 of it */
+    if (size < SERIES_X_MAX) { /* to 2^-62.7 of it */
         const double s = x * x;
         const double sum = (0x1.5555555555552p-3 + s * 0x1.1111111119e9cp-7) +
                            s * s * (0x1.a019ffee3c99fp-13 + s * 0x1.71fecdd56609dp-19);
         return size < 0x1p-28 ? x : x + x * s * sum;
     }
-    return copysign(size <= LOST ? both_signs(size, -1) * 0.5 : exp_shifted(size, -1), x);
+    return copysign(size <= EXP_ALONE_MIN ? both_signs(size, -1) * 0.5 : exp_shifted(size, -1), x);
 }
 
 double fixed_cosh(double x)
 {
     const double size = fabs(x);
-    return size <= LOST ? both_signs(size, 1) * 0.5 : exp_shifted(size, -1);
+    return size <= EXP_ALONE_MIN ? both_signs(size, 1) * 0.5 : exp_shifted(size, -1);
 }
 
 #define TANH_SERIES 0.25
@@ -119,7 +120,7 @@ double fixed_tanh(double x)
     const double size = fabs(x);
     if (size < TANH_SERIES)
         return size < 0x1p-28 ? x : x + tanh_rest(x);
-    if (!(size <= LOST / 2))
+    if (!(size <= EXP_ALONE_MIN / 2))
         return x != x ? x : copysign(1, x);
     double r, most;
     const uint64_t n = exp_reduced(2 * size, &r);

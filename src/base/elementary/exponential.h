@@ -17,9 +17,9 @@
 /* x = n ln 2/128 + r, |r| <= ln 2/256, |x| < 1000; n, also negative */
 INLINE uint64_t exp_reduced(double x, double *r)
 {
-    const double turned = x * ROWS_PER_LN_2 + WHOLE, n = turned - WHOLE;
+    const double turned = x * ROWS_PER_LN_2 + ROUND_TO_INTEGER, n = turned - ROUND_TO_INTEGER;
     *r = (x - n * LN_2_1) - n * LN_2_2;
-    return to_bits(turned) - to_bits(WHOLE);
+    return to_bits(turned) - to_bits(ROUND_TO_INTEGER);
 }
 
 /* 2^(n/128) e^r - *most, the power of two without tail; 2^(n/128) from 2^-1021 to 2^1023 */

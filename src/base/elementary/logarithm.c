@@ -35,14 +35,14 @@ double fixed_log(double x)
 {
     if (!(x > 0 && x < HUGE_VAL))
         return no_logarithm(x);
-    return fused_here() ? log_fused(x) : log_in(x, FUSED);
+    return fused_here() ? log_fused(x) : log_in(x, HAS_FUSED_MULTIPLY);
 }
 
 double fixed_log10(double x)
 {
     if (!(x > 0 && x < HUGE_VAL))
         return no_logarithm(x);
-    return fused_here() ? log10_fused(x) : log10_in(x, FUSED);
+    return fused_here() ? log10_fused(x) : log10_in(x, HAS_FUSED_MULTIPLY);
 }
 
 /* ---- powers ---- */
@@ -81,5 +81,5 @@ double fixed_pow(double x, double y)
     const double sign = x < 0 && is_odd(y) ? -1 : 1;
     if (size == 1)
         return sign;
-    return sign * (fused_here() ? power_fused(size, y) : power_in(size, y, FUSED));
+    return sign * (fused_here() ? power_fused(size, y) : power_in(size, y, HAS_FUSED_MULTIPLY));
 }

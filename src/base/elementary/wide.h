@@ -56,13 +56,13 @@ INLINE struct wide wide_sum(double a, double b)
 
 /*
  * `fused`: products and sums in one operation, only where what comes out is a double anyway, so
- * that both ways give the same bits. FUSED: all machines that this is compiled for can do it; else
- * fused_here() asks the machine, and FUSED_CLONE is compiled for those that can.
+ * that both ways give the same bits. HAS_FUSED_MULTIPLY: all machines that this is compiled for can
+ * do it; else fused_here() asks the machine, and FUSED_CLONE is compiled for those that can.
  */
 #ifdef __FP_FAST_FMA
-#define FUSED true
+#define HAS_FUSED_MULTIPLY true
 #else
-#define FUSED false
+#define HAS_FUSED_MULTIPLY false
 #endif
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__FP_FAST_FMA)
 #define FUSED_CLONE __attribute__((target("fma")))
@@ -82,7 +82,7 @@ INLINE struct wide exact_product(double a, double b, bool fused)
 
 INLINE struct wide wide_product(double a, double b)
 {
-    return exact_product(a, b, FUSED);
+    return exact_product(a, b, HAS_FUSED_MULTIPLY);
 }
 
 INLINE struct wide wide_times(struct wide a, struct wide b)

@@ -14,7 +14,8 @@
 
 #include <assert.h>
 
-#define PROBE 1e-4 /* of a step: how far ahead the direction of a switch is looked for */
+/* Part of a step ahead at which the direction of a switch is evaluated. */
+#define PROBE_STEP_FRACTION 1e-4
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
 static double norm(const struct step *step, double tol, const double *x, const double *y,
@@ -95,7 +96,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         copy(n, step->low, low);
 
     for (int attempt = 0, failures = 0;; attempt++) {
-        bool last = fabs(controller->h) * STRETCH >= fabs(span);
+        bool last = fabs(controller->h) * LAST_STEP_STRETCH >= fabs(span);
         step->h = controller->h;
         if (unlikely(last)) /* a branch: the first stage does not wait for it */
             step->h = span;
@@ -192,7 +193,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     step_function *kernel = step->kernel;
     struct system frozen;
     struct sliding sliding = {0};
-    const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
+    const double by = PROBE_STEP_FRACTION * fmin(fabs(controller->h), fabs(t_end - step->t));
     if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding,
                       &frozen)) {
         sliding_free(&sliding);

@@ -40,18 +40,22 @@ static const struct filter {
     /* the latter: PC47 */
 } explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10};
 
-#define SHARE (1. / 3)    /* of the tolerance, where the row says nothing */
+/* Part of the tolerance to aim at where the method's row gives none. */
+#define TOLERANCE_FRACTION (1. / 3)
 #define AIM_EXPLICIT 0.35 /* of the largest error that is accepted */
 #define AIM_IMPLICIT 0.5
 #define KEEP_MIN 0.7 /* errors from here to KEEP_MAX, in units of the aim, leave h as it is */
 #define KEEP_MAX 1.3
-#define FALLS 0.9      /* but a step so much shorter than the one before stands in a trend */
-#define SHRINK 0.2     /* limit of the change after a rejection, */
-#define GROW 10.0      /* and while there is no history */
-#define MIN_ERROR 1e-8 /* smaller ones say nothing about the next */
-#define STRETCH 1.01   /* a last step may be this much longer, so that no sliver remains */
-#define FAILURES 20    /* steps in a row that give no number: each makes the next a quarter */
-#define MIN_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
+/* A step that is shorter than this part of the previous one follows a trend. */
+#define STEADY_RATIO_MIN 0.9
+#define STEP_SHRINK_MIN 0.2  /* Smallest factor of the step size after a rejection. */
+#define STEP_GROWTH_MAX 10.0 /* Largest factor of the step size while there is no history. */
+#define MIN_ERROR 1e-8       /* smaller ones say nothing about the next */
+/* Factor by which the last step may be longer, so that no sliver remains. */
+#define LAST_STEP_STRETCH 1.01
+/* Successive steps that may give no number; each makes the next a quarter as long. */
+#define FAILED_STEPS_MAX 20
+#define MIN_ULPS 4 /* of t: a smaller step is only rounding, though the clock counts it */
 
 INLINE double tolerance(const struct controller *controller)
 {
@@ -91,7 +95,7 @@ INLINE double largest_estimate(const struct method *method, double tol)
     const int k = method->embedded + 1;
     double proportional =
         k == method->order ? tol : factor_exp2(factor_log2(tol) * k / method->order);
-    return (method->fraction > 0 ? method->fraction : SHARE) * proportional;
+    return (method->fraction > 0 ? method->fraction : TOLERANCE_FRACTION) * proportional;
 }
 
 static inline double min_step(double t)
@@ -144,8 +148,9 @@ INLINE void plan_next(const struct method *method, struct controller *controller
     square = square > MIN_ERROR * MIN_ERROR ? square : MIN_ERROR * MIN_ERROR;
     if (controller->previous == 0) {
         rho = change_elementary(k, square);
-        rho = rho < GROW ? rho : GROW;
-    } else if (square < KEEP_MIN * KEEP_MIN || square > KEEP_MAX * KEEP_MAX || ratio < FALLS) {
+        rho = rho < STEP_GROWTH_MAX ? rho : STEP_GROWTH_MAX;
+    } else if (square < KEEP_MIN * KEEP_MIN || square > KEEP_MAX * KEEP_MAX ||
+               ratio < STEADY_RATIO_MIN) {
         rho = factor_limited(change(filter, k, square, controller->previous, ratio));
     }
     if (controller->rejected)
@@ -188,9 +193,9 @@ __attribute__((noinline, unused)) static double next_attempt(const struct method
     double next = h / 4;
     if (isfinite(square)) {
         const double factor = change_elementary(method->embedded + 1, square);
-        next = h * (factor > SHRINK ? factor : SHRINK);
+        next = h * (factor > STEP_SHRINK_MIN ? factor : STEP_SHRINK_MIN);
     }
-    return failures <= FAILURES && fabs(next) >= min_step(t) ? next : 0;
+    return failures <= FAILED_STEPS_MAX && fabs(next) >= min_step(t) ? next : 0;
 }
 
 #endif

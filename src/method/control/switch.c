@@ -11,18 +11,25 @@
 
 #include <float.h>
 
-#define LOOKS 8     /* for a guard below 0, at even parts of a step */
-#define TRIES 12    /* steps to a switch: two or three are enough */
-#define NEAR 1e-3   /* of the tolerance times the step: a switch so near is where the step ends */
-#define PROBE 1e-4  /* of the planned step: how far ahead a guard's direction is looked for */
-#define BLOCK 16    /* switches; they pile up where each of */
-#define BLOCKS 4    /* blocks of them takes but */
-#define SHORTER 0.1 /* of the time of the one before, or this small a part of t */
-#define SHORTEST 1e-12
-#define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
-#define SLOW 0.05     /* of the natural speed: a turning point is near */
-/* of its length, what a step without a turning point may be off the mean of its speeds */
-#define EVEN 0.1
+/* Number of equal parts of a step at which a guard is tested for a value below 0. */
+#define GUARD_CHECKS 8
+#define SWITCH_STEPS_MAX 12 /* Steps towards a switch; two or three are usually enough. */
+/* A switch within this part of (tolerance times step) is where the step ends. */
+#define SWITCH_DISTANCE_MAX 1e-3
+/* Part of the planned step ahead at which a guard's direction is evaluated. */
+#define PROBE_STEP_FRACTION 1e-4
+/* Number of switches whose total time is compared with that of the previous block. */
+#define PILE_BLOCK_SWITCHES 16
+/* Switches pile up if this many blocks in a row are each much shorter than the one before. */
+#define PILE_BLOCKS 4
+/* A block is much shorter if it takes less than this part of the previous one's time. */
+#define PILE_SHRINK_MAX 0.1
+/* Switches also pile up if a block takes less than this part of t. */
+#define PILE_TIME_RELATIVE 1e-12
+#define BRIEF_ULPS 64      /* of t: in so short a step a guard at 0 need not come to be above it */
+#define TURNING_SPEED 0.05 /* Below this part of the natural speed a turning point is near. */
+/* A step without a turning point may deviate from its mean speed by this part of its length. */
+#define MEAN_SPEED_TOLERANCE 0.1
 
 struct switch_search {
     const struct method *method;
@@ -131,17 +138,17 @@ static double dip(const struct switch_search *look, int i, double m, double apar
 static double first_end(const struct switch_search *look, int i, double (*guard)[LIMIT_SWITCHES])
 {
     bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
-    for (int k = 1; k <= LOOKS; k++) {
-        const double a = (double)(k - 1) / LOOKS, b = (double)k / LOOKS, fa = guard[k - 1][i],
-                     fb = guard[k][i];
+    for (int k = 1; k <= GUARD_CHECKS; k++) {
+        const double a = (double)(k - 1) / GUARD_CHECKS, b = (double)k / GUARD_CHECKS,
+                     fa = guard[k - 1][i], fb = guard[k][i];
         ahead = ahead && fb < 0 && fb >= fa;
         if (fb < 0 && !ahead) {
             const double from = fa > 0 && k > 1 ? a : inside(look, i, b);
             return from == b ? 0 : root(look, i, from, guard_at(look, i, from), b, fb);
         }
-        const bool lowest = k < LOOKS && fb < fa && fb < guard[k + 1][i];
+        const bool lowest = k < GUARD_CHECKS && fb < fa && fb < guard[k + 1][i];
         const double low = lowest && guard[k + 1][i] >= 0
-                               ? dip(look, i, b, 1. / LOOKS, fa, fb, guard[k + 1][i])
+                               ? dip(look, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
                                : NAN;
         if (!isnan(low)) {
             const double from = low > b ? b : a > 0 ? a : inside(look, i, low);
@@ -177,8 +184,8 @@ static bool moves_on(const struct system *system, double h, const double *before
     const double v0 = before[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
                  mean = h * (v0 + v1) / 2;
     return system->dry && system->switches == 1 && !system->sliding && v0 * v1 > 0 &&
-           min > fmax(SLOW * system->scale[1], fabs(v1 - v0)) &&
-           fabs(y[0] - before[0] - mean) <= EVEN * fabs(mean);
+           min > fmax(TURNING_SPEED * system->scale[1], fabs(v1 - v0)) &&
+           fabs(y[0] - before[0] - mean) <= MEAN_SPEED_TOLERANCE * fabs(mean);
 }
 
 enum step_status switch_step(const struct method *method, struct step *step, double t,
@@ -186,13 +193,13 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
 {
     const struct switch_search look = {method, step, before, t, step->h};
     const int count = step->system->switches;
-    double guard[LOOKS + 1][LIMIT_SWITCHES], theta = 2;
+    double guard[GUARD_CHECKS + 1][LIMIT_SWITCHES], theta = 2;
     *ended = -1;
     if (moves_on(step->system, step->h, before, step->y))
         return STEP_OK;
     system_guards(step->system, t, before, guard[0]);
-    for (int k = 1; k <= LOOKS; k++)
-        guards_at(&look, (double)k / LOOKS, guard[k]);
+    for (int k = 1; k <= GUARD_CHECKS; k++)
+        guards_at(&look, (double)k / GUARD_CHECKS, guard[k]);
     for (int i = 0; i < count; i++) {
         const double at = first_end(&look, i, guard);
         if (at < theta) {
@@ -203,14 +210,14 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
     if (*ended < 0)
         return STEP_OK;
     const double h = step->h, ulps = 2 * DBL_EPSILON * fmax(fabs(t), fabs(t + h));
-    const double near = fmax(ulps, NEAR * step->tol * fabs(h));
+    const double near = fmax(ulps, SWITCH_DISTANCE_MAX * step->tol * fabs(h));
     const double ahead = fmin(1, theta + 1e-3),
                  rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
                         (2e-3 * h);
     double x = theta * h, slope = rise, last_x = NAN, last = NAN;
     if (!(fabs(x) > ulps)) /* over at once: a step of rounding, so that t moves */
         x = copysign(2 * ulps, h);
-    for (int k = 0; k < TRIES; k++) {
+    for (int k = 0; k < SWITCH_STEPS_MAX; k++) {
         double value;
         const enum step_status status = again(&look, step, low, x, *ended, &value);
         if (status != STEP_OK)
@@ -259,17 +266,18 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
     system_derivative(step->system, step->t, step->y, f);
     for (int i = 0; i < step->system->n;
          i++) /* a whole branch goes up or down by where the motion goes */
-        y[i] = step->y[i] + PROBE * step->h * f[i];
-    state->branch[ended] = system_next_branch(step->system, ended, step->t + PROBE * step->h, y);
+        y[i] = step->y[i] + PROBE_STEP_FRACTION * step->h * f[i];
+    state->branch[ended] =
+        system_next_branch(step->system, ended, step->t + PROBE_STEP_FRACTION * step->h, y);
     if (state->along[ended])
         state->released = ended;
     state->along[ended] = false;
     state->recent[ended] = true;
-    if (++state->count % BLOCK != 0)
+    if (++state->count % PILE_BLOCK_SWITCHES != 0)
         return;
     const double passed = fabs(step->t - state->since);
-    state->shorter = passed < SHORTER * state->block ? state->shorter + 1 : 0;
-    state->piled = state->shorter >= BLOCKS - 1 || passed < SHORTEST * fabs(step->t);
+    state->shorter = passed < PILE_SHRINK_MAX * state->block ? state->shorter + 1 : 0;
+    state->piled = state->shorter >= PILE_BLOCKS - 1 || passed < PILE_TIME_RELATIVE * fabs(step->t);
     state->since = step->t;
     state->block = passed;
     for (int i = 0; i < step->system->switches && !state->piled; i++)

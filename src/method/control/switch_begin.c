@@ -6,13 +6,17 @@
 
 #include <float.h>
 
-#define AT 1e-4      /* of the probe: a guard so near to 0 is at its switch */
+/* A guard below this part of its change over the probe is at its switch. */
+#define GUARD_ZERO_RELATIVE 1e-4
 #define AT_ONCE 1e-9 /* of the probe: as near as another one is that the motion meets at once */
-#define NEARBY 1e-6  /* of the sizes of variables: arguments are differentiated over no less */
-#define WIDER 10     /* times as long for second derivatives, */
-#define STILL 1e-5   /* of what these change then: a rate that changes less is 0 */
-#define ULPS 1e5     /* of t: at least */
-#define SLACK 1e-9   /* of a share: what its differences leave */
+/* Smallest step, in sizes of variables, over which arguments are differentiated. */
+#define ARGUMENT_STEP_MIN 1e-6
+/* Second derivatives are taken over an interval this many times as long. */
+#define SECOND_DIFFERENCE_FACTOR 10
+/* A rate that changes by less than this part of the second difference is 0. */
+#define ZERO_RATE_RELATIVE 1e-5
+#define PROBE_MIN_ULPS 1e5  /* Shortest probe in units of the last place of t. */
+#define SHARE_ROUNDING 1e-9 /* Rounding of a sliding share that is computed by differences. */
 
 /* y after h by the midpoint rule; f: the derivative there. */
 static void look_from(const struct step *step, const struct system *frozen, const double *f,
@@ -31,7 +35,7 @@ static void look_from(const struct step *step, const struct system *frozen, cons
 static double moment(const struct step *step, int n, const double *f)
 {
     const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
-    return rate > 0 ? NEARBY / rate : 0;
+    return rate > 0 ? ARGUMENT_STEP_MIN / rate : 0;
 }
 
 /*
@@ -53,13 +57,14 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
         still[i] = false;
     if (frozen->sliding)
         return;
-    const double min = ULPS * DBL_EPSILON * fabs(step->t), far = WIDER * moment(step, n, f);
+    const double min = PROBE_MIN_ULPS * DBL_EPSILON * fabs(step->t),
+                 far = SECOND_DIFFERENCE_FACTOR * moment(step, n, f);
     look_from(step, frozen, f, -copysign(fmax(far, min), by), before);
     look_from(step, frozen, f, copysign(fmax(far, min), by), after);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
         const double second = (after[i] - now[i]) - (now[i] - before[i]);
-        still[i] = fabs(after[i] - before[i]) <= STILL * fabs(second);
+        still[i] = fabs(after[i] - before[i]) <= ZERO_RATE_RELATIVE * fabs(second);
         if (still[i])
             soon[i] = now[i] + second / 2;
     }
@@ -111,14 +116,14 @@ static bool slide_along(struct step *step, struct switches_state *state,
 /* A guard at 0 that falls: at the end of the step before, or at rest, or by chance. */
 static bool falls(double now, double soon, bool ends)
 {
-    return soon < 0 && fabs(now) <= (ends ? AT : AT_ONCE) * fabs(soon - now);
+    return soon < 0 && fabs(now) <= (ends ? GUARD_ZERO_RELATIVE : AT_ONCE) * fabs(soon - now);
 }
 
 /* One along which it does not slide: one side pushes harder than the other draws back; -1: none. */
 static int not_held(const struct switches_state *state, const double *guard, int count)
 {
     for (int i = 0; i < count; i++)
-        if (state->along[i] && !(guard[i] >= -SLACK))
+        if (state->along[i] && !(guard[i] >= -SHARE_ROUNDING))
             return i;
     return -1;
 }

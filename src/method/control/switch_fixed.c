@@ -9,10 +9,12 @@
 
 #include <float.h>
 
-#define PIECES 64 /* of a step at most */
-/* of what is left of the step: how far ahead a guard's direction is looked for */
-#define PROBE 1e-4
-#define ROUNDING 1e-14 /* of sizes: a state that is so near is at its switch */
+/* Largest number of segments that switches may divide a step into. */
+#define STEP_SEGMENTS_MAX 64
+/* Part of the remaining step ahead at which a guard's direction is evaluated. */
+#define PROBE_STEP_FRACTION 1e-4
+/* A state that is as near to a switch, relative to the sizes, is at it. */
+#define SWITCH_ROUNDING_RELATIVE 1e-14
 
 /* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is
  * not 0 its sign says all, and what the last step left in memory still holds. */
@@ -41,9 +43,9 @@ static void know(struct step *step, struct switches_state *state)
         for (int i = 0; i < frozen.n; i++) {
             const double size = fmax(fabs(step->y[i]), step->system->scale[i]);
             /* not all alike: they may be subtracted */
-            at[i] = step->y[i] + ROUNDING * (1 + 0.3 * (i % 4)) * size;
+            at[i] = step->y[i] + SWITCH_ROUNDING_RELATIVE * (1 + 0.3 * (i % 4)) * size;
         }
-        system_guards(&frozen, step->t * (1 + 0.7 * ROUNDING), at, beside);
+        system_guards(&frozen, step->t * (1 + 0.7 * SWITCH_ROUNDING_RELATIVE), at, beside);
         for (int i = 0; i < frozen.switches; i++)
             state->begins = state->begins || fabs(argument[i]) <= fabs(beside[i] - argument[i]);
     }
@@ -90,7 +92,7 @@ static enum step_status piece(const struct method *method, struct step *step,
     struct sliding sliding = {0};
     *ended = -1;
     step->h = rest;
-    if (!switch_begin(step, state, PROBE * rest, &sliding, &frozen)) {
+    if (!switch_begin(step, state, PROBE_STEP_FRACTION * rest, &sliding, &frozen)) {
         sliding_free(&sliding);
         return method_step(method, step);
     }
@@ -139,7 +141,7 @@ enum step_status switched_step(const struct method *method, struct step *step)
     step->kernel = NULL;
     enum step_status status = STEP_OK;
     for (int pieces = 1, ended = 0; status == STEP_OK && ended >= 0 && rest * h > 0; pieces++) {
-        status = piece(method, step, &state, rest, pieces == PIECES, &ended);
+        status = piece(method, step, &state, rest, pieces == STEP_SEGMENTS_MAX, &ended);
         rest -= step->h;
         step->cost.turns += status == STEP_OK && ended >= 0;
     }

@@ -190,7 +190,7 @@ INLINE enum step_status accept_step(const struct method *method, int n, slope_fu
     const double planned = controller->h;
     const bool rejected = controller->rejected;
     for (int count = 0, failures = 0;; count++) {
-        const bool last = fabs(controller->h) * STRETCH >= fabs(span);
+        const bool last = fabs(controller->h) * LAST_STEP_STRETCH >= fabs(span);
         double h = controller->h;
         if (unlikely(last)) /* a branch: the first stage does not wait for it */
             h = span;

@@ -48,7 +48,7 @@ FLOWS(FLOW_FUNCTIONS)
 
 /* ---- steps ---- */
 
-#define ROW JOIN(rosenbrock_, __LINE__)
+#define ROSENBROCK_ROW JOIN(rosenbrock_, __LINE__)
 #define NAME(shape) JOIN(shape##_rosenbrock_, __LINE__)
 #define STEP(shape, n)                                                                             \
     static enum step_status NAME(shape)(const struct method *method, struct step *step)            \
@@ -58,11 +58,11 @@ FLOWS(FLOW_FUNCTIONS)
         (void)method;                                                                              \
         for (int i = 0; i < (0 TERMS_OF_##shape(ONE_MORE)); i++)                                   \
             memcpy(forces.c[i], step->system->term[i].c, sizeof forces.c[i]);                      \
-        return rosenbrock_small_step(n, ROW.rosenbrock, &of, step);                                \
+        return rosenbrock_small_step(n, ROSENBROCK_ROW.rosenbrock, &of, step);                     \
     }
 #define MOTION_STEP(shape) STEP(shape, N)
 #define ROSENBROCK(id, ...)                                                                        \
-    static const struct method ROW = {__VA_ARGS__};                                                \
+    static const struct method ROSENBROCK_ROW = {__VA_ARGS__};                                     \
     MOTIONS(MOTION_STEP) FLOWS(STEP)
 #include "method/rows/rosenbrock.def"
 #undef ROSENBROCK

@@ -10,16 +10,16 @@
  */
 #include "method/step/newton.h"
 
-#define NODES 6
+#define GAUSS_NODES 6
 
 /* On [0, 1]: the first half; the other is its mirror image (Abramowitz, Stegun 1964, table 25.4).
  */
-static const double node[NODES / 2] = {0.033765242898423986093849222753003,
-                                       0.16939530676686774316930020249005,
-                                       0.38069040695840154568474913915964};
-static const double weight[NODES / 2] = {0.085662246189585172520148071086366,
-                                         0.18038078652406930378491675691886,
-                                         0.23395696728634552369493517199478};
+static const double node[GAUSS_NODES / 2] = {0.033765242898423986093849222753003,
+                                             0.16939530676686774316930020249005,
+                                             0.38069040695840154568474913915964};
+static const double weight[GAUSS_NODES / 2] = {0.085662246189585172520148071086366,
+                                               0.18038078652406930378491675691886,
+                                               0.23395696728634552369493517199478};
 
 /* As a Jacobian's guess the middle stands for all nodes; where the system is linear, it is the
  * mean. */
@@ -51,7 +51,7 @@ static void mean_rest(const struct newton *equations, struct step *step, int n, 
     if (step->system->linear) {
         add_node(step, t, h, 1. / 2, 1, y, z, scratch, rest);
     } else {
-        for (int k = 0; k < NODES / 2; k++) {
+        for (int k = 0; k < GAUSS_NODES / 2; k++) {
             add_node(step, t, h, node[k], weight[k], y, z, scratch, rest);
             add_node(step, t, h, 1 - node[k], weight[k], y, z, scratch, rest);
         }

@@ -3,7 +3,7 @@
  * Computations, 3.4. */
 #include "method/step/lu_body.h"
 
-INSTANCE bool factor_complex(int n, double *re)
+LU_FUNCTION bool factor_complex(int n, double *re)
 {
     double *im = re + LU_ROOM(n);
     for (int p = 0; p < n; p++) {
@@ -41,7 +41,7 @@ INSTANCE bool factor_complex(int n, double *re)
     return true;
 }
 
-INSTANCE void solve_complex(int n, const double *a, double *re, double *im)
+LU_FUNCTION void solve_complex(int n, const double *a, double *re, double *im)
 {
     const double *b = a + LU_ROOM(n);
     for (int p = 0; p < n; p++) {

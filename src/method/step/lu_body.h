@@ -11,9 +11,9 @@
 
 #include <math.h>
 
-#define INSTANCE static inline __attribute__((always_inline))
+#define LU_FUNCTION static inline __attribute__((always_inline))
 
-INSTANCE void swap(double *a, double *b)
+LU_FUNCTION void swap(double *a, double *b)
 {
     double c = *a;
     *a = *b;
@@ -21,7 +21,7 @@ INSTANCE void swap(double *a, double *b)
 }
 
 /* pivot [n]: the row that took the place of each. */
-INSTANCE bool lu_factor_size(int n, double *a, double *pivot)
+LU_FUNCTION bool lu_factor_size(int n, double *a, double *pivot)
 {
     for (int p = 0; p < n; p++) {
         int best = p;
@@ -46,7 +46,7 @@ INSTANCE bool lu_factor_size(int n, double *a, double *pivot)
     return true;
 }
 
-INSTANCE void lu_solve_size(int n, const double *a, const double *pivot, double *b)
+LU_FUNCTION void lu_solve_size(int n, const double *a, const double *pivot, double *b)
 {
     for (int p = 0; p < n; p++) {
         int best = (int)pivot[p];
@@ -65,7 +65,7 @@ INSTANCE void lu_solve_size(int n, const double *a, const double *pivot, double 
 
 /* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the
  * pivots. */
-INSTANCE bool lu_negative(int n, const double *a)
+LU_FUNCTION bool lu_negative(int n, const double *a)
 {
     bool negative = false;
     for (int p = 0; p < n; p++)

@@ -124,8 +124,8 @@ static void weigh(int stages, int n, const double *y, const double *z, const dou
     }
 }
 
-/* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution
- * beside z. */
+/* Newton's iteration as long as each increment is at most CONTRACTION_MAX of the one before: the
+ * solution beside z. */
 static bool contract(const struct newton *equations, struct step *step, int n, double t, double h,
                      const double *y, double *z, const double *weight, struct workspace *workspace)
 {
@@ -142,13 +142,13 @@ static bool contract(const struct newton *equations, struct step *step, int n, d
             z[i] += workspace->rest[i];
         weigh(stages, n, y, z, weight, now);
         const double size = newton_size(stages, n, now, workspace->rest);
-        if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
+        if (!isfinite(size) || (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE))
             return false;
-        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= INCREMENT_STALL_RELATIVE))
             return true;
         last = size;
     }
-    return last <= STANDSTILL;
+    return last <= INCREMENT_STALL_RELATIVE;
 }
 
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,

@@ -21,12 +21,15 @@
  * giving up. */
 enum { HALVINGS = 8, ITERATIONS = 30 };
 
-#define STANDSTILL 1e-10 /* an increment this small (relative) that shrinks no more is rounding */
-#define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
-/* increments that shrink by this stay near where they began (Newton-Kantorovich) */
-#define CONTRACTS 0.5
+/* A smaller relative increment that does not shrink any more is rounding. */
+#define INCREMENT_STALL_RELATIVE 1e-10
+/* Increments that shrink more slowly than this require a new Jacobian. */
+#define JACOBIAN_REUSE_RATE 0.1
+/* Increments that shrink at least by this factor stay near their start (Newton-Kantorovich). */
+#define CONTRACTION_MAX 0.5
 
-#define LOST (DBL_EPSILON / 32) /* an increment that changes no digit */
+/* A smaller relative increment changes no digit. */
+#define INCREMENT_NEGLIGIBLE (DBL_EPSILON / 32)
 
 static const double newton_one[] = {1}, newton_now[] = {0};
 #define NEWTON_EULER                                                                               \
@@ -205,7 +208,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         double rest = newton_size(stages, n, weight, workspace->rest);
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
-        if (!(rest < off) && last > STANDSTILL) {
+        if (!(rest < off) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *near = false;
@@ -217,14 +220,15 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         double size = newton_size(stages, n, weight, workspace->move);
         for (int i = 0; i < stages * n; i++)
             z[i] += workspace->move[i];
-        if (size > CONTRACTS * last && size > STANDSTILL)
+        if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
             *near = false;
         if (step->system->linear || size <= DBL_EPSILON / 2 ||
-            (size >= last && size <= STANDSTILL)) {
+            (size >= last && size <= INCREMENT_STALL_RELATIVE)) {
             *near = *near && newton_positive(tableau, n, workspace);
             return STEP_OK;
         }
-        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, workspace))
+        if (size > JACOBIAN_REUSE_RATE * last &&
+            !newton_renew(equations, step, n, t, h, y, z, workspace))
             return STEP_NO_SOLUTION;
         last = size;
         off = rest;
@@ -232,7 +236,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
         iteration++;
     }
     *near = false;
-    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+    return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
 /*
@@ -333,7 +337,7 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         const double rest = h * dydt[1] - *x, size_of_rest = fabs(rest) * weight;
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
-        if (!(size_of_rest < off) && last > STANDSTILL) {
+        if (!(size_of_rest < off) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *near = false;
@@ -345,14 +349,14 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         step->cost.solves++;
         const double size = fabs(move) * weight;
         *x += move;
-        if (size > CONTRACTS * last && size > STANDSTILL)
+        if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
             *near = false;
-        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL) ||
-            (iteration > 0 && size * size <= LOST * last)) {
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= INCREMENT_STALL_RELATIVE) ||
+            (iteration > 0 && size * size <= INCREMENT_NEGLIGIBLE * last)) {
             *near = *near && positive;
             return STEP_OK;
         }
-        if (size > SLOW * last) {
+        if (size > JACOBIAN_REUSE_RATE * last) {
             sum[1] = y[1] + *x;
             sum[0] = y[0] + h * sum[1];
             if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
@@ -364,7 +368,7 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         iteration++;
     }
     *near = false;
-    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+    return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
 /*

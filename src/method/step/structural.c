@@ -193,12 +193,12 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
             z[d + i] += by_velocity * move[i];
         }
         double size = size_of(step, by_position, by_velocity, move);
-        if (size > CONTRACTS * last && size > STANDSTILL)
+        if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
             *near = false;
         if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 ||
-            (size >= last && size <= STANDSTILL))
+            (size >= last && size <= INCREMENT_STALL_RELATIVE))
             return STEP_OK;
-        if (!system->linear && size > SLOW * last) {
+        if (!system->linear && size > JACOBIAN_REUSE_RATE * last) {
             for (int i = 0; i < n; i++)
                 at[i] = y[i] + (1 - s->alpha_f) * z[i];
             if (!factor(s, step, t, tau, at, jacobian, factors))
@@ -207,7 +207,7 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
         last = size;
     }
     *near = false;
-    return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
+    return last <= INCREMENT_STALL_RELATIVE ? STEP_OK : STEP_NO_SOLUTION;
 }
 
 /* The solution that belongs to y: where the iteration may have found another one, it is followed

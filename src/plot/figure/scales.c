@@ -9,11 +9,11 @@
 
 #include <math.h>
 
-#define ALIKE 10 /* sizes up to this factor share an axis */
+#define SHARED_AXIS_RATIO 10 /* Sizes up to this ratio share an axis. */
 /* of the smallest curve: what falls below is left out of a logarithmic axis */
 #define DECADES_LEFT 1e-6
-#define FLAT 0.01 /* an energy that varies by less is shown from zero */
-#define AIR 0.04  /* of a range, beyond the curves */
+#define ENERGY_FLAT_RELATIVE 0.01 /* An energy that varies by less is shown from zero. */
+#define CURVE_MARGIN 0.04         /* Part of a range that is left free beyond the curves. */
 
 /* ---- ranges that were asked for ---- */
 
@@ -48,7 +48,7 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
 {
     const struct figure_range *range = vertical ? d->request->y : d->request->x;
     struct axis *axis = vertical ? &figure->y : &figure->x;
-    const double air = axis->log || !(vertical || figure->plane) ? 0 : AIR;
+    const double air = axis->log || !(vertical || figure->plane) ? 0 : CURVE_MARGIN;
     if (!has_ends(range))
         return true;
     if (!fits_axis(d, range, axis, quantity))
@@ -121,7 +121,7 @@ static double parting_size(const double *size, int n)
             parting = sqrt(size[i]) * sqrt(next);
         }
     }
-    return max > ALIKE * min_size(size, n) ? parting : 0;
+    return max > SHARED_AXIS_RATIO * min_size(size, n) ? parting : 0;
 }
 
 static bool is_positive(const struct drawing *d, enum quantity quantity)
@@ -195,7 +195,7 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     figure->y.log = request->log;
     if (!drawing_ranges(d, figure, quantity))
         return false;
-    figure->y.flat = request->y ? -1 : kind_of(d)->flat ? FLAT : 0;
+    figure->y.flat = request->y ? -1 : kind_of(d)->flat ? ENERGY_FLAT_RELATIVE : 0;
     const bool one = wanted || request->full || request->log;
     if (one)
         return true;

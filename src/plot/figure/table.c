@@ -8,8 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-#define DECADES 300 /* of positive values: from this ratio on an axis is logarithmic */
-#define DECADE 10   /* the same across where the other axis is: a power law is a line */
+#define LOG_AXIS_RATIO 300 /* Ratio of positive values from which an axis is logarithmic. */
+/* The same ratio for an axis whose other axis is logarithmic, so that power laws are lines. */
+#define LOG_BOTH_RATIO 10
 #define GROUPS_MAX 8
 #define MARKS_MAX 100 /* points that are told apart */
 
@@ -160,8 +161,9 @@ bool drawing_table(struct drawing *d, struct figure *figure)
     *figure = (struct figure){.title = request->title,
                               .curve = d->curve,
                               .curves = d->curves,
-                              .y = axis_of(first, table->rows, DECADES, request->y)};
+                              .y = axis_of(first, table->rows, LOG_AXIS_RATIO, request->y)};
     figure->y.log |= request->log;
-    figure->x = axis_of(x, table->rows, figure->y.log ? DECADE : DECADES, request->x);
+    figure->x =
+        axis_of(x, table->rows, figure->y.log ? LOG_BOTH_RATIO : LOG_AXIS_RATIO, request->x);
     return drawing_ranges(d, figure, (enum quantity[]){column_quantity(x), column_quantity(first)});
 }

@@ -9,11 +9,12 @@
 
 #include <float.h>
 
-#define SLACK (64 * DBL_EPSILON) /* of the size of what a bound is made of */
-#define EACH 64                  /* stretches for each root that was found */
-#define SAME 1e-7                /* touches that near are one */
-#define DEPTH 64
-#define MOST 100000 /* roots in one search */
+/* Rounding of a bound, relative to the terms that it is made of. */
+#define BOUND_ROUNDING (64 * DBL_EPSILON)
+#define INTERVALS_PER_ROOT 64 /* Intervals that each root adds to the budget of the search. */
+#define TOUCH_SEPARATION 1e-7 /* Touches that are nearer to each other count as one. */
+#define BISECTION_DEPTH_MAX 64
+#define ROOTS_MAX 100000 /* Number of roots at which one search ends. */
 
 struct root_interval {
     double a, b, fa, fb;
@@ -86,7 +87,7 @@ static void pass(struct root_search *roots, const struct root_interval *s)
 
 static void touch(struct root_search *roots, double x)
 {
-    if (!roots->touches || (roots->touched && x - roots->last_touch <= SAME))
+    if (!roots->touches || (roots->touched && x - roots->last_touch <= TOUCH_SEPARATION))
         return;
     if (roots->touches(roots->context, x)) {
         roots->touched = true;
@@ -101,7 +102,7 @@ static double slope_at(const struct root_search *roots, double x)
     return slope.lo + (slope.hi - slope.lo) / 2;
 }
 
-#define GOLDEN 0.3819660112501051
+#define GOLDEN_SECTION 0.3819660112501051
 
 /*
  * Slopes are known within their bounds only (of a step without a polynomial of its own): the
@@ -114,7 +115,7 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
     const double max = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * max / bend;
     double a = fmax(s->a, *x - off), b = fmin(s->b, *x + off);
-    double p = a + GOLDEN * (b - a), q = b - GOLDEN * (b - a);
+    double p = a + GOLDEN_SECTION * (b - a), q = b - GOLDEN_SECTION * (b - a);
     double fp = roots->sign * value_at(roots, p), fq = roots->sign * value_at(roots, q);
     if (roots->sign * value_at(roots, *x) > max * max / bend)
         return false;
@@ -126,13 +127,13 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
             b = q;
             q = p;
             fq = fp;
-            p = a + GOLDEN * (b - a);
+            p = a + GOLDEN_SECTION * (b - a);
             fp = roots->sign * value_at(roots, p);
         } else {
             a = p;
             p = q;
             fp = fq;
-            q = b - GOLDEN * (b - a);
+            q = b - GOLDEN_SECTION * (b - a);
             fq = roots->sign * value_at(roots, q);
         }
     }
@@ -160,7 +161,8 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
         const double f = roots->sign * value_at(roots, at), g = roots->sign * slope_at(roots, at);
         if (f < 0)
             return true;
-        if (!roots->touches && f > fabs(g) * (b - a) && f > SLACK * (fabs(s->fa) + fabs(s->fb)))
+        if (!roots->touches && f > fabs(g) * (b - a) &&
+            f > BOUND_ROUNDING * (fabs(s->fa) + fabs(s->fb)))
             return false;
         if (g == 0)
             return false;
@@ -236,7 +238,7 @@ static struct interval value_of(const struct jet *jet, const struct root_interva
     const double sum = down + up, max = down * up * w;
     const double lo = (s->fa * up + s->fb * down - max) / sum,
                  hi = (s->fa * down + s->fb * up + max) / sum;
-    const double slack = SLACK * (fabs(s->fa) + fabs(s->fb) + max / sum);
+    const double slack = BOUND_ROUNDING * (fabs(s->fa) + fabs(s->fb) + max / sum);
     if (lo - slack > value.lo)
         value.lo = lo - slack;
     if (hi + slack < value.hi)
@@ -325,7 +327,7 @@ static bool decided(struct root_search *roots, const struct root_interval *s,
 
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb)
 {
-    struct root_interval stack[DEPTH] = {{a, b, fa, fb}}, undecided = {0};
+    struct root_interval stack[BISECTION_DEPTH_MAX] = {{a, b, fa, fb}}, undecided = {0};
     int depth = 1;
     roots->used = roots->count = 0;
     roots->unsure = roots->stopped = roots->touched = false;
@@ -334,11 +336,12 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
         if (decided(roots, &s, &undecided))
             continue;
         const double middle = s.a + (s.b - s.a) / 2;
-        if (depth + 2 > DEPTH || is_uncuttable(roots, &s, middle)) {
+        if (depth + 2 > BISECTION_DEPTH_MAX || is_uncuttable(roots, &s, middle)) {
             add_undecided(&undecided, &s);
             continue;
         }
-        if (roots->used > roots->budget + EACH * roots->count || roots->count >= MOST) {
+        if (roots->used > roots->budget + INTERVALS_PER_ROOT * roots->count ||
+            roots->count >= ROOTS_MAX) {
             roots->unsure = true;
             roots->unsure_from = s.a;
             add_undecided(&undecided, &(struct root_interval){s.a, b, s.fa, fb});

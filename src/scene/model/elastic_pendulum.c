@@ -11,12 +11,13 @@
     P(m, "kg", MASS, 1, ABOVE(0), "mass of the bob")                                               \
     P(k, "N/m", STIFFNESS, 100, AT_LEAST(0), "spring constant")                                    \
     P(length, "m", LENGTH, 1, AT_LEAST(0), "length of the spring at rest")                         \
-    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                              \
-    P(gamma, "1/s", RATE, 0, ANY, "linear damping F = -m gamma v")                                 \
-    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                               \
-    P(stretch0, "m", LENGTH, 0, ANY, "how much longer than at rest the spring is at t0")           \
-    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                         \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(g, "m/s^2", ACCELERATION, 9.81, UNBOUNDED_BELOW, "gravity")                                  \
+    P(gamma, "1/s", RATE, 0, UNBOUNDED_BELOW, "linear damping F = -m gamma v")                     \
+    P(theta0, "rad", ANGLE, 1, UNBOUNDED_BELOW, "angle from the vertical at t0")                   \
+    P(stretch0, "m", LENGTH, 0, UNBOUNDED_BELOW,                                                   \
+      "how much longer than at rest the spring is at t0")                                          \
+    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, UNBOUNDED_BELOW, "angular velocity at t0")             \
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

@@ -17,8 +17,8 @@ void dry_exact(const struct system *system, double t0, const double *start, doub
 bool linear_has_exact(const struct system *system);
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-/* A motion that becomes so many times as large as after one time constant just grows. */
-#define GROWN 32
+/* A motion whose size grows by more than this factor in one time constant counts as growing. */
+#define TRANSIENT_GROWTH_MAX 32
 
 /* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not
  * just grow. rate [1/s]: of the fastest motion, 0: none. */

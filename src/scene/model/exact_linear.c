@@ -15,15 +15,15 @@
 #include "scene/model/exact.h"
 
 #define LINEAR_MAX 16 /* variables: a matrix product of more is slow for each row of a run */
-#define SIDE (LINEAR_MAX + 1)
-#define TERMS 10
-#define SMALL (1. / 16) /* (1/16)^10/11! is below the rounding of long double */
+#define MATRIX_SIDE_MAX (LINEAR_MAX + 1)
+#define EXPM_TERMS 10
+#define EXPM_NORM_MAX (1. / 16) /* (1/16)^10/11! is below the rounding of long double. */
 
 typedef long double real;
 
 struct matrix {
     int n;
-    real at[SIDE][SIDE];
+    real at[MATRIX_SIDE_MAX][MATRIX_SIDE_MAX];
 };
 
 /* [A b; 0 0] */
@@ -125,15 +125,15 @@ static void exponential(const struct matrix *x, real t, struct matrix *made,
                         struct matrix *integral)
 {
     struct matrix e[2], scaled = {.n = x->n}, before;
-    const real size = norm(x) * fabsl(t) / (real)SMALL;
+    const real size = norm(x) * fabsl(t) / (real)EXPM_NORM_MAX;
     const int halvings = size > 1 ? ilogbl(size) + 1 : 0;
     int now = 0;
     for (int i = 0; i < x->n; i++)
         for (int j = 0; j < x->n; j++) {
             scaled.at[i][j] = scalbnl(x->at[i][j] * t, -halvings);
-            e[now].at[i][j] = scaled.at[i][j] / TERMS;
+            e[now].at[i][j] = scaled.at[i][j] / EXPM_TERMS;
         }
-    for (int k = TERMS - 1; k > 0; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
+    for (int k = EXPM_TERMS - 1; k > 0; k--, now = !now) /* x (1 + x/2 (1 + x/3 (1 + ...))) */
         multiply_add(1 / (real)k, 1, &scaled, &scaled, &e[now], &e[!now]);
     if (integral)
         integral->n = x->n;
@@ -212,7 +212,7 @@ static void begin(int n, const double *start, const real *d, real *z)
 
 static void go(const struct matrix *e, real *z)
 {
-    real by[SIDE] = {0};
+    real by[MATRIX_SIDE_MAX] = {0};
     for (int i = 0; i < e->n; i++)
         for (int j = 0; j < e->n; j++)
             by[i] += e->at[i][j] * z[j];
@@ -226,7 +226,7 @@ void linear_exact(const struct system *system, double t0, const double *start, d
     const int n = system->n;
     const real elapsed = (real)t - (real)t0;
     struct matrix x, balanced, e, integral;
-    real d[SIDE], z[SIDE];
+    real d[MATRIX_SIDE_MAX], z[MATRIX_SIDE_MAX];
     coefficients(system, &x);
     balanced = x;
     balance(&balanced, d);
@@ -246,8 +246,9 @@ void linear_sizes(const struct system *system, double rate, double *max)
     enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
     const int n = system->n;
     struct matrix x, e, before;
-    real d[SIDE], z[SIDE], constant = 0; /* the latter: the largest after one time constant, */
-    double early[LIMIT_VARIABLES];       /* and sizes until then */
+    real d[MATRIX_SIDE_MAX], z[MATRIX_SIDE_MAX],
+        constant = 0;              /* the latter: the largest after one time constant, */
+    double early[LIMIT_VARIABLES]; /* and sizes until then */
     coefficients(system, &x);
     balance(&x, d);
     begin(n, system->start, d, z);
@@ -266,7 +267,8 @@ void linear_sizes(const struct system *system, double rate, double *max)
                 constant = last;
                 memcpy(early, max, (size_t)n * sizeof *early);
             } else if (stage == 0 && constant > 0 &&
-                       last > GROWN * constant) { /* a run may be too short for this */
+                       last >
+                           TRANSIENT_GROWTH_MAX * constant) { /* a run may be too short for this */
                 memcpy(max, early, (size_t)n * sizeof *early);
                 return;
             }

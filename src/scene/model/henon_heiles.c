@@ -5,11 +5,11 @@
 #include "scene/model/forces.h"
 
 #define PARAMS(P)                                                                                  \
-    P(x0, "", NUMBER, 0, ANY, "x at t0")                                                           \
-    P(y0, "", NUMBER, 0, ANY, "y at t0")                                                           \
-    P(vx0, "", NUMBER, 0.24, ANY, "velocity along x at t0")                                        \
-    P(vy0, "", NUMBER, 0.32, ANY, "velocity along y at t0")                                        \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(x0, "", NUMBER, 0, UNBOUNDED_BELOW, "x at t0")                                               \
+    P(y0, "", NUMBER, 0, UNBOUNDED_BELOW, "y at t0")                                               \
+    P(vx0, "", NUMBER, 0.24, UNBOUNDED_BELOW, "velocity along x at t0")                            \
+    P(vy0, "", NUMBER, 0.32, UNBOUNDED_BELOW, "velocity along y at t0")                            \
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

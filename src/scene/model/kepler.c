@@ -18,7 +18,7 @@
 #define PARAMS(P)                                                                                  \
     P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit: 0 a circle, below 1")           \
     P(gm, "", NUMBER, 1, ABOVE(0), "strength of the attraction")                                   \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

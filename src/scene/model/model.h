@@ -25,7 +25,7 @@ extern const struct catalog no_derived; /* of a model without derived quantities
 
 /* ---- parameters ---- */
 
-#define ANY .min = -HUGE_VAL
+#define UNBOUNDED_BELOW .min = -HUGE_VAL
 #define AT_LEAST(limit) .min = (limit)
 #define ABOVE(limit) .min = (limit), .min_excluded = true
 

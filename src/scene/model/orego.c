@@ -8,7 +8,7 @@
     P(s, "1/s", RATE, 77.27, ABOVE(0), "fast rate, also 1/s of the second equation")               \
     P(q, "", NUMBER, 8.375e-6, AT_LEAST(0), "what limits the first concentration")                 \
     P(w, "1/s", RATE, 0.161, AT_LEAST(0), "slow rate")                                             \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

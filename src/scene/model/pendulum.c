@@ -7,17 +7,18 @@
 #define PARAMS(P)                                                                                  \
     P(m, "kg", MASS, 0.2, ABOVE(0), "mass of the bob")                                             \
     P(length, "m", LENGTH, 1, ABOVE(0), "length of the rod")                                       \
-    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                              \
-    P(gamma, "1/s", RATE, 0, ANY,                                                                  \
+    P(g, "m/s^2", ACCELERATION, 9.81, UNBOUNDED_BELOW, "gravity")                                  \
+    P(gamma, "1/s", RATE, 0, UNBOUNDED_BELOW,                                                      \
       "linear damping of theta'' + gamma theta' + (g/length) sin theta = 0")                       \
-    P(F0, "N", FORCE, 0, ANY, "driving force F0 cos(omega t + phase) along the path of the bob")   \
+    P(F0, "N", FORCE, 0, UNBOUNDED_BELOW,                                                          \
+      "driving force F0 cos(omega t + phase) along the path of the bob")                           \
     P(omega, "rad/s", ANGULAR_FREQUENCY, 2, AT_LEAST(0), "angular frequency of the driving force") \
-    P(phase, "rad", ANGLE, 0, ANY, "phase of the driving force at t = 0")                          \
+    P(phase, "rad", ANGLE, 0, UNBOUNDED_BELOW, "phase of the driving force at t = 0")              \
     P(friction, "N", FORCE, 0, AT_LEAST(0),                                                        \
       "dry friction along the path of the bob, against the motion")                                \
-    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                               \
-    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                         \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(theta0, "rad", ANGLE, 1, UNBOUNDED_BELOW, "angle from the vertical at t0")                   \
+    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, UNBOUNDED_BELOW, "angular velocity at t0")             \
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

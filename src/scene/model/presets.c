@@ -15,7 +15,8 @@
         "y0", 2                                                                                    \
     }
 
-#define ORBIT 6.283185307179586476925 /* [s] of the Kepler problem with semi-major axis 1 */
+/* Period of the Kepler problem with semi-major axis 1 [s]. */
+#define KEPLER_PERIOD 6.283185307179586476925
 
 static const struct preset rows[] = {
     {.row = {"spring", "", "mass on a spring, no damping: the lab's first session", "", NULL}},
@@ -85,13 +86,13 @@ static const struct preset rows[] = {
      .model = &elastic_pendulum_model},
     {.row = {"kepler", "", "a planet on an ellipse of eccentricity 0.5", "Kepler 1609", NULL},
      .model = &kepler_model,
-     .duration = 3 * ORBIT,
+     .duration = 3 * KEPLER_PERIOD,
      .tol = 1e-8},
     {.row = {"kepler-eccentric", "",
              "eccentricity 0.9: fast near the sun, slow far out; asks for step control", "", NULL},
      .model = &kepler_model,
      .value = {{"e", 0.9}},
-     .duration = 3 * ORBIT,
+     .duration = 3 * KEPLER_PERIOD,
      .tol = 1e-9},
     {.row = {"henon-heiles", "", "a star in a galaxy at energy 0.08: orderly", "Henon, Heiles 1964",
              NULL},
@@ -160,7 +161,7 @@ static const struct preset rows[] = {
              "", NULL},
      .model = &kepler_model,
      .value = {{"e", 0.9999}},
-     .duration = ORBIT,
+     .duration = KEPLER_PERIOD,
      .tol = 1e-10,
      .first = 1e-6},
 };

@@ -6,9 +6,9 @@
 #include "scene/model/model.h"
 
 #define PARAMS(P)                                                                                  \
-    P(lambda, "1/s", RATE, -1e6, ANY, "rate of the pull towards cos t (< 0: stable)")              \
-    P(y0, "", NUMBER, 1, ANY, "y at t0; cos t0 is on the smooth solution")                         \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(lambda, "1/s", RATE, -1e6, UNBOUNDED_BELOW, "rate of the pull towards cos t (< 0: stable)")  \
+    P(y0, "", NUMBER, 1, UNBOUNDED_BELOW, "y at t0; cos t0 is on the smooth solution")             \
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

@@ -7,7 +7,7 @@
     P(k1, "1/s", RATE, 0.04, AT_LEAST(0), "rate of A -> B")                                        \
     P(k2, "1/s", RATE, 3e7, AT_LEAST(0), "rate of B + B -> C + B")                                 \
     P(k3, "1/s", RATE, 1e4, AT_LEAST(0), "rate of B + C -> A + C")                                 \
-    P(t0, "s", TIME, 0, ANY, "time at the start")
+    P(t0, "s", TIME, 0, UNBOUNDED_BELOW, "time at the start")
 
 PARAM_PLACES(PARAMS);
 static const struct param_row params[] = {PARAMS(PARAM_ROW)};

@@ -9,7 +9,8 @@
 #include "scene/formula/outer.h"
 #include "scene/typed/typed.h"
 
-#define PHASES 32 /* of a drive's period: the mean over them is that of harmonics below */
+/* Phases of a drive's period; the mean over them is exact for all lower harmonics. */
+#define DRIVE_PHASES 32
 
 struct box_names {
     const struct typed *typed;
@@ -64,7 +65,7 @@ bool system_bounds(const struct system *system, const struct interval *box, stru
     if (drive != drive)
         return false;
     const int n = system->n, rows = typed_rows(typed), above = n - rows,
-              phases = drive > 0 ? PHASES : 1;
+              phases = drive > 0 ? DRIVE_PHASES : 1;
     struct box_names names = {.typed = typed};
     for (int i = 0; i < n; i++)
         rate[i] = i < above ? box[above + i] : interval_point(0);

@@ -14,16 +14,21 @@
 
 #include "scene/formula/jet.h"
 
-#define SAMPLES 7
-#define SEEN 8.0    /* times what samples show: bounds are wider than the truth */
-#define TINY 1e-13  /* of a variable's size: what a stretch may add to it unseen */
+#define INTERVAL_SAMPLES 7
+/* Bounds up to this many times the sampled values are taken for seen: bounds are wider than the
+ * truth. */
+#define BOUND_SLACK_FACTOR 8.0
+/* Part of a variable's size that an interval may add to it unseen. */
+#define HIDDEN_MOTION_MAX 1e-13
 #define DEPTH_MIN 6 /* halvings: longer stretches are no bursts */
 #define DEPTH_MOST 50
-#define ROUNDING 1e-12
+#define BOUND_ROUNDING_RELATIVE 1e-12
 #define AT_ENDS 1e-6 /* of a way: where a step ended at a switch, what follows is not on it; */
-#define ULPS 16      /* of t, at least */
-#define LOOKS 3000   /* bounds of a row */
-#define STEEP 4      /* times the change: a derivative at an end that is no part of a smooth way */
+/* Shortest interval that is bounded, in units of the last place of t. */
+#define INTERVAL_MIN_ULPS 16
+#define ROW_BOUNDS_MAX 3000 /* Number of bounds that are computed between two rows. */
+/* A derivative at an end above this many times the change shows that the segment is not smooth. */
+#define SMOOTH_SLOPE_MAX 4
 
 /* The way, as bounds of all names on a part of it. */
 struct way {
@@ -47,7 +52,8 @@ static void bend_way(const struct system *system, struct way *way)
     system_derivative(system, way->t[1], way->to, last);
     for (int i = 0; i < system->n; i++) {
         const double by = way->to[i] - way->from[i], a = h * first[i], b = h * last[i];
-        const bool curved = fmax(fabs(a), fabs(b)) <= STEEP * fabs(by) + system->scale[i];
+        const bool curved =
+            fmax(fabs(a), fabs(b)) <= SMOOTH_SLOPE_MAX * fabs(by) + system->scale[i];
         way->rate[i] = curved ? a : by;
         way->bend[0][i] = curved ? 3 * by - 2 * a - b : 0;
         way->bend[1][i] = curved ? a + b - 2 * by : 0;
@@ -92,7 +98,8 @@ static void name_all(const struct way *way, double a, double b, struct jet *name
 static struct jet bounds_of(const struct way *way, const struct expr *expr, double a, double b)
 {
     return a == b ? expr_jet(expr, way->name)
-                  : expr_jet_about(expr, way->name, way->centre, (b - a) / 2 * (1 + ROUNDING));
+                  : expr_jet_about(expr, way->name, way->centre,
+                                   (b - a) / 2 * (1 + BOUND_ROUNDING_RELATIVE));
 }
 
 static struct jet row_bounds(struct way *way, int row, double a, double b)
@@ -145,8 +152,8 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
     const double bent = largest(bounds.bend) * length * length / 8;
     const double first = row_value(way, row, a), last = row_value(way, row, b);
     double low = fmin(first, last), high = fmax(first, last), off = 0;
-    for (int i = 1; i < SAMPLES; i++) {
-        const double fraction = (double)i / SAMPLES,
+    for (int i = 1; i < INTERVAL_SAMPLES; i++) {
+        const double fraction = (double)i / INTERVAL_SAMPLES,
                      value = row_value(way, row, a + length * fraction);
         low = fmin(low, value);
         high = fmax(high, value);
@@ -154,7 +161,7 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
     }
     const double hidden = fmin(bent, width);
     if (isnan(width) ||
-        hidden < ROUNDING * largest(bounds.value)) /* no number there, or rounding */
+        hidden < BOUND_ROUNDING_RELATIVE * largest(bounds.value)) /* no number there, or rounding */
         return (struct stretch_look){0, 0};
     return bent < width ? (struct stretch_look){bent, off}
                         : (struct stretch_look){width, high - low};
@@ -176,8 +183,8 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
     double value[POINTS], off = 0;
     for (int k = 0; k < POINTS; k++)
         value[k] = row_value(way, row, a + at[k] * (b - a));
-    for (int i = 1; i < SAMPLES; i++) {
-        const double fraction = (double)i / SAMPLES;
+    for (int i = 1; i < INTERVAL_SAMPLES; i++) {
+        const double fraction = (double)i / INTERVAL_SAMPLES;
         double around = 0;
         for (int k = 0; k < POINTS; k++) {
             double weight = 1;
@@ -188,7 +195,7 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
         const double difference = fabs(row_value(way, row, a + fraction * (b - a)) - around);
         off = isnan(difference) ? INFINITY : fmax(off, difference);
     }
-    return off * SEEN > seen;
+    return off * BOUND_SLACK_FACTOR > seen;
 }
 
 /* Appends [a, b] as times, to the burst before where they meet. */
@@ -213,7 +220,8 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
                       struct burst *burst, int count, int max)
 {
     const double length = fabs(way->t[1] - way->t[0]);
-    const double ulps = ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
+    const double ulps =
+        INTERVAL_MIN_ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
     const double ends = sure ? fmin(fmax(AT_ENDS, ulps), 0.25) : 0;
     struct {
         double a, b;
@@ -223,13 +231,13 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
     stack[top].a = ends;
     stack[top].b = 1 - ends;
     stack[top++].depth = 0;
-    for (int looks = 0; top > 0 && looks<LOOKS && * allowed> 0; looks++, --*allowed) {
+    for (int looks = 0; top > 0 && looks<ROW_BOUNDS_MAX && * allowed> 0; looks++, --*allowed) {
         const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
         const int depth = stack[top].depth;
         const struct stretch_look at = look(way, row, a, b);
-        if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
+        if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > HIDDEN_MOTION_MAX * size))
             continue;
-        const bool seen = at.hidden <= SEEN * at.seen;
+        const bool seen = at.hidden <= BOUND_SLACK_FACTOR * at.seen;
         if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
             count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
         /* of a long stretch one sample may have met a burst by chance */

@@ -112,11 +112,11 @@ bool typed_potential_is_integrated(const struct system *system)
 
 /* ---- is there one? ---- */
 
-#define POINTS 8
-#define REACH 3.0 /* natural sizes */
+#define CURL_POINTS 8
+#define SAMPLE_REACH 3.0 /* Test points lie within this many natural sizes of 0. */
 
-/* of the largest: a coordinate that the trial run did not reach is tried so far */
-#define SIDE 1.0
+/* A coordinate that the trial run did not reach is tested up to this part of the largest scale. */
+#define UNREACHED_SCALE 1.0
 
 static double largest_scale(const struct system *system)
 {
@@ -131,17 +131,17 @@ static int choose_points(const struct system *system, const struct typed_term *t
                          const double *c, double point[][LIMIT_VARIABLES])
 {
     const int rows = system->n / 2;
-    const double side = SIDE * largest_scale(system);
+    const double side = UNREACHED_SCALE * largest_scale(system);
     uint64_t random = 1;
     int count = 0;
-    for (int tries = 0; tries < 4 * POINTS && count < POINTS; tries++) {
+    for (int tries = 0; tries < 4 * CURL_POINTS && count < CURL_POINTS; tries++) {
         double a[LIMIT_VARIABLES];
         bool finite = true;
         memset(point[count], 0, sizeof point[count]);
         for (int i = 0; i < rows; i++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
             point[count][i] =
-                REACH * fmax(system->scale[i], side) * ldexp((double)(int64_t)random, -63);
+                SAMPLE_REACH * fmax(system->scale[i], side) * ldexp((double)(int64_t)random, -63);
         }
         typed_evaluate(term->add, c, 0, point[count], a);
         for (int i = 0; i < rows; i++)
@@ -253,7 +253,7 @@ static bool is_potential(double (*potential)(const double *c, const double *y),
                          const struct typed_term *term, const double *c,
                          double point[][LIMIT_VARIABLES], int count)
 {
-    double value[POINTS];
+    double value[CURL_POINTS];
     for (int k = 0; k < count; k++) {
         value[k] = potential(c, point[k]);
         if (!isfinite(value[k]) ||
@@ -276,7 +276,7 @@ bool typed_find_potential(struct system *system)
             bound = &system->term[i];
     if (!bound || system->order != 2 || term->typed->base)
         return false;
-    double point[POINTS][LIMIT_VARIABLES];
+    double point[CURL_POINTS][LIMIT_VARIABLES];
     const int count = choose_points(system, term, bound->c, point);
     double ratio[LIMIT_VARIABLES] = {0};
     const struct system before = *system;
@@ -298,7 +298,7 @@ bool typed_find_potential(struct system *system)
 static bool is_drag(const struct system *system, const struct bound_term *bound)
 {
     const struct typed_term *term = typed_term_of(bound->c);
-    double point[POINTS][LIMIT_VARIABLES], a[LIMIT_VARIABLES];
+    double point[CURL_POINTS][LIMIT_VARIABLES], a[LIMIT_VARIABLES];
     const int count = choose_points(system, term, bound->c, point);
     for (int k = 0; k < count; k++) {
         typed_evaluate(term->add, bound->c, system->t0, point[k], a);

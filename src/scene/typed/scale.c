@@ -16,15 +16,18 @@
 #include "scene/model/model.h"
 #include "scene/typed/typed.h"
 
-#define STEPS 200
-#define SPAN 8.0      /* time constants */
-#define FIRST 1e-6    /* step, of the span */
-#define ACCURACY 0.02 /* of a step, relative to the largest values so far */
-#define POWERS 16     /* applications of the Jacobian */
-#define POLE 1e-6     /* steps that have become as short as this part of the way go to a pole */
-/* of the largest size: what stays below this in the trial has not been reached by it, */
-#define UNSEEN 1e-20
-#define FLOOR 1e-12 /* and is given this, because a size of nothing makes every error infinite */
+#define TRIAL_STEPS_MAX 200
+#define TRIAL_TIME_CONSTANTS 8.0 /* Length of the trial run in time constants. */
+#define TRIAL_FIRST_STEP 1e-6    /* First step of the trial run as a part of its span. */
+/* Error allowed in a step, relative to the largest values so far. */
+#define TRIAL_TOLERANCE 0.02
+#define POWER_ITERATIONS 16 /* Number of applications of the Jacobian. */
+/* Steps that have become as short as this part of the elapsed time lead to a pole. */
+#define POLE_STEP_RELATIVE 1e-6
+/* A variable that stays below this part of the largest size in the trial has not been reached. */
+#define UNREACHED_SIZE_MAX 1e-20
+/* Size that an unreached variable gets, because a size of 0 makes every error infinite. */
+#define UNREACHED_SIZE 1e-12
 
 /* |J^16 v|^(1/16): about the largest |eigenvalue| [1/s]. */
 static double fastest_rate(const struct system *system)
@@ -34,7 +37,7 @@ static double fastest_rate(const struct system *system)
     double *jac = system_new_jacobian(system, system->t0, system->start);
     for (int i = 0; i < n; i++)
         v[i] = 1;
-    for (int k = 0; jac && k < POWERS && size > 0; k++) {
+    for (int k = 0; jac && k < POWER_ITERATIONS && size > 0; k++) {
         size = 0;
         for (int i = 0; i < n; i++) {
             w[i] = 0;
@@ -48,7 +51,7 @@ static double fastest_rate(const struct system *system)
             v[i] = w[i] / size;
         sum += fixed_log(size);
     }
-    const double rate = jac && size > 0 ? fixed_exp(sum / POWERS) : 0;
+    const double rate = jac && size > 0 ? fixed_exp(sum / POWER_ITERATIONS) : 0;
     free(jac);
     return rate;
 }
@@ -69,7 +72,7 @@ static bool grown(int n, const double *early, const double *max)
         then = fmax(then, early[i]);
         now = fmax(now, max[i]);
     }
-    return then > 0 && now > GROWN * then;
+    return then > 0 && now > TRANSIENT_GROWTH_MAX * then;
 }
 
 /*
@@ -81,11 +84,11 @@ static double try_out(const struct system *system, double span, double *max, boo
     const int n = system->n;
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES],
         early[LIMIT_VARIABLES];
-    double t = system->t0, h = FIRST * span, end = t + span;
+    double t = system->t0, h = TRIAL_FIRST_STEP * span, end = t + span;
     memcpy(y, system->start, (size_t)n * sizeof *y);
     memcpy(early, max, (size_t)n * sizeof *early);
     system_derivative(system, t, y, f);
-    for (int step = 0; step < STEPS && t < end && t + h > t; step++) {
+    for (int step = 0; step < TRIAL_STEPS_MAX && t < end && t + h > t; step++) {
         double error = 0;
         for (int i = 0; i < n; i++)
             next[i] = y[i] + h * f[i];
@@ -95,7 +98,7 @@ static double try_out(const struct system *system, double span, double *max, boo
                 error = fmax(error, fabs(h * (g[i] - f[i]) / 2) / fmax(max[i], fabs(next[i])));
             next[i] = y[i] + h * (f[i] + g[i]) / 2;
         }
-        if (!all_finite(next, n) || !(error <= 4 * ACCURACY)) {
+        if (!all_finite(next, n) || !(error <= 4 * TRIAL_TOLERANCE)) {
             h /= 4;
             continue;
         }
@@ -103,7 +106,7 @@ static double try_out(const struct system *system, double span, double *max, boo
         memcpy(y, next, (size_t)n * sizeof *y);
         for (int i = 0; i < n; i++)
             max[i] = fmax(max[i], fabs(y[i]));
-        if (t - system->t0 <= span / SPAN) {
+        if (t - system->t0 <= span / TRIAL_TIME_CONSTANTS) {
             memcpy(early, max, (size_t)n * sizeof *early);
         } else if (grown(n, early, max)) {
             memcpy(max, early, (size_t)n * sizeof *early);
@@ -111,11 +114,11 @@ static double try_out(const struct system *system, double span, double *max, boo
             return 0;
         }
         system_derivative(system, t, y, f);
-        h *= fmin(2, 0.9 * sqrt(ACCURACY / fmax(error, 1e-6)));
+        h *= fmin(2, 0.9 * sqrt(TRIAL_TOLERANCE / fmax(error, 1e-6)));
         h = fmin(h, span / 16);
     }
     *there = t >= end;
-    return t < end && h < POLE * (t - system->t0) ? t - system->t0 : 0;
+    return t < end && h < POLE_STEP_RELATIVE * (t - system->t0) ? t - system->t0 : 0;
 }
 
 /* What sticks to a switch shakes about it in ever shorter steps: then sizes are those on the
@@ -158,8 +161,8 @@ static void size_unseen(int n, double *max)
     for (int i = 0; i < n; i++)
         largest = isfinite(max[i]) ? fmax(largest, max[i]) : largest;
     for (int i = 0; i < n; i++)
-        if (!(max[i] >= UNSEEN * largest))
-            max[i] = FLOOR * largest;
+        if (!(max[i] >= UNREACHED_SIZE_MAX * largest))
+            max[i] = UNREACHED_SIZE * largest;
 }
 
 void typed_start(const double *param, struct system *system)
@@ -186,7 +189,7 @@ void typed_begin(const double *param, struct system *system)
     if (linear_has_exact(system))
         linear_sizes(system, rate, max);
     else
-        try_sizes(system, rate > 0 ? SPAN / rate : 1, max);
+        try_sizes(system, rate > 0 ? TRIAL_TIME_CONSTANTS / rate : 1, max);
     size_unseen(system->n, max);
     for (int i = 0; i < system->n; i++)
         system->scale[i] = scale_clamp(max[i]);

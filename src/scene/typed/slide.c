@@ -11,13 +11,13 @@
 
 #include "scene/typed/typed.h"
 
-/* a row that adds this part of its square to those before says nothing new */
-#define DEPENDENT 1e-12
-#define BESIDE 1e-5 /* of a variable's size: for differences */
-/* steps to where rates have to be 0, too: from there the motion is to go on at rest */
-#define RETURNS 3
-/* of all variables' sizes: for differences of arguments, most of which are linear, and */
-#define FAR 1e-2
+/* A row that adds less than this part of its square to the rows before depends on them. */
+#define ROW_INDEPENDENCE_MIN 1e-12
+#define DIFFERENCE_STEP 1e-5 /* Step of finite differences as a part of a variable's size. */
+/* Where rates have to be 0, too, corrections continue until the motion can go on at rest. */
+#define SECOND_CORRECTIONS_MAX 3
+/* Step of differences of arguments, most of which are linear, as a part of all variables' sizes. */
+#define ARGUMENT_STEP 1e-2
 #define FAR_FIELD 1e-4 /* of fields; both of the fourth order */
 
 static const struct sliding *sliding_of(const double *c)
@@ -61,7 +61,7 @@ static void differences(const struct sliding *s, double t, double time, const do
                         const double *direction, double *first, double *second)
 {
     const struct system *side = &s->side[0];
-    const double h = FAR * moment(side, y, direction, s->near / FAR);
+    const double h = ARGUMENT_STEP * moment(side, y, direction, s->near / ARGUMENT_STEP);
     double at[LIMIT_VARIABLES], a[5][LIMIT_SWITCHES];
     for (int k = 0; k < 5; k++) {
         for (int i = 0; i < side->n; i++)
@@ -176,7 +176,7 @@ static void solve(int count, double (*by)[LIMIT_SLIDING], const double *right, d
             own += q[i][k] * q[i][k];
             miss -= by[i][k] * x[k];
         }
-        const bool fresh = own > DEPENDENT * whole;
+        const bool fresh = own > ROW_INDEPENDENCE_MIN * whole;
         for (int k = 0; k < count; k++) {
             x[k] += fresh ? miss / own * q[i][k] : 0;
             q[i][k] = fresh ? q[i][k] / sqrt(own) : 0;
@@ -220,7 +220,7 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
     double at[LIMIT_VARIABLES];
     memcpy(at, y, (size_t)n * sizeof *y);
     for (int j = 0; j < n; j++) {
-        const double by = BESIDE * fmax(system->scale[j], fabs(y[j]));
+        const double by = DIFFERENCE_STEP * fmax(system->scale[j], fabs(y[j]));
         double below[LIMIT_VARIABLES] = {0}, above[LIMIT_VARIABLES] = {0};
         at[j] = y[j] - by;
         add(c, t, at, below);
@@ -370,7 +370,7 @@ bool sliding_return(const struct sliding *s, double t, double *y)
         y[1] = 0;
         return moved;
     }
-    for (int k = 0; k < RETURNS && twice && look_off(s, t, y, &around, miss); k++) {
+    for (int k = 0; k < SECOND_CORRECTIONS_MAX && twice && look_off(s, t, y, &around, miss); k++) {
         step_back(s, &around, t, miss, y);
         moved = true;
         twice = false;

@@ -105,7 +105,7 @@ static void take_branches(const struct typed_part *part, const double *branch, i
     program_keep(part->frozen.jacobian, c + 1);
 }
 
-#define TRIALS 3
+#define NEXT_BRANCH_TRIALS 3
 
 /* By numbers as good as any. */
 static bool turns_only(const struct typed_part *part)
@@ -117,7 +117,7 @@ static bool turns_only(const struct typed_part *part)
         typed->model.order != 2 || typed->model.n != 2)
         return false;
     memcpy(c, &term, sizeof term);
-    for (int k = 0; k < TRIALS; k++) {
+    for (int k = 0; k < NEXT_BRANCH_TRIALS; k++) {
         const double t = 0.37 + k, q[2] = {0.83 - k, 0.61 + 0.29 * k}, still[2] = {q[0], 0};
         for (int i = 0; i <= typed->reads; i++)
             c[1 + i] = 0.71 + 0.13 * (i + k);

@@ -11,18 +11,18 @@
 
 /* Seven and fifteen points (Piessens et al. 1983, QUADPACK, qk15). Odd places and the last are
  * Gauss's, too. */
-#define NODES 8
-static const double node[NODES] = {
+#define KRONROD_NODES 8
+static const double node[KRONROD_NODES] = {
     0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
     0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
     0.586087235467691130294144691693312, 0.405845151377397166906606412076961,
     0.207784955007898467600689403773245, 0};
-static const double kronrod[NODES] = {
+static const double kronrod[KRONROD_NODES] = {
     0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
     0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
     0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
     0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-static const double gauss[NODES / 2] = {
+static const double gauss[KRONROD_NODES / 2] = {
     0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
     0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
@@ -54,7 +54,7 @@ static double piece(const struct force_path *path, double from, double to, doubl
 {
     const double half = (to - from) / 2, middle = (from + to) / 2;
     double fine = 0, coarse = 0, sum = 0;
-    for (int k = 0; k < NODES; k++) {
+    for (int k = 0; k < KRONROD_NODES; k++) {
         const double a = force_along(path, middle - half * node[k]),
                      b = node[k] > 0 ? force_along(path, middle + half * node[k]) : 0;
         fine += kronrod[k] * (a + b);
@@ -66,12 +66,15 @@ static double piece(const struct force_path *path, double from, double to, doubl
     return half * fine;
 }
 
-/* of the difference between both rules, which is that of the coarser one */
-#define ACCURACY 1e-11
-#define DEPTH 48 /* halvings of a stretch: a jump that nobody located is enclosed that closely */
-#define PIECES 400
-#define LOOKS 32     /* at switches, at even parts of what is left of a path */
-#define BEHIND 1e-12 /* of it: where a branch is told that begins at a switch */
+/* Tolerance for the difference between both rules, which is the error of the coarser one. */
+#define QUADRATURE_TOLERANCE 1e-11
+/* Halvings of an interval; they enclose a jump that no switch located. */
+#define INTERVAL_HALVINGS_MAX 48
+#define WORK_INTERVALS_MAX 400
+/* Number of equal parts of the remaining path at which switches are checked. */
+#define SWITCH_CHECKS 32
+/* Part of the remaining path after which the branch that begins at a switch is evaluated. */
+#define BRANCH_OFFSET 1e-12
 
 /* False: others than *first, which are those behind `from`. */
 static bool same_branches(const struct force_path *path, double s, const double *first)
@@ -92,14 +95,14 @@ static double next_switch(const struct force_path *path, double from)
 {
     const struct typed_part *part = path->term->part;
     double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
-    double a = from + (1 - from) * BEHIND, b = a;
+    double a = from + (1 - from) * BRANCH_OFFSET, b = a;
     if (part->switches.count == 0)
         return 1;
     memset(q + path->rows, 0, (size_t)path->rows * sizeof *q);
     path->at(path, a, q, along);
     typed_branches_at(part, path->c, q, first);
-    for (int k = 1; k <= LOOKS && a == b; k++) {
-        const double s = k < LOOKS ? from + (1 - from) * k / LOOKS : 1;
+    for (int k = 1; k <= SWITCH_CHECKS && a == b; k++) {
+        const double s = k < SWITCH_CHECKS ? from + (1 - from) * k / SWITCH_CHECKS : 1;
         b = s;
         if (same_branches(path, s, first))
             a = s;
@@ -120,19 +123,19 @@ struct quadrature {
 static bool add_smooth(const struct force_path *path, double from, double to,
                        struct quadrature *sums)
 {
-    double ends[DEPTH + 1] = {to}, part, error;
-    for (int depth = 0; sums->pieces < PIECES; sums->pieces++) {
+    double ends[INTERVAL_HALVINGS_MAX + 1] = {to}, part, error;
+    for (int depth = 0; sums->pieces < WORK_INTERVALS_MAX; sums->pieces++) {
         const double value = piece(path, from, ends[depth], &part, &error);
         sums->total = fmax(sums->total, sums->size + part);
         if (!isfinite(value))
             return false;
-        if (error <= ACCURACY * sums->total) {
+        if (error <= QUADRATURE_TOLERANCE * sums->total) {
             sums->value += value;
             sums->size += part;
             from = ends[depth];
             if (depth-- == 0)
                 return true;
-        } else if (depth == DEPTH) {
+        } else if (depth == INTERVAL_HALVINGS_MAX) {
             return false;
         } else {
             ends[depth + 1] = (from + ends[depth]) / 2;

@@ -16,8 +16,8 @@
 #include <wchar.h>
 #include <wctype.h>
 
-#define INVALID ((size_t)-1)
-#define PARTIAL ((size_t)-2)
+#define MULTIBYTE_INVALID ((size_t)-1)
+#define MULTIBYTE_PARTIAL ((size_t)-2)
 #define SURROGATE(c) ((c) >= 0xD800 && (c) < 0xE000)
 
 static bool utf8;
@@ -94,7 +94,7 @@ size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
         if (left < 0 ||
             (left == 0 && (bits < smallest[length] || bits > 0x10FFFF || SURROGATE(bits)))) {
             errno = EILSEQ;
-            return INVALID;
+            return MULTIBYTE_INVALID;
         }
         if (left == 0) {
             if (wide)
@@ -104,7 +104,7 @@ size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
         state->__count = length << 3 | left;
         state->__value.__wch = bits;
     }
-    return PARTIAL;
+    return MULTIBYTE_PARTIAL;
 }
 
 size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
@@ -115,7 +115,7 @@ size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
         return 1;
     if (c > (utf8 ? 0x10FFFF : 0x7F) || SURROGATE(c)) {
         errno = EILSEQ;
-        return INVALID;
+        return MULTIBYTE_INVALID;
     }
     const size_t length = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
     const unsigned head = length > 1 ? 0xF00U >> length & 0xFF : 0;
@@ -130,7 +130,7 @@ int mbtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count)
 {
     mbstate_t state = {0};
     const size_t used = bytes ? mbrtowc(wide, bytes, count, &state) : 0;
-    return used == INVALID || used == PARTIAL ? -1 : (int)used;
+    return used == MULTIBYTE_INVALID || used == MULTIBYTE_PARTIAL ? -1 : (int)used;
 }
 
 int mblen(const char *bytes, size_t count)
@@ -144,8 +144,8 @@ size_t mbstowcs(wchar_t *restrict wide, const char *restrict bytes, size_t count
     size_t n = 0;
     for (wchar_t c; !wide || n < count; n++) {
         const size_t used = mbrtowc(&c, bytes, MB_CUR_MAX, &state);
-        if (used == INVALID || used == PARTIAL)
-            return INVALID;
+        if (used == MULTIBYTE_INVALID || used == MULTIBYTE_PARTIAL)
+            return MULTIBYTE_INVALID;
         if (wide)
             wide[n] = used ? c : 0;
         if (used == 0)
@@ -163,8 +163,8 @@ size_t wcsrtombs(char *restrict bytes, const wchar_t **restrict wide, size_t cou
     char one[4];
     for (; *from; from++) {
         const size_t length = wcrtomb(one, *from, state);
-        if (length == INVALID)
-            return INVALID;
+        if (length == MULTIBYTE_INVALID)
+            return MULTIBYTE_INVALID;
         if (bytes && n + length > count)
             break;
         if (bytes)

@@ -29,16 +29,18 @@ enum { CREATE = 444, ADD, RESTRICT };
 
 enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
 
-/* What a path may be used for. */
-#define EXECUTE (UINT64_C(1) << 0)
+/* Rights to use a path, as the kernel numbers them (landlock(7)). */
+#define ACCESS_EXECUTE (UINT64_C(1) << 0)
 #define WRITE_FILE (UINT64_C(1) << 1)
-#define REMOVE (UINT64_C(3) << 4)
+#define ACCESS_REMOVE (UINT64_C(3) << 4)
 #define MAKE_FOLDER (UINT64_C(1) << 7)
 #define MAKE_FILE (UINT64_C(1) << 8)
 #define MAKE_OTHERS (UINT64_C(0x1e40)) /* devices, sockets, pipes, links */
-#define REFER (UINT64_C(1) << 13)      /* to other folders, version 2 */
-#define TRUNCATE (UINT64_C(1) << 14)   /* version 3 */
-#define NETWORK (UINT64_C(3))          /* bind and connect by TCP, version 4 */
+/* Right to move files to other folders, from version 2 on. */
+#define ACCESS_REFER (UINT64_C(1) << 13)
+#define ACCESS_TRUNCATE (UINT64_C(1) << 14) /* Exists from version 3 on. */
+/* Rights to bind and to connect by TCP, from version 4 on. */
+#define ACCESS_NETWORK (UINT64_C(3))
 
 struct ruleset {
     uint64_t files, network;
@@ -82,9 +84,11 @@ static bool allow_all(int rules, uint64_t writing, const char *const *folder, in
 bool confine_writing(const char *const *folder, int folders, struct error *error)
 {
     const int version = confine_version();
-    const uint64_t writing = WRITE_FILE | REMOVE | MAKE_FOLDER | MAKE_FILE |
-                             (version >= 2 ? REFER : 0) | (version >= 3 ? TRUNCATE : 0);
-    const struct ruleset ruleset = {writing | EXECUTE | MAKE_OTHERS, version >= 4 ? NETWORK : 0};
+    const uint64_t writing = WRITE_FILE | ACCESS_REMOVE | MAKE_FOLDER | MAKE_FILE |
+                             (version >= 2 ? ACCESS_REFER : 0) |
+                             (version >= 3 ? ACCESS_TRUNCATE : 0);
+    const struct ruleset ruleset = {writing | ACCESS_EXECUTE | MAKE_OTHERS,
+                                    version >= 4 ? ACCESS_NETWORK : 0};
     const size_t size = version >= 4 ? sizeof ruleset : sizeof ruleset.files;
     if (version == 0)
         return error_set(error, ERROR_IO, "this kernel has no Landlock");

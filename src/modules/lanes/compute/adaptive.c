@@ -224,7 +224,7 @@ INLINE four four_next_step(struct lane_control *control, int q, four h, four err
     const four one = 1 - (four){0}, log = four_log2(error),
                ratio = four_magnitude(h / fours(control->last)[q]);
     const four_masks changes =
-        (error < KEEP_MIN * KEEP_MIN) | (error > KEEP_MAX * KEEP_MAX) | (ratio < FALLS);
+        (error < KEEP_MIN * KEEP_MIN) | (error > KEEP_MAX * KEEP_MAX) | (ratio < STEADY_RATIO_MIN);
     four rho = one;
     if (!four_none(changes)) {
         const four history = four_log2(fours(control->previous)[q]) * control->by_previous -
@@ -235,7 +235,7 @@ INLINE four four_next_step(struct lane_control *control, int q, four h, four err
     if (four_none(~good))
         return h * rho;
     const four factor = four_exp2(log * control->elementary);
-    return four_either(good, h * four_larger(factor, SHRINK - (four){0}), h * rho);
+    return four_either(good, h * four_larger(factor, STEP_SHRINK_MIN - (four){0}), h * rho);
 }
 
 /* Marks lanes whose state after the attempt is not finite (*wild), or is far out (*far). */
@@ -278,7 +278,7 @@ INLINE void judge(struct lanes *lanes, int q)
     look_at_state(lanes, q, &alone, &far);
     alone |= ~(square <= DBL_MAX) | ~(four_magnitude(next) <= DBL_MAX) |
              (fours(control->previous)[q] == 0) |
-             (four_magnitude(h) * STRETCH >= four_magnitude(control->t_end - t)) |
+             (four_magnitude(h) * LAST_STEP_STRETCH >= four_magnitude(control->t_end - t)) |
              ~(next > lane_shortest_of_time * four_magnitude(t) + lane_shortest);
     if (lanes->turns)
         alone |= crosses(lanes, q);

@@ -119,17 +119,18 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
                    rest_size = four_magnitude(rest) * weight, move = rest * inverse,
                    size = four_magnitude(move) * weight;
         const four_masks done = (size <= DBL_EPSILON / 2) |
-                                ((size >= last) & (size <= STANDSTILL)) |
-                                (~begins & (size * size <= LOST * last));
-        const four_masks alone = (~(rest_size < fours(m->off)[q]) & (last > STANDSTILL)) |
-                                 (begins & ~(four_magnitude(rest) <= DBL_MAX)) |
-                                 ((size > CONTRACTS * last) & (size > STANDSTILL)) |
-                                 (done & ~(inverse > 0));
+                                ((size >= last) & (size <= INCREMENT_STALL_RELATIVE)) |
+                                (~begins & (size * size <= INCREMENT_NEGLIGIBLE * last));
+        const four_masks alone =
+            (~(rest_size < fours(m->off)[q]) & (last > INCREMENT_STALL_RELATIVE)) |
+            (begins & ~(four_magnitude(rest) <= DBL_MAX)) |
+            ((size > CONTRACTION_MAX * last) & (size > INCREMENT_STALL_RELATIVE)) |
+            (done & ~(inverse > 0));
         masks(stage->evals)[q] += active & 1;
         masks(stage->alone)[q] |= active & alone;
         fours(m->x)[q] = four_either(active, x, x + move);
         masks(m->active)[q] = active & ~done & ~masks(stage->alone)[q];
-        masks(m->again)[q] = masks(m->active)[q] & (size > SLOW * last);
+        masks(m->again)[q] = masks(m->active)[q] & (size > JACOBIAN_REUSE_RATE * last);
         fours(m->last)[q] = size;
         fours(m->off)[q] = rest_size;
     }

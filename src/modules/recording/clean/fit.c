@@ -133,7 +133,7 @@ static double largest_change(const double a[TERMS], const double b[TERMS])
 /* Returns the number of samples that have no weight. */
 static size_t set_weights(const struct clean_samples *s, bool huber, double width)
 {
-    const double bisquare = 1 / (BISQUARE * BISQUARE * width * width);
+    const double bisquare = 1 / (BISQUARE_TUNING * BISQUARE_TUNING * width * width);
     size_t outside = 0;
     for (size_t i = 0; i < s->n; i++) {
         const double r = s->residual[i], share = 1 - bisquare * r * r;

@@ -211,7 +211,7 @@ static double set_weights(struct curve_problem *p, bool soft)
     for (size_t k = 0; k < stretches && !cancelled(p->cancel); k++) {
         const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
         const double local = stretches > 1 ? robust_scale(p, middle, from, to) : 0;
-        const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE);
+        const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE_TUNING);
         for (size_t i = from; i < to; i++) {
             double z = p->residual[i] / width;
             double left = 1 - z * z, weight = soft       ? 1 / sqrt(1 + z * z)
