@@ -12,10 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#define LAST 1.0   /* [s] of which a mean is taken */
-#define SAMPLES 3  /* in it, at least */
-#define NOISE 5    /* standard deviations of their means that two readings are apart … */
-#define MOVES 0.05 /* … and share of their distance that one may scatter by */
+/* Time at the end of the stream over which a reading is averaged [s]. */
+#define READING_SECONDS 1.0
+#define READING_SAMPLES_MIN 3 /* Smallest number of samples in a reading. */
+/* Two readings have to differ by this many standard deviations of their means. */
+#define READING_SEPARATION_SIGMAS 5
+/* A reading may scatter by this part of the distance between both. */
+#define READING_SCATTER_MAX 0.05
 
 /* What the sensor itself read, in the unit of the column or of the calibration. */
 struct raw {
@@ -45,7 +48,7 @@ static bool take(const struct session *session, const struct recording *recordin
     }
     raw->mean = mean;
     raw->scatter = raw->n > 1 ? sqrt(squares / (double)(raw->n - 1)) : 0;
-    return raw->n >= SAMPLES ||
+    return raw->n >= READING_SAMPLES_MIN ||
            error_set(error, ERROR_COMMAND, "%s has %zu samples from %.6g to %.6g s: too few",
                      recording->name, raw->n, from, to);
 }
@@ -120,13 +123,13 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
     const double value[4] = {rounded(&raw[0]), truth[0], rounded(&raw[1]), truth[1]};
     const struct unit *const units[4] = {raw[0].unit, unit[0], raw[1].unit, unit[1]};
     struct calibration c;
-    if (!(apart > NOISE * noise)) {
+    if (!(apart > READING_SEPARATION_SIGMAS * noise)) {
         error_set(error, ERROR_COMMAND, "it read %s both times: that is one point",
                   with_unit(raw[0].mean, raw[0].unit).text);
         return error_hint(error, "was it moved, and is it the right column?");
     }
     for (int i = 0; i < 2; i++)
-        if (raw[i].scatter > MOVES * apart)
+        if (raw[i].scatter > READING_SCATTER_MAX * apart)
             reply_warning(reply, "it moved: the readings at %s scatter by %.2g%s%s",
                           with_unit(truth[i], unit[i]).text, raw[i].scatter, raw[i].unit ? " " : "",
                           raw[i].unit ? raw[i].unit->row.name : "");
@@ -158,7 +161,7 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
         return error_set(error, ERROR_COMMAND, "nothing has come yet");
     const double end = recording->t[recording->rows - 1];
     const int i = now->aim.taken;
-    if (!take(session, recording, end - LAST, end, &raw[i], error))
+    if (!take(session, recording, end - READING_SECONDS, end, &raw[i], error))
         return false;
     reply_line(reply, "%s reads %s, scatter %.2g in %zu samples",
                with_unit(now->aim.truth[i], now->aim.truth_unit[i]).text,
@@ -281,7 +284,8 @@ HANDLER(zero)
     }
     const double end = recording->t[recording->rows - 1],
                  period = session_collecting(session) ? session_collecting(session)->period : NAN,
-                 last = period > 0 ? fmax(1, floor(LAST / period)) * period : LAST;
+                 last = period > 0 ? fmax(1, floor(READING_SECONDS / period)) * period
+                                   : READING_SECONDS;
     if (!take(session, recording, end - last, end, &raw, error))
         return false;
     struct calibration c =

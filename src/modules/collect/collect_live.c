@@ -13,15 +13,15 @@
 #include <math.h>
 #include <string.h>
 
-#define PERIOD_NS 500000000 /* between readings of the period */
-#define FIT_NS 1000000000   /* between fits */
-#define PERIOD_ROWS 1024    /* that a period is read from, at most … */
-#define PERIODS 8           /* … of the last few periods */
-#define MODEL_STEPS 100     /* a period */
-#define HARDLY 0.02         /* relative changes that no axis follows */
-#define DETERMINED 0.3      /* larger relative uncertainties of a period determine nothing */
-#define MODEL_NS 10000000   /* that the scene is integrated at once, at most */
-#define START_ROWS 8        /* that tell how the motion begins, at least */
+#define PERIOD_NS 500000000        /* between readings of the period */
+#define FIT_NS 1000000000          /* between fits */
+#define PERIOD_ROWS 1024           /* Largest number of rows that a period is read from. */
+#define SHOWN_PERIODS 8            /* The live figure shows this many periods. */
+#define MODEL_STEPS 100            /* a period */
+#define AXIS_CHANGE_MIN 0.02       /* Axes do not follow relative changes below this. */
+#define PERIOD_UNCERTAINTY_MAX 0.3 /* A period with a larger relative uncertainty is not used. */
+#define MODEL_NS 10000000          /* that the scene is integrated at once, at most */
+#define START_ROWS 8               /* that tell how the motion begins, at least */
 
 /* The last rows [s], so many at most. */
 static bool last_rows(const struct recording *recording, double from, struct arena *arena,
@@ -56,9 +56,9 @@ static double mean_of_periods(const struct series *series, double period)
 /* The panes move where it matters only. */
 static void steady(struct collecting *now, double middle)
 {
-    if (!(fabs(now->period - now->growing.steady) < HARDLY * now->growing.steady))
+    if (!(fabs(now->period - now->growing.steady) < AXIS_CHANGE_MIN * now->growing.steady))
         now->growing.steady = now->period;
-    if (!(fabs(middle - now->growing.middle) < HARDLY * now->amplitude))
+    if (!(fabs(middle - now->growing.middle) < AXIS_CHANGE_MIN * now->amplitude))
         now->growing.middle = middle;
     if (!(now->amplitude < now->growing.swing && now->amplitude > 0.5 * now->growing.swing))
         now->growing.swing = now->amplitude;
@@ -72,7 +72,7 @@ static void find_period(struct collecting *now, const struct recording *recordin
     struct period period;
     struct period_reading reading;
     const double end = recording->t[recording->rows - 1],
-                 from = now->period > 0 ? end - (PERIODS + 0.5) * now->period : -HUGE_VAL;
+                 from = now->period > 0 ? end - (SHOWN_PERIODS + 0.5) * now->period : -HUGE_VAL;
     now->period = now->amplitude = NAN;
     now->quantity = recording->column[recording->value].quantity;
     if (last_rows(recording, from, &arena, &series) &&
@@ -99,7 +99,7 @@ static void find_fit(struct collection *c, const struct recording *recording)
     now->fit.period = now->fit.gamma = now->fit.k = none;
     if (recording_series(recording, &arena, 16, &series, &ignored) &&
         model->fit(&series, &arena, c->session->front.cancel, &fit, &ignored) && fit.converged &&
-        fit.period.uncertainty < DETERMINED * fit.period.value) {
+        fit.period.uncertainty < PERIOD_UNCERTAINTY_MAX * fit.period.value) {
         now->fit.period = fit.period;
         now->fit.gamma = fit.gamma;
         if (known_mass(&c->session->setup.scene, &mass))

@@ -17,7 +17,7 @@
 #define TAIL_BYTES 32768   /* where times come from arrivals: a line through some thousand */
 #define OVERLAP_BYTES 4096 /* else: so many that the columns are known again */
 #define LOOK_NS 50000000   /* between looks */
-#define SHARE 40           /* the looks take that part of the time */
+#define DRAWING_SHARE 40   /* Drawing takes at most one part in this many of the time. */
 
 static bool is_counted(struct text line)
 {
@@ -111,7 +111,7 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
               recording->collected->clock == CLOCK_DEVICE ? OVERLAP_BYTES : TAIL_BYTES);
     buffer_free(&text);
     view->lines = all || !recording ? lines : 0;
-    const int64_t spent = SHARE * (clock_ns() - begun);
+    const int64_t spent = DRAWING_SHARE * (clock_ns() - begun);
     view->due = begun + (spent > LOOK_NS ? spent : LOOK_NS);
     return recording;
 }

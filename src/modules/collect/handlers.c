@@ -17,9 +17,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#define BAUD 115200        /* unless it is said */
-#define LINES_MAX 50000000 /* unless it is said; the file has a limit of its own */
-#define NAMES_MAX 10000    /* files beside each other */
+#define BAUD_DEFAULT 115200 /* Baud rate unless one is given. */
+#define LINES_MAX 50000000  /* unless it is said; the file has a limit of its own */
+#define NAMES_MAX 10000     /* files beside each other */
 
 static struct text text_given(const struct arguments *args, const char *name)
 {
@@ -97,7 +97,7 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
                               .separator = sep->count ? separator_letters[sep->item->index] : 0};
     c->length = value_given(args, "for", HUGE_VAL);
     c->before = value_given(args, "before", 0);
-    c->baud = (long)value_given(args, "baud", BAUD);
+    c->baud = (long)value_given(args, "baud", BAUD_DEFAULT);
     c->max = (uint64_t)value_given(args, "max", LINES_MAX);
     struct buffer options = {0};
     put_options(args, false, &options);

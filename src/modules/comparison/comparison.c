@@ -51,7 +51,7 @@ static bool part_uses(const void *state, const struct model *model)
 {
     const struct comparison_part *part = state;
     bool uses = part->precision && scene_uses(&part->precision->scene, model);
-    for (int i = 0; i < REFERENCES && !uses; i++)
+    for (int i = 0; i < REFERENCES_STORED && !uses; i++)
         uses = scene_uses(&part->references.stored[i].scene, model);
     return uses;
 }

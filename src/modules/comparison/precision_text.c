@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define WIDE 110 /* [cell] from here on end, phase and amplitude errors are shown, too */
+/* Width [cell] from which end, phase and amplitude errors are shown, too. */
+#define WIDE_TABLE_CELLS 110
 
 /* ---- a method ---- */
 
@@ -70,8 +71,8 @@ void precision_tables(const struct precision *precision, const struct method *on
                           catalog_row(&kernel_catalog, precision->point[curve->first].path)->name);
         buffer_put(out, TEXT(": "));
         put_slope(curve, out);
-        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count, width >= WIDE,
-                     &table);
+        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count,
+                     width >= WIDE_TABLE_CELLS, &table);
         text_table_put(&table, out);
         if (curve->cut)
             buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));

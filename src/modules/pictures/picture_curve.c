@@ -3,8 +3,8 @@
  * leaves. */
 #include "modules/pictures/picture.h"
 
-#define SPARSE 150 /* points that still get a shape */
-#define MARKS 9    /* along a line */
+#define SHAPED_POINTS_MAX 150 /* Largest number of points that still get a shape. */
+#define LINE_MARKS 9          /* Number of marks along a line. */
 
 /* Corners on the unit circle; the circle itself has none. */
 static const struct {
@@ -112,7 +112,7 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
 {
     const struct path *path = &page->path[curve];
     const struct corner *corner = path_corners(path);
-    const double every = fmax(path->length / MARKS, page->style.mark_apart);
+    const double every = fmax(path->length / LINE_MARKS, page->style.mark_apart);
     double length = 0, next = every * first_step(page, curve);
     int n = 0;
     for (size_t i = 1; i < path_count(path); i++) {
@@ -134,7 +134,7 @@ static int places_along(const struct page *page, int curve, struct mark_place *p
 static int places_inside(const struct page *page, int index, struct mark_place *place, int max)
 {
     const struct curve *curve = &page->figure->curve[index];
-    const double every = (double)curve->n / MARKS;
+    const double every = (double)curve->n / LINE_MARKS;
     int n = 0;
     for (double next = every * first_step(page, index); n < max && next < (double)curve->n;
          next += every)
@@ -147,7 +147,7 @@ static void draw_line(struct page *page, int curve, bool marked)
 {
     const struct path *path = &page->path[curve];
     const struct picture_style *style = &page->style;
-    struct mark_place place[MARKS + 1];
+    struct mark_place place[LINE_MARKS + 1];
     /* Many turns need thin lines. */
     const bool many = path->length > 40 * (page->right - page->left);
     const double width = fmax(many ? style->thin_line : style->curve_line, path->width);
@@ -159,7 +159,7 @@ static void draw_line(struct page *page, int curve, bool marked)
     const struct brush thin = {.color = style_gray, .width = style->thin_line};
     const int marks =
         marked && !arrows
-            ? (path->width > 0 ? places_inside : places_along)(page, curve, place, MARKS + 1)
+            ? (path->width > 0 ? places_inside : places_along)(page, curve, place, LINE_MARKS + 1)
             : 0;
 
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
@@ -178,7 +178,7 @@ static void draw_line(struct page *page, int curve, bool marked)
 
 /* ---- bands ---- */
 
-#define BIN 0.5 /* [pt] points that lie in one such width are one corner of the band's edge */
+#define BAND_BIN_POINTS 0.5 /* Points within this width are one corner of a band's edge [pt]. */
 
 static void paint_band(const struct page *page, int curve)
 {
@@ -196,10 +196,10 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
                      y = page_y(page, curve->y[i] + side * curve->spread[i]);
         if (!isfinite(x + y))
             continue;
-        if (floor(x / BIN) != bin && isfinite(edge))
+        if (floor(x / BAND_BIN_POINTS) != bin && isfinite(edge))
             surface_line(page->surface, at, edge);
-        edge = floor(x / BIN) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
-        bin = floor(x / BIN);
+        edge = floor(x / BAND_BIN_POINTS) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
+        bin = floor(x / BAND_BIN_POINTS);
         at = x;
     }
     if (isfinite(edge))
@@ -245,9 +245,10 @@ static bool is_dense(const struct page *page, const struct curve *curve)
 {
     size_t inside = 0;
     double x, y;
-    for (size_t i = 0; curve_goes_on(curve, i) && inside <= SPARSE && !has_letter(curve); i++)
+    for (size_t i = 0; curve_goes_on(curve, i) && inside <= SHAPED_POINTS_MAX && !has_letter(curve);
+         i++)
         inside += point_position(page, curve, i, &x, &y);
-    return inside > SPARSE;
+    return inside > SHAPED_POINTS_MAX;
 }
 
 static void put_letter(const struct page *page, int curve, double x, double y)

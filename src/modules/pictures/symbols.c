@@ -4,10 +4,10 @@
 
 #include <string.h>
 
-#define MINUS 0x2212
-#define TIMES 0xD7
-#define DOT 0xB7
-#define MICRO 0xB5
+#define CHAR_MINUS 0x2212
+#define CHAR_TIMES 0xD7
+#define CHAR_MIDDLE_DOT 0xB7
+#define CHAR_MICRO 0xB5
 
 static bool is_digit(char c)
 {
@@ -72,7 +72,7 @@ static size_t put_number(struct buffer *out, struct text text)
     if (!exponent || !unit)
         buffer_put(out, (struct text){text.at, len});
     if (exponent && !unit)
-        buffer_codepoint(out, TIMES);
+        buffer_codepoint(out, CHAR_TIMES);
     if (exponent)
         buffer_put(out, TEXT("10"));
     if (exponent && negative)
@@ -92,7 +92,7 @@ static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
         return put_number(out, rest);
     if (rest.at[0] == '-' && apart &&
         (rest.len > 1 && (is_digit(rest.at[1]) || rest.at[1] == ' '))) {
-        buffer_codepoint(out, MINUS);
+        buffer_codepoint(out, CHAR_MINUS);
         return 1;
     }
     if (rest.len > 1 && (rest.at[0] == '<' || rest.at[0] == '>') && rest.at[1] == '=') {
@@ -172,7 +172,7 @@ void put_name_symbols(struct buffer *out, struct text name)
             used = 1 + power;
         }
         if (!used && rest.at[0] == '*') {
-            buffer_codepoint(out, DOT);
+            buffer_codepoint(out, CHAR_MIDDLE_DOT);
             used = 1;
         }
         if (!used)
@@ -190,7 +190,7 @@ static void put_unit_name(struct buffer *out, struct text name)
     else if (text_is(name, "ohm"))
         buffer_codepoint(out, 0x3A9);
     else if (name.len > 1 && name.at[0] == 'u' && strchr("msgJVANW", name.at[1])) {
-        buffer_codepoint(out, MICRO);
+        buffer_codepoint(out, CHAR_MICRO);
         buffer_put(out, rest_of(name, 1));
     } else {
         buffer_put(out, name);
@@ -211,7 +211,7 @@ void put_unit_symbols(struct buffer *out, struct text unit)
             after.len && after.at[0] == '^' ? digits_of(rest_of(after, 1), true) : 0;
         if (len && !text_is(name, "1")) {
             if (out->len > before)
-                buffer_codepoint(out, DOT);
+                buffer_codepoint(out, CHAR_MIDDLE_DOT);
             put_unit_name(out, name);
             const struct text digits = {after.at + 1, power};
             const bool negative = power && digits.at[0] == '-';

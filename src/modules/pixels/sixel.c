@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BITS 4 /* of each of red, green and blue, by which colours are counted */
-#define BINS (1 << 3 * BITS)
+#define CHANNEL_BITS 4 /* Bits of each of red, green and blue by which colours are counted. */
+#define COLOUR_BINS (1 << 3 * CHANNEL_BITS)
 
 struct bin {
     uint64_t count, sum[3];
@@ -13,7 +13,7 @@ struct bin {
 };
 
 struct palette {
-    struct bin bin[BINS];
+    struct bin bin[COLOUR_BINS];
     unsigned char color[SIXEL_COLORS][3]; /* [percent] */
     int count;
 };
@@ -34,7 +34,7 @@ static size_t bin_of(uint32_t word)
 {
     size_t bin = 0;
     for (int i = 0; i < 3; i++)
-        bin = bin << BITS | (size_t)channel(word, i) >> (8 - BITS);
+        bin = bin << CHANNEL_BITS | (size_t)channel(word, i) >> (8 - CHANNEL_BITS);
     return bin;
 }
 
@@ -70,11 +70,11 @@ static int nearest(const struct palette *palette, const struct bin *bin)
 
 static bool choose_palette(struct palette *palette)
 {
-    struct bin **order = malloc(BINS * sizeof *order);
+    struct bin **order = malloc(COLOUR_BINS * sizeof *order);
     int n = 0;
     if (!order)
         return false;
-    for (size_t i = 0; i < BINS; i++)
+    for (size_t i = 0; i < COLOUR_BINS; i++)
         if (palette->bin[i].count)
             order[n++] = &palette->bin[i];
     qsort(order, (size_t)n, sizeof *order, by_count);

@@ -15,7 +15,7 @@
 #define STEP_S 0.01
 #define UNDAMPED_S 10 /* [s] runs of the lab sheet's first session, and of its second */
 #define DAMPED_S 20
-#define REPORT "lab-report" /* the folder that is handed in */
+#define REPORT_FOLDER "lab-report" /* Folder that is handed in. */
 
 /* The recording in use, and what was done with it since it was loaded. */
 struct lab {
@@ -171,8 +171,8 @@ static void put_due(const struct lab *lab, struct buffer *line)
         put_plots(lab, line);
     else if (!lab->decays && !has_run(session, "symplectic-euler", change))
         put_compare(lab, line);
-    else if (lab->decays && access(REPORT, F_OK) != 0)
-        buffer_put(line, TEXT("report " REPORT));
+    else if (lab->decays && access(REPORT_FOLDER, F_OK) != 0)
+        buffer_put(line, TEXT("report " REPORT_FOLDER));
 }
 
 bool report_next(const struct session *session, struct buffer *line, bool *insists)

@@ -5,9 +5,10 @@
 
 #include <math.h>
 
-#define PLACES 8    /* evenly over the shard */
-#define SECONDS 1.0 /* that are measured, unless one place takes longer */
-#define HOUR 3600.0
+/* Number of points, evenly over the shard, whose run time is measured. */
+#define COST_SAMPLES 8
+#define COST_SECONDS 1.0 /* Measured time unless one point takes longer [s]. */
+#define HOUR_SECONDS 3600.0
 
 struct cost_sample {
     int64_t points;
@@ -26,7 +27,7 @@ static bool take_sample(struct session *session, const struct sweep_request *req
     part.count = each < shard->count ? each : shard->count;
     part.progress = NULL;
     const int64_t fit = shard->count / part.count;
-    const int places = fit < PLACES ? (int)fit : PLACES;
+    const int places = fit < COST_SAMPLES ? (int)fit : COST_SAMPLES;
     bool ok = true;
     *sample = (struct cost_sample){.points = 0};
     for (int i = 0; i < places && ok; i++) {
@@ -64,7 +65,7 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
     for (double wanted = 2; wanted >= 2; each = (int64_t)((double)each * fmin(wanted, 16))) {
         if (!take_sample(session, request, &shard, each, &sample, error))
             return false;
-        wanted = PLACES * each < shard.count ? SECONDS / fmax(sample.seconds, 1e-3) : 0;
+        wanted = COST_SAMPLES * each < shard.count ? COST_SECONDS / fmax(sample.seconds, 1e-3) : 0;
     }
     sweep_seal(TEXT(""), shard.total, 1, &seal);
     const double rate = (double)sample.points / fmax(sample.seconds, 1e-9),
@@ -72,7 +73,7 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
                  bytes = (sample.bytes / (double)sample.points +
                           (double)seal.len / (double)sweep_cell(shard.total)) *
                          (double)shard.count,
-                 shards = fmax(1, ceil(whole / HOUR));
+                 shards = fmax(1, ceil(whole / HOUR_SECONDS));
     buffer_free(&seal);
     reply_begin(reply, "sweep-cost");
     reply_int(reply, "points", shard.count);

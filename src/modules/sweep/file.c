@@ -83,11 +83,11 @@ static uint64_t head_sum(struct text head)
     return sum;
 }
 
-#define SEAL "# sweep %016" PRIx64 ": %lld points in all, at most %lld row%s each\n"
+#define SEAL_FORMAT "# sweep %016" PRIx64 ": %lld points in all, at most %lld row%s each\n"
 
 void sweep_seal(struct text head, int64_t total, int64_t rows_max, struct buffer *seal)
 {
-    buffer_format(seal, SEAL, head_sum(head), (long long)total, (long long)rows_max,
+    buffer_format(seal, SEAL_FORMAT, head_sum(head), (long long)total, (long long)rows_max,
                   rows_max == 1 ? "" : "s");
 }
 

@@ -6,22 +6,25 @@
 
 #include <math.h>
 
-#define ABOUT 2   /* samples on each side: one or two echoes in a row are seen */
-#define FEWEST 50 /* points: of fewer each counts */
-#define FAR 8.0   /* times what 95 % of the samples are off the median about them (Hampel 1974) */
+#define ECHO_NEIGHBOURS 2  /* Samples on each side; one or two echoes in a row are found. */
+#define ECHO_POINTS_MIN 50 /* With fewer points each of them counts. */
+/* Factor of what 95 % of the samples deviate from the median around them (Hampel 1974). */
+#define ECHO_DISTANCE_FACTOR 8.0
 
 static double median_about(const struct points *points, size_t i)
 {
-    double y[2 * ABOUT + 1];
+    double y[2 * ECHO_NEIGHBOURS + 1];
     for (size_t k = 0; k < COUNT_OF(y); k++)
-        y[k] = points->y[i - ABOUT + k];
+        y[k] = points->y[i - ECHO_NEIGHBOURS + k];
     return values_quantile(y, COUNT_OF(y), 0.5);
 }
 
 /* Returns how far a sample is off the median about it; 0 at the ends. */
 static double off_median(const struct points *points, size_t i)
 {
-    return i < ABOUT || i + ABOUT >= points->n ? 0 : fabs(points->y[i] - median_about(points, i));
+    return i < ECHO_NEIGHBOURS || i + ECHO_NEIGHBOURS >= points->n
+               ? 0
+               : fabs(points->y[i] - median_about(points, i));
 }
 
 /* Returns the distance beyond which a sample is an echo, by some thousand samples all along. */
@@ -33,13 +36,13 @@ static double echo_distance(const struct points *points)
     size_t n = 0;
     for (size_t i = 0; points_go_on(points, i); i += each)
         off[n++] = off_median(points, i);
-    return FAR * values_quantile(off, n, 0.95);
+    return ECHO_DISTANCE_FACTOR * values_quantile(off, n, 0.95);
 }
 
 bool drop_echoes(struct points *points, struct arena *arena)
 {
     const size_t n = points->n;
-    if (n < FEWEST)
+    if (n < ECHO_POINTS_MIN)
         return true;
     const double far = echo_distance(points);
     size_t echoes = 0, kept = 0;

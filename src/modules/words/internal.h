@@ -8,8 +8,8 @@
 
 /* What a curve that was measured may go back by and does not turn [standard deviations], and any
  * curve [of its swing]. */
-#define NOISES 8.0
-#define ROUNDING 1e-9
+#define TURN_SIGMAS 8.0
+#define TURN_ROUNDING 1e-9
 
 /* The points of a curve that have a place, by ascending x but for those of a plane. */
 struct points {

@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-#define ROWS 11 /* of a table: ten equal parts */
-#define COLUMN 14
+#define CURVE_ROWS 11 /* Rows of a table, which divide it into ten equal parts. */
+#define COLUMN_CELLS 14
 #define CURVES_MAX 12 /* of a table */
 
 /* ---- a table of equally spaced places ---- */
@@ -44,7 +44,7 @@ static void put_cell(struct text text, int width, struct buffer *out)
 static int column_width(const struct buffer *heading)
 {
     const int needed = text_width(buffer_text(heading));
-    return needed > COLUMN ? needed : COLUMN;
+    return needed > COLUMN_CELLS ? needed : COLUMN_CELLS;
 }
 
 /* Puts the heading where there is room for its column, and returns how wide that is; 0: there is
@@ -100,11 +100,11 @@ static void put_table(const struct figure *figure, int room, struct buffer *out)
         columns++;
     }
     buffer_char(out, '\n');
-    for (int row = 0; row < ROWS; row++) {
-        const double part = (double)row / (ROWS - 1);
-        const double x = row + 1 == ROWS ? to
-                         : figure->x.log ? from * pow(to / from, part)
-                                         : from + part * (to - from);
+    for (int row = 0; row < CURVE_ROWS; row++) {
+        const double part = (double)row / (CURVE_ROWS - 1);
+        const double x = row + 1 == CURVE_ROWS ? to
+                         : figure->x.log       ? from * pow(to / from, part)
+                                               : from + part * (to - from);
         put_number(x, &figure->x, wide[0], out);
         for (int i = 0; i < columns; i++) {
             const struct curve *curve = &figure->curve[i];

@@ -8,10 +8,11 @@
 
 #include <stdlib.h>
 
-#define STEADY 1e-9     /* of its size: rounding, of many steps */
-#define ALL_NOISE 1.3   /* standard deviations of the noise: no more is in it */
-#define HUGE_SIZE 1e150 /* sums of squares of more may overflow: ends and extremes only */
-#define LINE 0.05       /* how far a logarithm may be off its line, of what it changes by */
+#define STEADY_ROUNDING 1e-9 /* Rounding of many steps, relative to the size. */
+#define ALL_NOISE 1.3        /* standard deviations of the noise: no more is in it */
+#define HUGE_SIZE 1e150      /* sums of squares of more may overflow: ends and extremes only */
+/* Deviation of a logarithm from its line, as a part of its change. */
+#define LINE_DEVIATION_MAX 0.05
 
 const struct axis *curve_axis(const struct figure *figure, const struct curve *curve, bool vertical)
 {
@@ -134,7 +135,7 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
             high = fmax(high, y);
         }
         if (pass)
-            return far <= LINE * (high - low) ? slope : NAN;
+            return far <= LINE_DEVIATION_MAX * (high - low) ? slope : NAN;
     }
     return NAN;
 }
@@ -187,7 +188,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
     }
     if (reading->turns == 0) {
         const bool rises = last > first;
-        const double least_back = fmax(NOISES * p->noise, ROUNDING * (most - least));
+        const double least_back = fmax(TURN_SIGMAS * p->noise, TURN_ROUNDING * (most - least));
         reading->course = rises ? COURSE_RISES : COURSE_FALLS;
         reading->all_along = goes_back(p, rises) <= least_back;
     }
@@ -251,7 +252,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     if (size > HUGE_SIZE)
         return true;
     reading->course = COURSE_CONSTANT;
-    if (!(swing > STEADY * size))
+    if (!(swing > STEADY_ROUNDING * size))
         return true;
     reading->course = COURSE_TURNS;
     if (figure->plane) {

@@ -6,12 +6,13 @@
 
 #include <math.h>
 
-#define DIGITS 4
-#define APART 3       /* curves that get a sentence each */
-#define NOTHING 1e-12 /* of the range: what is smaller is 0 */
-#define FLAT 1e-9     /* of its size: a range of rounding */
-#define SAME 0.005    /* amplitudes that differ by less are the same */
-#define MOVES 0.3     /* of the amplitude: a middle that goes as far is no level */
+#define SPOKEN_DIGITS 4
+#define CURVES_DESCRIBED 3         /* Number of curves that get a sentence each. */
+#define ZERO_RELATIVE 1e-12        /* A value below this part of the range is 0. */
+#define RANGE_ROUNDING 1e-9        /* A range below this part of its size is rounding. */
+#define AMPLITUDE_CHANGE_MIN 0.005 /* Amplitudes that differ by less are the same. */
+/* A middle that moves by more than this part of the amplitude is no level. */
+#define LEVEL_CHANGE_MAX 0.3
 
 /* ---- numbers as the axes show them ---- */
 
@@ -22,15 +23,15 @@ static void put_digits(double value, int digits, struct buffer *out)
 
 void figure_number(double value, struct buffer *out)
 {
-    put_digits(value, DIGITS, out);
+    put_digits(value, SPOKEN_DIGITS, out);
 }
 
 /* So many that a thousandth of the range can be told. */
 static int digits_for(const double range[2])
 {
     const double size = fmax(fabs(range[0]), fabs(range[1])), span = range[1] - range[0];
-    const double more = span > FLAT * size ? ceil(log10(size / span) - 0.5) : 0;
-    return DIGITS + (int)fmax(more, 0);
+    const double more = span > RANGE_ROUNDING * size ? ceil(log10(size / span) - 0.5) : 0;
+    return SPOKEN_DIGITS + (int)fmax(more, 0);
 }
 
 static void put_unit(const struct axis *axis, struct buffer *out)
@@ -41,9 +42,9 @@ static void put_unit(const struct axis *axis, struct buffer *out)
 
 void figure_value(const struct axis *axis, double value, const double *range, struct buffer *out)
 {
-    if (range && !axis->log && fabs(value) < NOTHING * fmax(fabs(range[0]), fabs(range[1])))
+    if (range && !axis->log && fabs(value) < ZERO_RELATIVE * fmax(fabs(range[0]), fabs(range[1])))
         value = 0;
-    put_digits(value / axis_factor(axis), range ? digits_for(range) : DIGITS, out);
+    put_digits(value / axis_factor(axis), range ? digits_for(range) : SPOKEN_DIGITS, out);
     put_unit(axis, out);
 }
 
@@ -128,14 +129,14 @@ static void put_trend(const struct described *s, struct buffer *out)
     const bool rises = c->course == COURSE_RISES;
     buffer_format(out, "%s %s", rises ? "rises" : "falls",
                   c->all_along ? "all along" : "on the whole");
-    if (c->factor > 0 && fabs(log(c->factor)) > SAME) {
+    if (c->factor > 0 && fabs(log(c->factor)) > AMPLITUDE_CHANGE_MIN) {
         buffer_put(out, TEXT(", by a factor of "));
         figure_number(c->factor > 1 ? c->factor : 1 / c->factor, out);
     }
     if (isfinite(c->power)) {
         buffer_format(out, ", as %s to the power of ", s->x->label);
         figure_number(c->power, out);
-    } else if (isfinite(c->rate) && fabs(log(c->factor)) > SAME) {
+    } else if (isfinite(c->rate) && fabs(log(c->factor)) > AMPLITUDE_CHANGE_MIN) {
         buffer_put(out, TEXT(", exponentially at "));
         put_rate(s->x, c->rate, out);
         buffer_put(out, c->rate > 0 ? TEXT(", doubling every ") : TEXT(", halving every "));
@@ -147,7 +148,7 @@ static void put_amplitudes(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     const double part = c->amplitude[1] / c->amplitude[0] - 1;
-    if (fabs(part) < SAME) {
+    if (fabs(part) < AMPLITUDE_CHANGE_MIN) {
         buffer_put(out, TEXT("; its amplitude stays at "));
         figure_value(s->y, c->amplitude[0], NULL, out);
         buffer_put(out, TEXT(" (the last differs from the first by "));
@@ -176,7 +177,7 @@ static void put_oscillation(const struct described *s, struct buffer *out)
     const struct curve_reading *c = s->curve;
     const double level = 0.5 * (c->level[0] + c->level[1]),
                  large = fmax(c->amplitude[0], c->amplitude[1]);
-    if (fabs(c->level[1] - c->level[0]) > MOVES * large) {
+    if (fabs(c->level[1] - c->level[0]) > LEVEL_CHANGE_MAX * large) {
         buffer_put(out, TEXT("oscillates about a middle that goes from "));
         figure_value(s->y, c->level[0], s->up, out);
         buffer_put(out, TEXT(" to "));
@@ -184,13 +185,13 @@ static void put_oscillation(const struct described *s, struct buffer *out)
         buffer_char(out, ',');
     } else {
         buffer_put(out, TEXT("oscillates about "));
-        figure_value(s->y, fabs(level) < SAME * large ? 0 : level, s->up, out);
+        figure_value(s->y, fabs(level) < AMPLITUDE_CHANGE_MIN * large ? 0 : level, s->up, out);
     }
     buffer_put(out, TEXT(" with a period of "));
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
         const double factor = axis_factor(s->x);
         buffer_measured(out, (struct measured){c->period / factor, c->spread / factor},
-                        QUANTITY_NUMBER, DIGITS);
+                        QUANTITY_NUMBER, SPOKEN_DIGITS);
         put_unit(s->x, out);
     } else {
         figure_value(s->x, c->period, NULL, out);
@@ -217,7 +218,7 @@ static void put_winding(const struct described *s, struct buffer *out)
     }
     if (!isfinite(part))
         return;
-    if (fabs(part) < SAME) {
+    if (fabs(part) < AMPLITUDE_CHANGE_MIN) {
         buffer_put(out, TEXT(" and closes: its distance from there stays at "));
         figure_value(s->x, c->distance[0], NULL, out);
         return;
@@ -345,9 +346,9 @@ static void put_curves(const struct figure_reading *reading, struct buffer *out)
     const int curves = reading->figure->curves;
     for (int i = 0; i < curves; i++) {
         const struct described s = subject_of(reading, i);
-        buffer_put(out, i == 0 || curves <= APART ? TEXT(" ") : TEXT("; "));
-        put_curve(&s, curves > APART, out);
-        if (curves <= APART || i + 1 == curves)
+        buffer_put(out, i == 0 || curves <= CURVES_DESCRIBED ? TEXT(" ") : TEXT("; "));
+        put_curve(&s, curves > CURVES_DESCRIBED, out);
+        if (curves <= CURVES_DESCRIBED || i + 1 == curves)
             buffer_put(out, TEXT("."));
     }
 }
@@ -426,7 +427,7 @@ static void put_bands(const struct figure_reading *reading, struct buffer *out)
         if (!isfinite(s.curve->widest.y))
             continue;
         /* with three curves there are six sentences already: it ends the last of them */
-        const bool full = reading->figure->curves == APART && out->len > 0;
+        const bool full = reading->figure->curves == CURVES_DESCRIBED && out->len > 0;
         out->len -= full;
         buffer_format(out, "%s band about %s is widest, +- ", full ? "; the" : " The",
                       s.curve->label);

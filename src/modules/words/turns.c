@@ -6,15 +6,20 @@
 
 #include <string.h>
 
-#define BACK 0.05    /* of the swing before: less is no turn */
-#define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
-#define OUTLIER 5.0  /* and by less than this many robust standard deviations */
-#define MOST 0.75    /* of them at least */
-#define SHARE 0.4    /* of the time, that has crossings: else a spike, or a start */
-#define LINE 0.05    /* how far a logarithm may be off its line, */
-#define ENDS 0.25    /* and that from end to end, of what it changes by */
-#define JUMP 0.1     /* of the swing: what a middle moves by between turns, at most */
-#define HOLE 0.5 /* of half a period without samples: what turns or crosses there is not known */
+#define TURN_MIN 0.05 /* A movement below this part of the swing before is no turn. */
+/* Largest deviation of a regular period from the median, as a part of it. */
+#define PERIOD_DEVIATION_MAX 0.25
+#define PERIOD_DEVIATION_SIGMAS 5.0 /* The same in robust standard deviations. */
+#define REGULAR_SHARE_MIN 0.75      /* Share of periods that have to be regular. */
+/* Share of the time with crossings; less is a spike or a start. */
+#define CROSSINGS_SHARE_MIN 0.4
+#define LINE_DEVIATION_MAX 0.05 /* Deviation of a logarithm from its line. */
+/* Deviation of the slope from end to end, as a part of the change. */
+#define END_DEVIATION_MAX 0.25
+/* Largest movement of the middle between turns, as a part of the swing. */
+#define MIDDLE_JUMP_MAX 0.1
+/* Turns and crossings within this part of half a period without samples are unknown. */
+#define HOLE_HALF_PERIODS 0.5
 
 struct turn {
     double x, y;
@@ -47,7 +52,7 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
         const double y = p->y[i];
         high = y > p->y[high] ? i : high;
         low = y < p->y[low] ? i : low;
-        const double now = p->y[high] - p->y[low], back = fmax(least, BACK * fmax(swing, now));
+        const double now = p->y[high] - p->y[low], back = fmax(least, TURN_MIN * fmax(swing, now));
         const bool falls = way >= 0 && p->y[high] - y > back,
                    rises = way <= 0 && y - p->y[low] > back;
         if (!falls && !rises)
@@ -81,8 +86,8 @@ static bool keeps_middle(const struct turn *turn, size_t count)
     size_t jumps = 0;
     for (size_t i = 0; i + 1 < count; i++)
         jumps += fabs(middle(turn, count, i + 1) - middle(turn, count, i)) >
-                 JUMP * fabs(turn[i + 1].y - turn[i].y);
-    return (double)jumps <= (1 - MOST) * (double)count;
+                 MIDDLE_JUMP_MAX * fabs(turn[i + 1].y - turn[i].y);
+    return (double)jumps <= (1 - REGULAR_SHARE_MIN) * (double)count;
 }
 
 /* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
@@ -133,7 +138,7 @@ static bool find_holes(const struct points *p, const double *at, size_t crossing
         return apart;
     for (size_t i = 0; i + 1 < crossings; i++)
         apart[i] = at[i + 1] - at[i];
-    *least = HOLE * values_quantile(apart, crossings - 1, 0.5);
+    *least = HOLE_HALF_PERIODS * values_quantile(apart, crossings - 1, 0.5);
     for (size_t i = 1; i < p->n; i++)
         if (p->x[i] - p->x[i - 1] > fmax(*least, longest)) {
             longest = p->x[i] - p->x[i - 1];
@@ -163,14 +168,15 @@ static bool read_period(const struct points *p, const double *at, size_t crossin
     for (size_t i = 0; i < count; i++)
         off[i] = fabs(length[i] - median);
     const double sigma = MAD_TO_SIGMA * values_quantile(off, count, 0.5),
-                 far = fmin(REGULAR * median, fmax(OUTLIER * sigma, ROUNDING * median));
+                 far = fmin(PERIOD_DEVIATION_MAX * median,
+                            fmax(PERIOD_DEVIATION_SIGMAS * sigma, TURN_ROUNDING * median));
     for (size_t i = 0; i < count; i++)
         if (fabs(length[i] - median) <= far) {
             sum += length[i];
             used++;
         }
-    if (used == 0 || (double)used < MOST * (double)count ||
-        at[crossings - 1] - at[0] < SHARE * extent)
+    if (used == 0 || (double)used < REGULAR_SHARE_MIN * (double)count ||
+        at[crossings - 1] - at[0] < CROSSINGS_SHARE_MIN * extent)
         return true;
     reading->period = sum / (double)used;
     reading->periods = (used + 1) / 2;
@@ -222,7 +228,7 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
     const double change = log(reading->amplitude[1] / reading->amplitude[0]),
                  told = slope * (0.5 * (turn[count - 2].x + turn[count - 1].x) -
                                  0.5 * (turn[0].x + turn[1].x));
-    if (far < LINE && fabs(told - change) < ENDS * fabs(change))
+    if (far < LINE_DEVIATION_MAX && fabs(told - change) < END_DEVIATION_MAX * fabs(change))
         reading->growth = slope;
 }
 
@@ -230,7 +236,7 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading)
 {
     const double least =
-        fmax(NOISES * points->noise, ROUNDING * (reading->high.y - reading->low.y));
+        fmax(TURN_SIGMAS * points->noise, TURN_ROUNDING * (reading->high.y - reading->low.y));
     size_t count = find_turns(points, least, NULL);
     struct turn *turn = arena_array(arena, count + 1, sizeof *turn);
     double *at = arena_array(arena, count + 2, sizeof *at);
@@ -239,7 +245,7 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
         return false;
     find_turns(points, least, turn);
     /* a ripple at the start, which only what follows shows to be one */
-    while (count > 2 && fabs(turn[1].y - turn[0].y) < BACK * fabs(turn[2].y - turn[1].y)) {
+    while (count > 2 && fabs(turn[1].y - turn[0].y) < TURN_MIN * fabs(turn[2].y - turn[1].y)) {
         memmove(turn, turn + 1, (count - 1) * sizeof *turn);
         count--;
     }

@@ -4,7 +4,8 @@
 
 #include <hooke/base/numeric.h>
 
-#define ALIKE 0.9 /* of the turns about the middle: then the origin is the centre */
+/* The origin is the centre if it has this part of the turns around the middle. */
+#define ORIGIN_TURNS_MIN 0.9
 
 struct frame {
     struct curve_point centre, half;
@@ -63,7 +64,7 @@ void read_winding(const struct points *points, bool equal, struct curve_reading 
     double far[2] = {NAN, NAN};
     const double about_box = turns_about(&box, points, &far[0]),
                  about_origin = turns_about(&origin, points, &far[1]);
-    const bool use_origin = fabs(about_origin) >= ALIKE * fabs(about_box);
+    const bool use_origin = fabs(about_origin) >= ORIGIN_TURNS_MIN * fabs(about_box);
     const struct frame *frame = use_origin ? &origin : &box;
     reading->winds = use_origin ? about_origin : about_box;
     if (!(fabs(reading->winds) >= 1))

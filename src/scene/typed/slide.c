@@ -18,7 +18,8 @@
 #define SECOND_CORRECTIONS_MAX 3
 /* Step of differences of arguments, most of which are linear, as a part of all variables' sizes. */
 #define ARGUMENT_STEP 1e-2
-#define FAR_FIELD 1e-4 /* of fields; both of the fourth order */
+/* The same for differences of fields; both formulas are of fourth order. */
+#define FAR_FIELD 1e-4
 
 static const struct sliding *sliding_of(const double *c)
 {

@@ -28,7 +28,7 @@ static void bend(struct references *references, const struct scene *scene, doubl
     assert_true(scene_bind(scene, &system, &error));
     assert_true(references_get(references, scene, &system, span, NULL, &reference, &error));
     reference_free(&reference);
-    for (int i = 0; i < REFERENCES; i++)
+    for (int i = 0; i < REFERENCES_STORED; i++)
         for (int k = STUDY_TIMES / 2; k < STUDY_TIMES && references->stored[i].used; k++)
             references->stored[i].reference.y[k * system.n] += by;
 }
@@ -80,7 +80,7 @@ static void test_what_stays_is_said(void **state)
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, duffing));
     bend(&references, &scene, 10, 2);
-    for (int i = 0; i < REFERENCES; i++)
+    for (int i = 0; i < REFERENCES_STORED; i++)
         references.stored[i].reference.again = true;
     const struct method_choice choice[] = {named("dopri5"), named("rodas5p")};
     const struct precision_request request = {.scene = &scene,

@@ -23,9 +23,11 @@ enum {
 #define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
 #define AT_ONCE 0.1   /* [interval] between lines of one packet */
 #define STEP_SIGMAS 8 /* … nor one that the delays make by themselves */
-#define OUTLIER 6     /* robust standard deviations: a later line waited for something */
-#define TINY 1e-9     /* [s] of rounding */
-#define WANDERS 0.5   /* means of blocks scatter by that share of all: no line describes them */
+/* A line that is later by this many robust standard deviations was delayed. */
+#define LATE_LINE_SIGMAS 6
+#define ARRIVAL_ROUNDING_SECONDS 1e-9 /* [s] of rounding */
+/* If means of blocks scatter by more than this part of all, no line describes them. */
+#define BLOCK_SCATTER_MAX 0.5
 
 /* The arrival of the line at place x: from + interval x. */
 struct arrival_line {
@@ -192,7 +194,9 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     for (size_t i = 0; i < n; i++)
         scratch[i] = delay(a, place, line, i);
     line.from += values_quantile(scratch, n, 0.5);
-    least_squares(a, place, OUTLIER * scatter(a, place, line, 1, scratch) + TINY, &line);
+    least_squares(a, place,
+                  LATE_LINE_SIGMAS * scatter(a, place, line, 1, scratch) + ARRIVAL_ROUNDING_SECONDS,
+                  &line);
     if (!(line.interval > 0))
         return true;
     const size_t each = n / (4 * BLOCKS_MIN) > 0 ? n / (4 * BLOCKS_MIN) : 1, blocks = n / each;
@@ -200,7 +204,7 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
     const double means = scatter(a, place, line, each, scratch);
     for (size_t i = 0; i < n; i++)
         collected->largest = fmax(collected->largest, fabs(delay(a, place, line, i)));
-    if (each > 1 && means > WANDERS * collected->jitter &&
+    if (each > 1 && means > BLOCK_SCATTER_MAX * collected->jitter &&
         collected->jitter > 0.5 * line.interval) {
         collected->lost = a->counted ? collected->lost : 0;
         return true;

@@ -20,9 +20,11 @@ enum { AHEAD = 5 }; /* stamps that tell a new start from a single wrong one */
  * that nobody has named. */
 #define RISING_KNOWN 0.6
 #define RISING_UNNAMED 0.9
-#define GAP 1.5      /* steps: there are lines between */
-#define FAR 8        /* steps: it may be garbled, if the next ones say so */
-#define EVEN 0.25    /* of the usual step: a device that samples evenly … */
+/* A longer time between two lines, in usual steps, means that lines are missing. */
+#define GAP_STEPS 1.5
+#define GARBLED_STEPS 8 /* A time stamp that is farther off, in usual steps, may be garbled. */
+/* Deviation from a whole number of usual steps of a device that samples evenly. */
+#define EVEN_STEP_TOLERANCE 0.25
 #define EVEN_MIN 0.8 /* … does so for that part of the steps */
 
 /* Where the counters of small boards are full: 16 and 32 bit; microseconds sent as ms and s. */
@@ -64,7 +66,7 @@ double clock_pace(const struct arrivals *a, const double *v, double *scratch)
     for (size_t i = 0; i < a->n; i++) {
         if (!isfinite(v[i]))
             continue;
-        if (last < a->n && v[i] >= v[last] && v[i] - v[last] <= FAR * usual) {
+        if (last < a->n && v[i] >= v[last] && v[i] - v[last] <= GARBLED_STEPS * usual) {
             counted += v[i] - v[last];
             passed += a->arrival[i] - a->arrival[last];
         }
@@ -85,8 +87,9 @@ static bool continues_from(const struct arrivals *a, const double *v, size_t ind
     for (size_t j = index + 1; j < a->n && seen < AHEAD; j++) {
         if (!isfinite(v[j]))
             continue;
-        const double lines = a->order[j] - a->order[index], most = FAR * usual * (lines + 1),
-                     since_it = v[j] - v[index], since_before = v[j] - was;
+        const double lines = a->order[j] - a->order[index],
+                     most = GARBLED_STEPS * usual * (lines + 1), since_it = v[j] - v[index],
+                     since_before = v[j] - was;
         const bool after_it = since_it >= 0 && since_it <= most,
                    after_before = since_before >= 0 && since_before <= most;
         const double miss = fabs(since_it - usual * lines),
@@ -104,7 +107,7 @@ static bool continues_from(const struct arrivals *a, const double *v, size_t ind
 static double step_over(double was, double now, double passed, const struct clock_steps *steps,
                         bool *wrapped)
 {
-    const double most = fmax(2 * passed, 0) + FAR * steps->usual;
+    const double most = fmax(2 * passed, 0) + GARBLED_STEPS * steps->usual;
     for (size_t i = 0; i < COUNT_OF(full); i++) {
         const double step = now + full[i] - was;
         const bool possible = full[i] >= WRAP_STEPS_MIN * steps->usual &&
@@ -176,7 +179,7 @@ bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, dou
         if (!isfinite(v[i]))
             continue;
         const double now = v[i];
-        const bool odd = now < was || now - was > FAR * usual;
+        const bool odd = now < was || now - was > GARBLED_STEPS * usual;
         if (odd && !continues_from(a, v, i, last, was, usual)) {
             mended->wrong++;
             v[i] = NAN;
@@ -207,8 +210,8 @@ size_t clock_lost(const struct arrivals *a, const double *t, const bool *after, 
     for (size_t i = 0; i + 1 < a->n; i++) {
         const double steps = (t[i + 1] - t[i]) / usual, whole = nearbyint(steps),
                      between = a->order[i + 1] - a->order[i]; /* with those that were garbled */
-        even += fabs(steps - whole) < EVEN ? 1 : 0;
-        if (steps > GAP && steps < 1e9 && whole > between && !(after && after[i + 1]) &&
+        even += fabs(steps - whole) < EVEN_STEP_TOLERANCE ? 1 : 0;
+        if (steps > GAP_STEPS && steps < 1e9 && whole > between && !(after && after[i + 1]) &&
             !(a->pause && a->pause[i + 1]))
             lost += (size_t)(whole - between);
     }

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CUT "\\..."
+#define CUT_MARK "\\..."
 #define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF" /* as it is kept */
 #define UNIT_NEAR 0.1 /* the device's clock is in ms, us: its rate over that of the arrivals */
 
@@ -44,7 +44,7 @@ void collected_put(struct buffer *file, double arrival, struct text line)
             buffer_put(file, (struct text){line.at + i, len});
         else
             buffer_format(file, "\\x%02X", (unsigned char)line.at[i]);
-    buffer_put(file, line.len > end ? TEXT(CUT "\n") : TEXT("\n"));
+    buffer_put(file, line.len > end ? TEXT(CUT_MARK "\n") : TEXT("\n"));
 }
 
 /* ---- reading ---- */
@@ -184,7 +184,8 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
     return arrival_times(arrivals, arena, collected, own->value);
 }
 
-#define COUNTS 0.01 /* a clock and not lines: it counts ms or us that nearly */
+/* A column that advances at this relative distance from ms or us is a clock. */
+#define CLOCK_UNIT_TOLERANCE 0.01
 
 /* Stamps that go back are mended before anybody looks at them: of a column that nobody has named
  * only where the arrivals say that it is a clock. */
@@ -218,7 +219,8 @@ static bool mend_clocks(struct recording *recording, const struct arrivals *arri
 /* Thousandths are counted one by one where there are a thousand lines a second. */
 static bool counts_time(double pace)
 {
-    return fabs(pace / 1e3 - 1) < COUNTS || fabs(pace / 1e6 - 1) < COUNTS;
+    return fabs(pace / 1e3 - 1) < CLOCK_UNIT_TOLERANCE ||
+           fabs(pace / 1e6 - 1) < CLOCK_UNIT_TOLERANCE;
 }
 
 /* By that column. */
@@ -242,7 +244,7 @@ static bool place_by_rate(struct recording *recording, const struct arrivals *ar
         return false;
     collected->by_rate = recording->source == TIME_RATE;
     if (recording->source != TIME_RATE || known.clock != CLOCK_ARRIVAL ||
-        !(fabs(known.rate.value / rate - 1) < COUNTS))
+        !(fabs(known.rate.value / rate - 1) < CLOCK_UNIT_TOLERANCE))
         return true;
     for (size_t i = 0; i < recording->rows; i++)
         recording->t[i] = nearbyint((t[i] - t[0]) * known.rate.value);

@@ -23,7 +23,7 @@
 #define SYNC_NS 500000000  /* … and put on the disk */
 #define HALF_NS 500000000  /* a serial line that speaks so soon was in the middle of a line */
 #define GROWTH_MS 20       /* between looks at a file that grows */
-#define PIECE 65536u
+#define FEED_CHUNK_BYTES 65536u
 
 struct feed {
     struct device device;
@@ -139,7 +139,7 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
 /* What there is; false: no more will come. */
 static bool read_some(struct feed *feed)
 {
-    char piece[PIECE];
+    char piece[FEED_CHUNK_BYTES];
     const ssize_t got = read(feed->device.fd, piece, sizeof piece);
     const int64_t now = clock_ns();
     if (got > 0) {

@@ -18,12 +18,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#define TOL 1e-9
-#define MISSED 0.002   /* of the samples have no echo: the sensor writes 0 */
-#define LOST 0.001     /* of the lines never arrive */
-#define GARBLED 0.0005 /* of them lose a byte on the way */
-#define JITTER 0.2     /* [interval] largest delay of a line */
-#define DISTANCE 0.3   /* [m] of the position y = 0 from the sensor */
+#define SENSOR_TOLERANCE 1e-9
+/* Chance that a sample has no echo, for which the sensor writes 0. */
+#define ECHO_MISSING_CHANCE 0.002
+#define LINE_LOST_CHANCE 0.001     /* Chance that a line never arrives. */
+#define LINE_GARBLED_CHANCE 0.0005 /* Chance that a line loses a byte. */
+#define LINE_DELAY_MAX 0.2         /* Largest delay of a line as a part of the interval. */
+#define SENSOR_DISTANCE 0.3        /* Distance of the position y = 0 from the sensor [m]. */
 
 struct sensor {
     double rate, noise, length;    /* [Hz], SI of what is measured, [s] (HUGE_VAL: no end) */
@@ -148,8 +149,9 @@ static bool begin(struct session *session, const char *const *word, int words,
     for (int i = 1; i < words; i++)
         if (!take_word(session, sensor, text_of(word[i])))
             return false;
-    const struct run_settings settings = {
-        .dt = 0.1 / sensor->rate, .tol = TOL, .record = {RECORD_EVERY, INT64_MAX / 2, 0}};
+    const struct run_settings settings = {.dt = 0.1 / sensor->rate,
+                                          .tol = SENSOR_TOLERANCE,
+                                          .record = {RECORD_EVERY, INT64_MAX / 2, 0}};
     const struct method *method = method_by_name(TEXT("dop853"));
     sensor->run = run_create(&session->setup.scene, method, &settings, 1, &error);
     if (!sensor->run)
@@ -170,15 +172,16 @@ static bool wait_until(int64_t due)
 
 static void put_line(struct sensor *sensor, double t, double y, struct buffer *line)
 {
-    const double shown = (y + sensor->noise * normal(&sensor->seed)) * sensor->scale +
-                         (sensor->quantity == QUANTITY_LENGTH ? DISTANCE * sensor->scale : 0);
-    const bool missed = sensor->quirks > 0 && random_fraction(&sensor->seed) < MISSED;
+    const double shown =
+        (y + sensor->noise * normal(&sensor->seed)) * sensor->scale +
+        (sensor->quantity == QUANTITY_LENGTH ? SENSOR_DISTANCE * sensor->scale : 0);
+    const bool missed = sensor->quirks > 0 && random_fraction(&sensor->seed) < ECHO_MISSING_CHANCE;
     if (sensor->stamp == STAMP_MS)
         buffer_format(line, "%.0f,", t * 1000);
     else if (sensor->stamp == STAMP_S)
         buffer_format(line, "%.4f,", t);
     buffer_format(line, "%.3f\r\n", missed ? 0 : shown);
-    if (sensor->quirks > 0 && random_fraction(&sensor->seed) < GARBLED && line->len > 3)
+    if (sensor->quirks > 0 && random_fraction(&sensor->seed) < LINE_GARBLED_CHANCE && line->len > 3)
         line->data[(size_t)(random_fraction(&sensor->seed) * (double)(line->len - 2))] = '\xFF';
 }
 
@@ -205,13 +208,13 @@ static bool send(struct sensor *sensor, int *failure)
     open = open && write_all(STDOUT_FILENO, buffer_text(&line), failure);
     for (int64_t i = 0; open && ok && (double)i < sensor->length * sensor->rate; i++) {
         const double t = (double)i / sensor->rate;
-        const double late = sensor->quirks * JITTER * random_fraction(&sensor->seed);
+        const double late = sensor->quirks * LINE_DELAY_MAX * random_fraction(&sensor->seed);
         const struct run_target target = {.t = sensor->run->system.t0 + t, .steps = -1};
         run_advance(sensor->run, &target, 0, &interrupt);
         ok = !stop_is_failure(sensor->run->stop);
         buffer_clear(&line);
         put_line(sensor, t, sensor->run->y[0], &line);
-        const bool lost = sensor->quirks > 0 && random_fraction(&sensor->seed) < LOST;
+        const bool lost = sensor->quirks > 0 && random_fraction(&sensor->seed) < LINE_LOST_CHANCE;
         open = ok && wait_until(start + (int64_t)((t + late / sensor->rate) * 1e9)) &&
                (lost || write_all(STDOUT_FILENO, buffer_text(&line), failure));
     }

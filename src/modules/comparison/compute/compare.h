@@ -97,7 +97,7 @@ void reference_describe(const struct reference *reference, struct buffer *text);
  * compute it again; also that there is none. Owned by the caller, zeroed at first,
  * references_free(). They hold as long as the typed models that they are of.
  */
-#define REFERENCES 4
+#define REFERENCES_STORED 4
 
 struct references {
     struct stored_reference {
@@ -106,7 +106,7 @@ struct references {
         struct reference reference;
         struct error why; /* there is none: y NULL */
         uint64_t used;    /* when, counted in uses; 0: nothing is kept here */
-    } stored[REFERENCES];
+    } stored[REFERENCES_STORED];
     uint64_t uses;
 };
 

@@ -42,7 +42,8 @@ static double matrix_size(const double matrix[4])
     return hypot(hypot(matrix[0], matrix[1]), hypot(matrix[2], matrix[3]));
 }
 
-#define SHORTER 1e-6 /* of dt: a last step that is not just rounded */
+/* A last step that is shorter than dt by this part of it is not just rounded. */
+#define LAST_STEP_SHORTER 1e-6
 
 /* E/E0 of the exact solution where the run ends: with damping its energy falls in waves. */
 static double exact_factor(const struct run *run, double omega)
@@ -75,7 +76,7 @@ static struct prediction predict(const struct run *run)
     prediction.known = !isnan(prediction.growth);
     const double dt = fabs(run->settings.dt),
                  last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
-    if (last > 0 && last < (1 - SHORTER) * dt) {
+    if (last > 0 && last < (1 - LAST_STEP_SHORTER) * dt) {
         const double end = method_growth(run->method, run->settings.drag, omega * last, zeta);
         prediction.amplitude = (double)(run->steps - 1) * log(prediction.growth) + log(end);
         if (run->steps == 1) {
@@ -95,7 +96,7 @@ static struct prediction predict(const struct run *run)
 }
 
 /* A predicted factor over the whole run within this of 1 counts as bounded. */
-#define BOUNDED 0.02
+#define BOUNDED_GROWTH_MAX 0.02
 
 /* max |energy-error| over the last quarter of the rows / over the first; NAN: not known. */
 static double energy_trend(const struct run *run)
@@ -112,9 +113,10 @@ static double energy_trend(const struct run *run)
 }
 
 #define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
-#define ROUNDING 1e-12         /* energy errors below are rounding */
+#define ENERGY_ROUNDING 1e-12  /* Energy errors below this are rounding. */
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
-#define STEADY 1.5 /* a drift makes it four times as large, what is bounded stays */
+/* A drift makes the trend four times as large; a bounded error leaves it unchanged. */
+#define ENERGY_TREND_MAX 1.5
 
 /* Appends "within 0.01 of E0" or "off by 1700 times E0". */
 static void put_energy_off(double error, struct buffer *out)
@@ -132,7 +134,7 @@ static void observe(const struct comparison *row, const char *span, struct buffe
         buffer_format(out, "reached %s", span);
         return;
     }
-    if (ledger->error_max <= ROUNDING) {
+    if (ledger->error_max <= ENERGY_ROUNDING) {
         buffer_format(out, "energy%s kept to rounding", run->plan.ledger ? " balance" : "");
     } else if (row->energy_factor == 0) {
         buffer_put(out, TEXT("vanished: the energy is below the smallest number"));
@@ -144,7 +146,8 @@ static void observe(const struct comparison *row, const char *span, struct buffe
                       "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
                       ledger->error_max / peak, span, peak);
         return;
-    } else if (energy_trend(run) <= STEADY) { /* after an orbit or two, of others too: they drift */
+    } else if (energy_trend(run) <=
+               ENERGY_TREND_MAX) { /* after an orbit or two, of others too: they drift */
         buffer_format(out, "energy %s",
                       run->method->flags & KEEPS_ENERGY && !run->plan.adaptive ? "bounded: " : "");
         put_energy_off(ledger->error_max, out);
@@ -165,19 +168,20 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
     const double predicted = 2 * prediction->amplitude, /* the factor may be below all numbers */
         swing = isnan(prediction->swing) ? 0 : prediction->swing;
     row->predicted_factor = prediction->factor;
-    if (conservative && fabs(predicted) <= BOUNDED) {
+    if (conservative && fabs(predicted) <= BOUNDED_GROWTH_MAX) {
         buffer_format(out, "energy bounded, %s: ",
-                      row->ledger.error_max <= 1.001 * swing + BOUNDED ? "as predicted"
-                                                                       : "but NOT as predicted");
+                      row->ledger.error_max <= 1.001 * swing + BOUNDED_GROWTH_MAX
+                          ? "as predicted"
+                          : "but NOT as predicted");
         put_energy_off(row->ledger.error_max, out);
         buffer_format(out, " in %s", span);
         return;
     }
     const bool vanished = row->energy_factor == 0,
                agrees = vanished ? 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) +
-                                                          swing + BOUNDED
+                                                          swing + BOUNDED_GROWTH_MAX
                                  : fabs(predicted - log(row->energy_factor)) <=
-                                       0.1 * fabs(predicted) + BOUNDED + swing;
+                                       0.1 * fabs(predicted) + BOUNDED_GROWTH_MAX + swing;
     const char *as = agrees ? "as predicted" : "NOT as predicted";
     if (vanished)
         buffer_format(out, "vanished, %s: the energy is below the smallest number in %s, ", as,

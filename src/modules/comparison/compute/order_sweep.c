@@ -9,25 +9,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SMALL 1e-6 /* above it a slope near 0 is no rounding */
-#define IDLE 0.3   /* the slope below which a smaller step gains nothing */
-#define NOISE 10   /* times the error there: with less rounding bends the line */
-#define WINDOW 4   /* points in the fit, one more where the steps are closer together */
-#define LEAST 3
+#define ROUNDING_ERROR_MAX 1e-6 /* Above this error a slope near 0 is not caused by rounding. */
+#define SLOPE_IDLE 0.3          /* Below this slope a smaller step gains nothing. */
+#define ROUNDING_FACTOR 10      /* Errors below this many times the rounding bend the line. */
+/* Number of points in the fit; one more where the steps are closer together. */
+#define FIT_POINTS 4
+#define FIT_POINTS_MIN 3
 /* Orders are whole numbers, or halves: a slope so close is that order, or within this share of it,
  * as high orders come to rounding after few steps. */
-#define AGREES 0.25
+#define ORDER_DISTANCE_MAX 0.25
 #define AGREES_SHARE 0.05
-#define UNCERTAIN 0.3 /* a guard band wider than that tells no order from the next */
+#define GUARD_MAX 0.3 /* A wider guard band does not distinguish an order from the next. */
 /* Slopes that come so much nearer to the claim within a window are on their way to it. */
-#define APPROACH 0.03
-#define SUSPECT 300           /* times the level of rounding: there its traces may begin */
+#define SLOPE_APPROACH_MIN 0.03
+/* Traces of rounding may begin at this many times its level. */
+#define ROUNDING_SUSPECT_FACTOR 300
 #define SETTLED_SPREAD 0.1    /* slopes as close as that belong to one power */
 #define SETTLED_CHANGE 0.35   /* the last change of slopes on their way to a limit, */
 #define SETTLED_SHRINKING 0.8 /* and its largest ratio to the change before */
 #define SLOPE_KINK 0.02       /* a change above that of slopes alike before is of rounding */
 #define COST_MAX 6e6          /* of one solve */
-#define HIGH 5                /* from this order on the steps of the sweep are closer together */
+/* From this order on the steps of the sweep are closer together. */
+#define FINE_SWEEP_ORDER 5
 
 static const struct row verdicts[] = {
     [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
@@ -92,7 +95,7 @@ static bool solve_point(const struct sweep_target *target, const struct method_c
  * falls by 32 and more each time. Returns false beyond the range. */
 static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
 {
-    const double each = order >= HIGH ? sqrt(2) : 2, span = fabs(target->span);
+    const double each = order >= FINE_SWEEP_ORDER ? sqrt(2) : 2, span = fabs(target->span);
     const bool wanted = !isnan(target->dt[0]);
     const double first = wanted ? span / fmax(target->dt[0], target->dt[1]) : 4;
     const double last = wanted ? span / fmin(target->dt[0], target->dt[1]) : 4e9;
@@ -111,9 +114,9 @@ static double log_slope(const struct order_point *coarse, const struct order_poi
 static bool gains_nothing(const struct order *order, int i)
 {
     const double before = order->point[i - 1].error;
-    bool gains = !(before < SMALL && order->point[i].slope < IDLE);
+    bool gains = !(before < ROUNDING_ERROR_MAX && order->point[i].slope < SLOPE_IDLE);
     for (; !gains && i < order->points; i++)
-        gains = order->point[i].error < before / NOISE;
+        gains = order->point[i].error < before / ROUNDING_FACTOR;
     return !gains;
 }
 
@@ -134,9 +137,10 @@ static double rounding_level(const struct order *order)
 {
     const double level = fmax(ORDER_ROUNDING, ORDER_ACCURACIES * order->floor);
     const int begin = rounding_begin(order);
-    return begin == order->points ? level
-                                  : fmax(level, NOISE * fmax(order->point[begin].error,
-                                                             order->point[begin + 1].error));
+    return begin == order->points
+               ? level
+               : fmax(level, ROUNDING_FACTOR *
+                                 fmax(order->point[begin].error, order->point[begin + 1].error));
 }
 
 /* ---- the fit ---- */
@@ -169,13 +173,14 @@ static struct order_line fit(const struct order_point *point, int n)
         hy += dh * dy;
     }
     const double free = xx * hh - xh * xh, plain = xy / xx;
-    const double bend = n > LEAST ? (hy * xx - xy * xh) / free : 0;
+    const double bend = n > FIT_POINTS_MIN ? (hy * xx - xy * xh) / free : 0;
     struct order_line line = {.slope = (xy - bend * xh) / xx, .r2 = xy * xy / (xx * yy)};
-    if (n > LEAST) {
+    if (n > FIT_POINTS_MIN) {
         const double rest = fmax(0, yy - line.slope * xy - bend * hy);
-        line.guard = fmax(sqrt(rest / (n - LEAST) * hh / free), fabs(line.slope - plain) / 2);
+        line.guard =
+            fmax(sqrt(rest / (n - FIT_POINTS_MIN) * hh / free), fabs(line.slope - plain) / 2);
     }
-    for (int i = 1; i < n && n == LEAST; i++)
+    for (int i = 1; i < n && n == FIT_POINTS_MIN; i++)
         line.guard = fmax(line.guard, fabs(log_slope(&point[i - 1], &point[i]) - line.slope));
     return line;
 }
@@ -197,7 +202,8 @@ static bool slopes_settle(const struct order *order, const struct order_point *p
     const double ratio = point[n - 2].dt / point[n - 1].dt,
                  noise = 2 * point_noise(order, &point[n - 1]) / log(ratio),
                  last = point[n - 1].slope, change = fabs(last - point[n - 2].slope),
-                 change_before = n > LEAST ? fabs(point[n - 2].slope - point[n - 3].slope) : 0;
+                 change_before =
+                     n > FIT_POINTS_MIN ? fabs(point[n - 2].slope - point[n - 3].slope) : 0;
     double spread = 0;
     for (int i = 1; i < n - 1; i++)
         spread = fmax(spread, fabs(point[i].slope - last));
@@ -234,7 +240,7 @@ static bool fit_window(struct order *order, int last, int size)
     const struct order_line line = fit(first, size);
     const double ahead = fmax(fabs(line.slope - finest->slope), point_noise(order, finest)),
                  guard = fmax(line.guard, rest + ahead);
-    if (!(line.slope > IDLE) || guard > UNCERTAIN)
+    if (!(line.slope > SLOPE_IDLE) || guard > GUARD_MAX)
         return false;
     order->slope = line.slope;
     order->guard = guard;
@@ -263,7 +269,8 @@ static bool has_kink(const struct order_point *point)
  * steps. */
 static double suspect_level(const struct order *order, const struct order_point *point)
 {
-    return SUSPECT * fmax(rounding_level(order), DBL_EPSILON * (double)point->steps);
+    return ROUNDING_SUSPECT_FACTOR *
+           fmax(rounding_level(order), DBL_EPSILON * (double)point->steps);
 }
 
 /*
@@ -276,12 +283,12 @@ static bool choose_window(struct order *order, int size)
     int last;
     int usable = usable_points(order, &last);
     bool only_kinks = true;
-    order->unsettled = usable >= LEAST;
-    for (; usable >= LEAST; usable--, last--) {
+    order->unsettled = usable >= FIT_POINTS_MIN;
+    for (; usable >= FIT_POINTS_MIN; usable--, last--) {
         const struct order_point *finest = &order->point[last];
         const bool suspect = finest->error <= suspect_level(order, finest),
-                   kink = usable > LEAST && suspect && has_kink(finest);
-        for (int n = size < usable ? size : usable; n >= LEAST && !kink; n--)
+                   kink = usable > FIT_POINTS_MIN && suspect && has_kink(finest);
+        for (int n = size < usable ? size : usable; n >= FIT_POINTS_MIN && !kink; n--)
             if (fit_window(order, last, n))
                 return only_kinks;
         if (!suspect)
@@ -302,7 +309,7 @@ static bool slopes_approach_claim(const struct order *order)
         first++;
     const double before = fabs(first[1].slope - order->claimed),
                  after = fabs(first[order->fitted - 1].slope - order->claimed);
-    return before - after > APPROACH + 2 * point_noise(order, &first[order->fitted - 1]);
+    return before - after > SLOPE_APPROACH_MIN + 2 * point_noise(order, &first[order->fitted - 1]);
 }
 
 static void forget_window(struct order *order)
@@ -323,10 +330,10 @@ static enum order_verdict judge(struct order *order, bool finest)
         exact &= order->point[i].error <= fmax(1e-12, 10 * order->floor);
     if (exact)
         return ORDER_EXACT;
-    const double near = fmax(AGREES, AGREES_SHARE * order->claimed);
+    const double near = fmax(ORDER_DISTANCE_MAX, AGREES_SHARE * order->claimed);
     if (order->fitted && fabs(order->slope - order->claimed) <= fmax(near, 2 * order->guard))
         return ORDER_AGREES;
-    if (order->fitted && (!finest || order->fitted < WINDOW || slopes_approach_claim(order)))
+    if (order->fitted && (!finest || order->fitted < FIT_POINTS || slopes_approach_claim(order)))
         forget_window(order);
     if (order->fitted == 0)
         return order->unsettled ? ORDER_ERRATIC : ORDER_NO_RANGE;
@@ -378,7 +385,8 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
     free(grid);
     if (!ok)
         return false;
-    const bool finest = choose_window(order, order->claimed >= HIGH ? WINDOW + 1 : WINDOW);
+    const bool finest =
+        choose_window(order, order->claimed >= FINE_SWEEP_ORDER ? FIT_POINTS + 1 : FIT_POINTS);
     order->verdict = judge(order, finest);
     return true;
 }

@@ -7,24 +7,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SECONDS 12.0       /* allowed unless the request says, */
-#define SECONDS_STIFF 20.0 /* and on stiff scenes, where one solve can take half a second */
-#define SWEEP_SHARE 0.45   /* of them for the errors, the rest for the times */
-#define SECONDS_QUICK 0.4  /* for the times alone, with `timing quick` */
-#define LOG2_FIRST 0       /* the coarsest step is duration/2^this */
+#define SECONDS_DEFAULT 12.0 /* Time allowed unless the request states one [s]. */
+#define SECONDS_STIFF 20.0   /* The same for stiff scenes. */
+#define SWEEP_SHARE 0.45     /* of them for the errors, the rest for the times */
+#define SECONDS_QUICK 0.4    /* for the times alone, with `timing quick` */
+#define LOG2_FIRST 0         /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
-/* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
+/* a solve's evaluations, Jacobians and solves, once a curve has POINTS_ENOUGH points */
 #define COST_USUAL 2.1e6
 #define COST_MAX 6e6   /* before that */
 #define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
-#define ENOUGH 4
+#define POINTS_ENOUGH 4
 /* errors that stop falling are rounding only below this, or near the reference's accuracy */
 #define FLOOR_ERROR 1e-9
-#define SETTLED 0.05   /* once an error was this small, */
-#define FAILURES 3     /* so many failures in a row end a sweep: one may be bad luck on the way */
-#define FLOOR_POINTS 2 /* that many without gain end a sweep */
+#define ERROR_SETTLED 0.05 /* After an error this small, failures end a sweep. */
+#define FAILURES_MAX 3     /* Number of failures in a row that end a sweep. */
+#define FLOOR_POINTS 2     /* that many without gain end a sweep */
 
 bool precision_meaningful(const struct precision_point *point)
 {
@@ -184,7 +184,8 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
         curve->cut = clock_seconds(sweep->begin) > 2 * fraction;
         sweep->failures++;
         return curve->cut || next > COST_MAX ||
-               (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
+               (sweep->best < ERROR_SETTLED && sweep->failures == FAILURES_MAX) ||
+               point->stop == STOP_FULL;
     }
     sweep->meaningful++;
     sweep->failures = 0;
@@ -194,7 +195,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     sweep->best = fmin(sweep->best, error);
     if (sweep->stale == FLOOR_POINTS || error == 0)
         return true;
-    if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MAX))
+    if (next > (sweep->meaningful >= POINTS_ENOUGH ? COST_USUAL : COST_MAX))
         return true;
     curve->cut = clock_seconds(sweep->begin) > fraction;
     return curve->cut;
@@ -351,7 +352,7 @@ bool study_precision(const struct precision_request *request, struct precision *
         return false;
     const int64_t begin = clock_ns();
     const double usual =
-        precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
+        precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS_DEFAULT;
     const double seconds = request->seconds > 0 ? request->seconds : usual;
     bool ok = sweep_all(request, precision, begin, seconds, error);
     if (!ok) /* the one that was under way */

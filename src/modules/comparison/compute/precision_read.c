@@ -12,12 +12,12 @@
 
 /* ---- slopes ---- */
 
-#define STARTED 32       /* steps for each step that a starter takes, before an order shows */
+#define STARTED_STEPS 32 /* Steps for each step of a starter before the order shows. */
 #define BAND_TOP 0.05    /* errors above are not yet asymptotic */
 #define BAND_BOTTOM 30.0 /* times the accuracy of the reference: below it rounding takes part */
-#define ROUNDING 1e-8
-#define FINEST 4 /* points of a dt sweep in the fit, the finest inside the bands */
-#define LEAST 3
+#define ROUNDING_ERROR_MAX 1e-8
+#define FIT_POINTS_MAX 4 /* Points of a dt sweep in the fit, the finest inside the bands. */
+#define FIT_POINTS_MIN 3
 #define PRECISION_POINTS 64 /* of a curve that are fitted at most */
 
 static double abscissa(const struct precision_point *point)
@@ -40,13 +40,13 @@ static double typical_order(const struct precision_point *point, int begin, int 
 static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
 {
     const struct method *method = curve->by.method;
-    return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED * method->order;
+    return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED_STEPS * method->order;
 }
 
 /*
  * The points between the guard bands: from the last error above the top (or failure) to the last
- * above the bottom; below ROUNDING ended where the error falls less than half as fast as it
- * typically does, and the point before that left out too: it has some of the rounding already.
+ * above the bottom; below ROUNDING_ERROR_MAX ended where the error falls less than half as fast as
+ * it typically does, and the point before that left out too: it has some of the rounding already.
  */
 static int asymptotic(const struct precision *precision, const struct precision_curve *curve,
                       int *first)
@@ -67,13 +67,13 @@ static int asymptotic(const struct precision *precision, const struct precision_
             break;
     const double typical = typical_order(point, begin, end);
     for (int i = begin + 1; i < end; i++) {
-        if (point[i - 1].errors.max < ROUNDING && point[i].order < 0.5 * typical) {
+        if (point[i - 1].errors.max < ROUNDING_ERROR_MAX && point[i].order < 0.5 * typical) {
             end = i - 1;
             break;
         }
     }
-    if (!curve->adaptive && end - begin > FINEST)
-        begin = end - FINEST;
+    if (!curve->adaptive && end - begin > FIT_POINTS_MAX)
+        begin = end - FIT_POINTS_MAX;
     *first = curve->first + begin;
     return end - begin;
 }
@@ -87,7 +87,7 @@ void precision_fit(struct precision *precision, int c)
     n = n < PRECISION_POINTS ? n : PRECISION_POINTS;
     curve->expected = method->order == 0 ? NAN : curve->adaptive ? 1 : method->order;
     curve->slope = curve->r2 = NAN;
-    curve->fitted = n >= LEAST ? n : 0;
+    curve->fitted = n >= FIT_POINTS_MIN ? n : 0;
     curve->differs = false;
     for (int i = 0; i < curve->count; i++)
         precision->point[curve->first + i].asymptotic = false;
@@ -288,7 +288,8 @@ static const char *const stiff[] = {
     "backward-euler", "trapezoid", "tr-bdf2", "bdf2",   "gauss4",    "radau5", "ros3p",
     "rodas4",         "rodas5p",   "dopri5",  "dop853", "cvode-bdf", "sdirk2", "implicit-midpoint"};
 
-#define STIFF 2e4 /* |J| duration, J in units of the natural sizes */
+/* |J| times duration from which a scene is stiff, J in units of the natural sizes. */
+#define STIFFNESS_MIN 2e4
 
 bool precision_is_stiff(const struct system *system, double duration)
 {
@@ -301,7 +302,7 @@ bool precision_is_stiff(const struct system *system, double duration)
         norm = fmax(norm, sum);
     }
     free(jacobian);
-    return norm * duration > STIFF;
+    return norm * duration > STIFFNESS_MIN;
 }
 
 int precision_defaults(const struct system *system, double duration, struct method_choice *choice,

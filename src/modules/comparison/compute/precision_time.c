@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-#define PART 30000 /* steps that are timed of a longer solve of fixed steps */
+/* Number of steps that are timed in a longer solve of fixed steps. */
+#define TIMED_STEPS_MAX 30000
 #define PART_OFF 0.15
 
 struct run_settings precision_settings(const struct precision *precision,
@@ -44,13 +45,14 @@ static double time_recording(const struct precision_request *request,
     return shortest;
 }
 
-/* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
+/* Of fixed steps TIMED_STEPS_MAX are timed: what one costs does not depend on how many there are.
+ */
 static void shorten(const struct precision *precision, struct solver *solver, const int *index,
                     int count)
 {
     for (int i = 0; i < count; i++)
-        if (solver[i].tol == 0 && precision->point[index[i]].steps > PART)
-            solver[i].part = PART;
+        if (solver[i].tol == 0 && precision->point[index[i]].steps > TIMED_STEPS_MAX)
+            solver[i].part = TIMED_STEPS_MAX;
 }
 
 static void multiply(struct timing_result *time, double factor)

@@ -27,19 +27,22 @@ static const struct candidate {
     {"implicit-midpoint", KIND_IMPLICIT, 0},
 };
 
-#define ENOUGH 1e-12 /* agreement with which the search ends */
-#define STILL 1e-13  /* change on halving that is taken for rounding */
-#define SUDDEN 1e4   /* times as far apart as one time of the grid before */
-/* grid times: growth from rounding to MEANING within so many is not told from a jump */
-#define FIRST 3
-#define MEANING 1e-3  /* where two references differ by more, neither means anything */
-#define COST_MAX 40e6 /* evaluations, Jacobians and solves of one solution, over n */
-#define COST_ALL 80e6 /* of all of them, over n: some seconds */
-#define TRIES 3
+#define REFERENCE_AGREEMENT 1e-12 /* The search ends when two solutions agree to this. */
+#define REFERENCE_ROUNDING 1e-13  /* A smaller change on halving is taken for rounding. */
+/* A distance that is this many times the one before shows a jump. */
+#define JUMP_FACTOR 1e4
+/* Growth from rounding to REFERENCE_MEANING within this many grid times may be a jump or not. */
+#define JUMP_FREE_TIMES 3
+#define REFERENCE_MEANING 1e-3 /* Two references that differ by more are both meaningless. */
+#define COST_MAX 40e6          /* evaluations, Jacobians and solves of one solution, over n */
+#define COST_ALL 80e6          /* of all of them, over n: some seconds */
+#define TOLERANCE_TRIES 3
 #define TRIES_BURST 8
-#define SHRINKS 1e4
-#define PARTS 4 /* of all but the first: no step is longer than a thousandth of the span, */
-#define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
+#define VOLUME_SHRINK_MIN 1e4
+/* Parts of all intervals but the first; no step is longer than a thousandth of the span. */
+#define SPAN_PARTS 4
+/* The same for laws that depend on time and may have pulses; steps of an 8000th at most. */
+#define PARTS_IN_TIME 32
 
 static double *solution(const struct reference_search *search, enum solver_kind kind)
 {
@@ -79,7 +82,8 @@ static bool solve_adaptive(struct reference_search *search, struct solver *s, bo
                            double *grid)
 {
     const int64_t max = s->max;
-    for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
+    for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TOLERANCE_TRIES);
+         try++, s->tol *= 10) {
         s->max = search->bursts > 0 ? max / TRIES_BURST : max;
         const enum stop stop = reference_walk(search, s, 0, grid);
         const bool bursts = search->bursts > 0;
@@ -109,10 +113,10 @@ static bool solve_fixed(struct reference_search *search, struct solver *s, doubl
         memcpy(grid, finer, search->size * sizeof *grid);
         have = true;
         moved = change;
-        if (change < STILL || solver_cost(s) > s->max / 2)
+        if (change < REFERENCE_ROUNDING || solver_cost(s) > s->max / 2)
             break;
     }
-    return have && moved < MEANING;
+    return have && moved < REFERENCE_MEANING;
 }
 
 static bool try_candidate(struct reference_search *search, const struct candidate *candidate)
@@ -151,9 +155,10 @@ static void set_meaning(const struct reference_search *search, const double *a, 
     reference->sudden = false;
     for (int k = 1; k < STUDY_TIMES; k++) {
         const double distance = grid_distance(reference, a + k * n, b + k * n);
-        if (!(distance < MEANING)) {
+        if (!(distance < REFERENCE_MEANING)) {
             reference->meaning = reference->span * (k - 1) / (STUDY_TIMES - 1);
-            reference->sudden = k > FIRST && !(distance < SUDDEN * fmax(before, STILL));
+            reference->sudden =
+                k > JUMP_FREE_TIMES && !(distance < JUMP_FACTOR * fmax(before, REFERENCE_ROUNDING));
             return;
         }
         before = fmax(before, distance);
@@ -207,7 +212,7 @@ static bool shrinks_fast(const struct system *system, double span)
     for (int i = 0; jacobian && i < system->n; i++)
         trace += jacobian[i * system->n + i];
     free(jacobian);
-    return -trace * span > SHRINKS;
+    return -trace * span > VOLUME_SHRINK_MIN;
 }
 
 /* All but the first take steps of a bounded size: a pulse that long ones step over does not escape
@@ -222,11 +227,11 @@ static void search_kinds(struct reference_search *search, bool explicit_ones, bo
             continue; /* steps of one size, short enough for a burst, would be too many */
         if (search->left > 0 && try_candidate(search, &candidates[i])) {
             confront(search, candidates[i].kind);
-            const int parts = search->system->autonomous ? PARTS : PARTS_IN_TIME;
+            const int parts = search->system->autonomous ? SPAN_PARTS : PARTS_IN_TIME;
             search->parts = search->parts > parts ? search->parts : parts;
             reference->bound = fabs(reference->span) / (STUDY_TIMES - 1) / search->parts;
         }
-        if (reference->by[1] && reference->accuracy <= ENOUGH)
+        if (reference->by[1] && reference->accuracy <= REFERENCE_AGREEMENT)
             break;
     }
 }
@@ -263,8 +268,8 @@ bool study_reference_again(const struct system *system, double span, double step
     search.parts = (int)fmax(min, 1);
     search.left = (int64_t)(COST_ALL / system->n);
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
-    search.burst = calloc(BURSTS, sizeof *search.burst);
-    search.node = calloc(NODES, sizeof *search.node);
+    search.burst = calloc(BURSTS_MAX, sizeof *search.burst);
+    search.node = calloc(BURST_NODES_MAX, sizeof *search.node);
     if (!search.grid || !search.burst || !search.node) {
         free(search.grid);
         free(search.burst);
@@ -274,7 +279,7 @@ bool study_reference_again(const struct system *system, double span, double step
     }
     const bool late = shrinks_fast(&smooth, span);
     search_kinds(&search, !late, true);
-    if (late && !(reference->by[1] && reference->accuracy <= ENOUGH))
+    if (late && !(reference->by[1] && reference->accuracy <= REFERENCE_AGREEMENT))
         search_kinds(&search, true, false);
     reference->shortest = search.bursts > 0 ? HUGE_VAL : 0;
     for (int i = 0; i < search.bursts; i++)

@@ -10,8 +10,8 @@ struct cancel;
 /* Methods of one kind err alike: agreement counts between kinds only. */
 enum solver_kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
 
-#define BURSTS 4096
-#define NODES 66 /* states between which an interval of the grid is looked at */
+#define BURSTS_MAX 4096
+#define BURST_NODES_MAX 66 /* States between which an interval of the grid is searched. */
 
 struct reference_search {
     const struct system *system;
@@ -25,12 +25,12 @@ struct reference_search {
     bool stiff; /* an explicit method became too dear: the others will, too */
     int parts;  /* adaptive steps end at so many parts of each grid interval, */
     struct burst
-        *burst; /* [BURSTS] and at so many parts of each of these, in the order of the way */
+        *burst; /* [BURSTS_MAX] and at so many parts of each of these, in the order of the way */
     int bursts;
     bool looked; /* for them */
     struct reference_node {
         double t, y[LIMIT_VARIABLES];
-    } * node; /* [NODES] where bursts begin and end in an interval, and its ends */
+    } * node; /* [BURST_NODES_MAX] where bursts begin and end in an interval, and its ends */
     int nodes;
 };
 

@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAME 1e-9         /* by which solutions may part that step otherwise */
-#define PARTS_OF_BURST 16 /* bounds are wider than the truth */
-#define ROUNDS 12         /* times an interval is solved again with what was found in it */
+#define SOLUTIONS_DISTANCE_MAX 1e-9 /* Solutions by different steps may differ by this. */
+#define PARTS_OF_BURST 16           /* bounds are wider than the truth */
+/* Number of times an interval is solved again with the bursts that were found in it. */
+#define BURST_ROUNDS 12
 
 /* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock;
  * *at: the burst that is ahead. */
@@ -31,7 +32,7 @@ static double next_stop(const struct reference_search *search, int *at, double t
 
 static void add_node(struct reference_search *search, double t, const double *y)
 {
-    if (search->nodes == NODES - 1) /* the last one is that of the end */
+    if (search->nodes == BURST_NODES_MAX - 1) /* the last one is that of the end */
         return;
     search->node[search->nodes].t = t;
     memcpy(search->node[search->nodes++].y, y, (size_t)search->system->n * sizeof *y);
@@ -112,7 +113,7 @@ static bool look_for_bursts(struct reference_search *search, int before)
         if (t[0] != t[1])
             search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
                                                     search->burst + before, search->bursts - before,
-                                                    BURSTS - before);
+                                                    BURSTS_MAX - before);
     }
     qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
           forward ? by_time : by_time_back);
@@ -143,7 +144,7 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
     memcpy(y, s->y, size);
     memcpy(low, s->low, size);
     enum stop stop = cross_adaptive(search, s, controller, interval);
-    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before);
+    for (int round = 0; round < BURST_ROUNDS && stop == STOP_END && look_for_bursts(search, before);
          round++) {
         memcpy(last, s->y, size);
         memcpy(s->y, y, size);
@@ -152,7 +153,7 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
         s->step.t = interval->from;
         s->step.warm = s->step.again = false;
         stop = cross_adaptive(search, s, controller, interval);
-        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SAME)
+        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SOLUTIONS_DISTANCE_MAX)
             continue;
         search->bursts = round == 0 ? before : search->bursts;
         break;

@@ -64,7 +64,7 @@ static bool same_scene(const struct scene *a, const struct scene *b)
 static struct stored_reference *find(struct references *references, const struct scene *scene,
                                      double span)
 {
-    for (size_t i = 0; references && i < REFERENCES; i++) {
+    for (size_t i = 0; references && i < REFERENCES_STORED; i++) {
         struct stored_reference *stored = &references->stored[i];
         if (stored->used > 0 && stored->span == span && same_scene(&stored->scene, scene))
             return stored;
@@ -94,7 +94,7 @@ static void keep(struct references *references, const struct scene *scene, doubl
                  const struct reference *reference, const struct error *why)
 {
     struct stored_reference *oldest = &references->stored[0];
-    for (size_t i = 1; i < REFERENCES; i++)
+    for (size_t i = 1; i < REFERENCES_STORED; i++)
         if (references->stored[i].used < oldest->used)
             oldest = &references->stored[i];
     reference_free(&oldest->reference);
@@ -154,7 +154,7 @@ void references_free(struct references *references)
 {
     if (references->uses == 0) /* pages that were never touched stay so */
         return;
-    for (size_t i = 0; i < REFERENCES; i++)
+    for (size_t i = 0; i < REFERENCES_STORED; i++)
         reference_free(&references->stored[i].reference);
     *references = (struct references){0};
 }

@@ -10,8 +10,8 @@
 
 #define ORDER_COST 250000 /* evaluations of one solve */
 #define ORDER_NEAR 0.15   /* of the claim */
-/* above it so few steps lie between the largest and rounding that later terms still add */
-#define HIGH 8
+/* Above this order so few steps lie between the largest and rounding that later terms still add. */
+#define HIGH_ORDER 8
 #define AREA_MAX 1e-10
 #define RETURN_MAX 1e-9
 #define RETURN_STEPS 200
@@ -81,7 +81,7 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     row->check[SELFTEST_ORDER].wanted = method->order;
     row->check[SELFTEST_ORDER].passed =
         order.slope > method->order - ORDER_NEAR &&
-        order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
+        order.slope < method->order + (method->order > HIGH_ORDER ? 2 : ORDER_NEAR);
     return true;
 }
 

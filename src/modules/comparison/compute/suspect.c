@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* times what the runs, and the reference, are known to: then they contradict each other */
-#define APART 100
+/* Runs that differ by more than this many times their known errors contradict each other. */
+#define CONTRADICTION_FACTOR 100
 
 bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max)
 {
@@ -70,7 +70,7 @@ bool reference_suspect(struct reference *reference, const struct witnesses *witn
                                       largest(reference, b->grid, reference->y));
             const double known =
                 fmax(fmax(a->moved, b->moved), largest(reference, a->grid, b->grid));
-            if (!(apart > APART * fmax(known, reference->accuracy)) ||
+            if (!(apart > CONTRADICTION_FACTOR * fmax(known, reference->accuracy)) ||
                 (found && apart <= reference->apart))
                 continue;
             found = true;

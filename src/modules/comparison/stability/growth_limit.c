@@ -10,20 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROUNDING 1e-12 /* growth above 1 that is rounding */
+#define GROWTH_ROUNDING 1e-12 /* growth above 1 that is rounding */
 /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
 #define ON_AXIS 1e-7
-#define FOLLOWS 1e-2 /* relative error of the rate of what grows by itself */
+#define RATE_TOLERANCE 1e-2 /* relative error of the rate of what grows by itself */
 /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
-#define WEAK 1e-3
+#define GROWTH_WEAK 1e-3
 #define STEPS_MOST 16384  /* of a check */
-#define PAST 8            /* steps: more than any method remembers */
-#define EXTREME 1e20      /* [1/s] */
+#define HISTORY_STEPS 8   /* steps: more than any method remembers */
+#define RATE_EXTREME 1e20 /* [1/s] */
 #define HUGE_STEP 100     /* omega dt */
 #define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
-#define ASIDE 1e-2        /* how far from the limit the checks on both sides stand, relative */
+#define LIMIT_OFFSET 1e-2 /* how far from the limit the checks on both sides stand, relative */
 #define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
-#define ALONG 16          /* states along the run whose eigenvalues are looked at */
+#define STATES_CHECKED 16 /* states along the run whose eigenvalues are looked at */
 #define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
@@ -115,7 +115,8 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
 {
     struct system system;
     /* Extremes of scale leave no room for growth: then in units of the frequency. */
-    const double unit = mode->omega > EXTREME || mode->omega < 1 / EXTREME ? mode->omega : 1,
+    const double unit =
+                     mode->omega > RATE_EXTREME || mode->omega < 1 / RATE_EXTREME ? mode->omega : 1,
                  omega = mode->omega / unit;
     const double expected = log(mode_growth(by, mode, dt));
     const double possible = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
@@ -135,7 +136,7 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
     for (int64_t i = 0; i < 4 * quarter && status == STEP_OK; i++) {
         /* A method that remembers must not only see its own start: a jump that the past knows
          * nothing of sets off the parasitic solutions too. */
-        if (i == PAST && by->method->flags & METHOD_MULTISTEP)
+        if (i == HISTORY_STEPS && by->method->flags & METHOD_MULTISTEP)
             y[0] += 0.5 * start;
         status = method_step(by->method, &step);
         if (isnan(y[0]) || isnan(y[1]))
@@ -161,7 +162,8 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
 
 double mode_aside(const struct method_choice *by, const struct mode *mode, double limit)
 {
-    return mode_growth(by, mode, limit * (1 + ASIDE)) > 1 + ROUNDING ? ASIDE : ASIDE_NARROW;
+    return mode_growth(by, mode, limit * (1 + LIMIT_OFFSET)) > 1 + GROWTH_ROUNDING ? LIMIT_OFFSET
+                                                                                   : ASIDE_NARROW;
 }
 
 /* ---- the scene's modes ---- */
@@ -237,12 +239,12 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
 
 /* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says
  * nothing of the rest. */
-#define SOUND 10
+#define RELIABLE_SIZES 10
 
 static bool is_sound(const struct system *system, const double *y)
 {
     for (int i = 0; i < system->n; i++)
-        if (!(fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]))))
+        if (!(fabs(y[i]) <= RELIABLE_SIZES * fmax(system->scale[i], fabs(system->start[i]))))
             return false;
     return true;
 }
@@ -252,7 +254,7 @@ static void modes_along(const struct system *system, const struct stability_requ
                         struct stability *stability)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "dopri5"};
-    const int n = system->n, stride = (STUDY_TIMES - 1) / ALONG;
+    const int n = system->n, stride = (STUDY_TIMES - 1) / STATES_CHECKED;
     const struct run_settings settings = {.tol = 1e-6}; /* chooses its first step */
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
     for (size_t i = 0; grid && i < COUNT_OF(able); i++) {
@@ -346,11 +348,12 @@ static void name_weakness(struct stability *s)
         s->doubling = log(2) / log(s->growth_predicted);
         return;
     }
-    s->doubling = s->growth_predicted > 1 + ROUNDING ? log(2) / log(s->growth_predicted) : HUGE_VAL;
+    s->doubling =
+        s->growth_predicted > 1 + GROWTH_ROUNDING ? log(2) / log(s->growth_predicted) : HUGE_VAL;
     const double x = s->worst.omega * s->dt, g = s->growth_predicted - 1;
-    if (g > ROUNDING && g < WEAK && s->dt_max == 0) {
+    if (g > GROWTH_ROUNDING && g < GROWTH_WEAK && s->dt_max == 0) {
         const double less = mode_growth(&s->by, &s->worst, s->dt / 2) - 1;
-        s->weak[1] = less > ROUNDING / 10 ? log2(g / less) : NAN;
+        s->weak[1] = less > GROWTH_ROUNDING / 10 ? log2(g / less) : NAN;
         s->weak[0] = g / pow(x, s->weak[1]);
     }
     if (!(s->dt_max > 0) || isinf(s->dt_max) || s->refused)
@@ -358,13 +361,13 @@ static void name_weakness(struct stability *s)
     double max = 0, part = 0;
     while (part < WINDOW_MAX) {
         const double growth = mode_growth(&s->by, &s->tightest, s->dt_max * (1 + part));
-        if (max > 0 && growth <= 1 + ROUNDING) {
+        if (max > 0 && growth <= 1 + GROWTH_ROUNDING) {
             s->window[0] = s->dt_max;
             s->window[1] = s->dt_max * (1 + part);
             s->window[2] = max;
             return;
         }
-        max = growth > 1 + ROUNDING ? fmax(max, growth) : max;
+        max = growth > 1 + GROWTH_ROUNDING ? fmax(max, growth) : max;
         part += WINDOW_MAX / 2000;
     }
 }
@@ -413,16 +416,17 @@ static bool run_scene(const struct system *system, const struct stability_reques
     return true;
 }
 
-/* What a scene does by itself is no fault of the method, nor is a rate that is right to FOLLOWS. */
+/* What a scene does by itself is no fault of the method, nor is a rate that is right to
+ * RATE_TOLERANCE. */
 static enum stability_verdict judge(const struct stability *s, const struct mode *mode)
 {
     const double growth = mode_growth(&s->by, mode, s->dt), rate = growth_rate(mode) * s->dt,
-                 margin = rate > 0                      ? exp((1 + FOLLOWS) * rate)
+                 margin = rate > 0                      ? exp((1 + RATE_TOLERANCE) * rate)
                           : fabs(mode->zeta - 1) < 1e-3 ? 1 + ON_AXIS
-                                                        : 1 + ROUNDING;
-    return growth <= margin                             ? STABILITY_STABLE
-           : growth < (rate > 0 ? exp(rate) : 1) + WEAK ? STABILITY_MARGINAL
-                                                        : STABILITY_UNSTABLE;
+                                                        : 1 + GROWTH_ROUNDING;
+    return growth <= margin                                    ? STABILITY_STABLE
+           : growth < (rate > 0 ? exp(rate) : 1) + GROWTH_WEAK ? STABILITY_MARGINAL
+                                                               : STABILITY_UNSTABLE;
 }
 
 static enum stability_verdict judge_all(const struct stability *s)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#define ROUNDING 1e-10 /* a growth so near to 1 is none, as measured too */
+#define GROWTH_ROUNDING 1e-10 /* a growth so near to 1 is none, as measured too */
 
 static const struct stability *stability_of(const void *row)
 {
@@ -34,14 +34,14 @@ static double zeta_of(const void *row)
 void buffer_growth(struct buffer *out, double growth)
 {
     const double beyond = fabs(growth - 1);
-    if (beyond < 1e-4 && beyond > ROUNDING)
+    if (beyond < 1e-4 && beyond > GROWTH_ROUNDING)
         buffer_format(out, "1%+.2e", growth - 1);
     else
         buffer_format(out,
                       isfinite(growth) ? "%.7g"
                       : isnan(growth)  ? "-"
                                        : "overflow",
-                      beyond > ROUNDING ? growth : 1);
+                      beyond > GROWTH_ROUNDING ? growth : 1);
 }
 
 static void growth_cell(struct text_table *table, double growth)

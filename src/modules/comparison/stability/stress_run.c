@@ -15,13 +15,15 @@
 #define REFERENCE_MAX 4000000
 #define SCENE_MAX 400000 /* the same where many cases are made of one scene */
 #define REFERENCE_TOL 1e-10
-#define TOL 1e-6
-#define SPAN 10.0   /* [s] */
-#define STEPS 1024  /* fixed steps where the case does not say */
-#define EXACT 1e-10 /* errors below are rounding that has added up */
-#define ACCURATE 1e-2
-#define BOUNDED 10.0 /* amplitudes that a wrong motion may have and still be called bounded */
-#define GONE 0.1     /* of what should swing in the last quarter: less than this is damped away */
+#define CASE_TOLERANCE 1e-6
+#define CASE_SPAN 10.0    /* [s] */
+#define CASE_STEPS 1024   /* fixed steps where the case does not say */
+#define ERROR_EXACT 1e-10 /* errors below are rounding that has added up */
+#define ERROR_ACCURATE 1e-2
+/* amplitudes that a wrong motion may have and still be called bounded */
+#define AMPLITUDE_BOUNDED 10.0
+/* of what should swing in the last quarter: less than this is damped away */
+#define DAMPED_FRACTION 0.1
 
 static const struct row verdicts[] = {
     [STRESS_EXACT] = {"exact", "", "the error is rounding, or below what can be known", "", NULL},
@@ -44,7 +46,7 @@ const struct catalog stress_verdict_catalog = CATALOG("verdict", verdicts);
 /* ---- the cases ---- */
 
 /* clang-format off */
-#define UNIT {"m", 1}, {"k", 1}, {"y0", 1}
+#define UNIT_SCENE {"m", 1}, {"k", 1}, {"y0", 1}
 
 static const struct stress_case cases[] = {
     {"stiff-spring", "k/m = 1e12, 1 ms: 159 swings", "stiff-spring", .span = 1e-3},
@@ -56,17 +58,17 @@ static const struct stress_case cases[] = {
     {"robertson", "to t = 1e11", "robertson", .span = 1e11},
     {"robertson short", "to t = 40", "robertson", .span = 40},
     {"orego", "to t = 360, over a spike", "orego", .span = 360},
-    {"prothero-robinson", "lambda = -1e6", "prothero-robinson", .span = SPAN},
+    {"prothero-robinson", "lambda = -1e6", "prothero-robinson", .span = CASE_SPAN},
     {"kepler e=0.9", "three orbits", "kepler-eccentric", .span = 18.849555921538759},
     {"extreme-comet", "e = 0.9999, one orbit", "extreme-comet", .span = 6.2831853071795862},
     {"drag huge", "c |v| h = 1e6 at the start", "spring",
-     .set = {UNIT, {"v0", 1e3}, {"C", 1e5}, {"rho", 1}, {"area", 1}}},
+     .set = {UNIT_SCENE, {"v0", 1e3}, {"C", 1e5}, {"rho", 1}, {"area", 1}}},
     {"damping huge", "gamma = 1e9 in steps of 0.1 s", "stiff-damped", .fixed = true, .dt = 0.1},
-    {"critical below", "zeta = 1 - 1e-12", "spring", .set = {UNIT, {"gamma", 2 - 2e-12}}},
-    {"critical", "zeta = 1", "spring", .set = {UNIT, {"gamma", 2}}},
-    {"critical above", "zeta = 1 + 1e-12", "spring", .set = {UNIT, {"gamma", 2 + 2e-12}}},
+    {"critical below", "zeta = 1 - 1e-12", "spring", .set = {UNIT_SCENE, {"gamma", 2 - 2e-12}}},
+    {"critical", "zeta = 1", "spring", .set = {UNIT_SCENE, {"gamma", 2}}},
+    {"critical above", "zeta = 1 + 1e-12", "spring", .set = {UNIT_SCENE, {"gamma", 2 + 2e-12}}},
     {"k < 0", "an unstable equilibrium", "spring", .set = {{"m", 1}, {"k", -1}, {"y0", 1}}},
-    {"gamma < 0", "a motion that grows", "spring", .set = {UNIT, {"gamma", -0.5}}},
+    {"gamma < 0", "a motion that grows", "spring", .set = {UNIT_SCENE, {"gamma", -0.5}}},
     {"k = 0", "a free mass with drag", "spring",
      .set = {{"m", 1}, {"k", 0}, {"gamma", 0.5}, {"v0", 1}}},
     {"free", "no force at all", "spring", .set = {{"m", 1}, {"k", 0}, {"v0", 1}}},
@@ -81,25 +83,25 @@ static const struct stress_case cases[] = {
     {"y0 = inf", "not finite", "spring", .set = {{"y0", __builtin_inf()}}},
     {"phase lost", "k/m = 1e28: 1e14 swings", "spring", .set = {{"m", 1}, {"k", 1e28}, {"y0", 1}}},
     {"undamped long", "200 periods of 20 steps", "spring",
-     .set = {UNIT}, .span = 1256.6370614359173, .fixed = true, .dt = 0.31415926535897931},
+     .set = {UNIT_SCENE}, .span = 1256.6370614359173, .fixed = true, .dt = 0.31415926535897931},
     {"dt above limit", "omega0 dt = 3", "spring",
-     .set = {UNIT}, .span = 3000, .fixed = true, .dt = 3},
+     .set = {UNIT_SCENE}, .span = 3000, .fixed = true, .dt = 3},
     {"dt far above", "omega0 dt = 100", "spring",
-     .set = {UNIT}, .span = 1e5, .fixed = true, .dt = 100},
+     .set = {UNIT_SCENE}, .span = 1e5, .fixed = true, .dt = 100},
     {"dt > T", "one step of exactly T", "spring",
-     .set = {UNIT}, .span = 0.125, .fixed = true, .dt = 1},
-    {"dt = 0", "no step", "spring", .set = {UNIT}, .fixed = true, .dt = 0},
-    {"dt < 0", "dt is always positive", "spring", .set = {UNIT}, .fixed = true, .dt = -0.01},
-    {"dt = nan", "not a number", "spring", .set = {UNIT}, .fixed = true, .dt = __builtin_nan("")},
-    {"dt = inf", "not finite", "spring", .set = {UNIT}, .fixed = true, .dt = __builtin_inf()},
+     .set = {UNIT_SCENE}, .span = 0.125, .fixed = true, .dt = 1},
+    {"dt = 0", "no step", "spring", .set = {UNIT_SCENE}, .fixed = true, .dt = 0},
+    {"dt < 0", "dt is always positive", "spring", .set = {UNIT_SCENE}, .fixed = true, .dt = -0.01},
+    {"dt = nan", "not a number", "spring", .set = {UNIT_SCENE}, .fixed = true, .dt = __builtin_nan("")},
+    {"dt = inf", "not finite", "spring", .set = {UNIT_SCENE}, .fixed = true, .dt = __builtin_inf()},
     {"dt below rounding", "t0 = 1e15 s", "spring",
-     .set = {UNIT, {"t0", 1e15}}, .fixed = true, .dt = 0.01},
+     .set = {UNIT_SCENE, {"t0", 1e15}}, .fixed = true, .dt = 0.01},
     {"T/dt = 1e12", "predicted only", "spring",
-     .set = {UNIT}, .span = 1e10, .fixed = true, .dt = 0.01},
+     .set = {UNIT_SCENE}, .span = 1e10, .fixed = true, .dt = 0.01},
     {"T/dt = 1e300", "more than can be counted", "spring",
-     .set = {UNIT}, .span = 1e298, .fixed = true, .dt = 0.01},
-    {"tol = 1e-20", "below rounding", "spring", .set = {UNIT}, .tol = 1e-20},
-    {"duration = nan", "not a number", "spring", .set = {UNIT}, .span = __builtin_nan("")},
+     .set = {UNIT_SCENE}, .span = 1e298, .fixed = true, .dt = 0.01},
+    {"tol = 1e-20", "below rounding", "spring", .set = {UNIT_SCENE}, .tol = 1e-20},
+    {"duration = nan", "not a number", "spring", .set = {UNIT_SCENE}, .span = __builtin_nan("")},
 };
 /* clang-format on */
 
@@ -224,9 +226,9 @@ static bool bench_init(struct stress_state *bench, const struct stress_case *wha
 {
     struct error error = {0};
     *bench = (struct stress_state){.what = what, .cancel = cancel};
-    bench->span = what->span == 0 ? SPAN : what->span;
-    bench->dt = what->fixed ? what->dt : bench->span / STEPS;
-    bench->tol = what->tol == 0 ? TOL : what->tol;
+    bench->span = what->span == 0 ? CASE_SPAN : what->span;
+    bench->dt = what->fixed ? what->dt : bench->span / CASE_STEPS;
+    bench->tol = what->tol == 0 ? CASE_TOLERANCE : what->tol;
     if (!set_scene(what, &bench->system, &error)) {
         snprintf(bench->refused, sizeof bench->refused, "%.150s", error.text);
         return true;
@@ -275,21 +277,21 @@ static void judge_end(const struct stress_state *bench, struct stress_row *row)
         const double now = largest(bench, bench->grid, last_quarter, i),
                      real = largest(bench, reference->y, last_quarter, i);
         size = fmax(size, largest(bench, bench->grid, 0, i));
-        gone |= real > 0.05 && now < GONE * real;
+        gone |= real > 0.05 && now < DAMPED_FRACTION * real;
     }
-    const bool known = reference->accuracy < ACCURATE;
-    if (known && row->error <= fmax(EXACT, reference->exact ? 10 * reference->accuracy : 0)) {
+    const bool known = reference->accuracy < ERROR_ACCURATE;
+    if (known && row->error <= fmax(ERROR_EXACT, reference->exact ? 10 * reference->accuracy : 0)) {
         row->verdict = STRESS_EXACT;
-    } else if (known && row->error <= ACCURATE) {
+    } else if (known && row->error <= ERROR_ACCURATE) {
         row->verdict = STRESS_ACCURATE;
-    } else if (!(size <= BOUNDED)) {
+    } else if (!(size <= AMPLITUDE_BOUNDED)) {
         row->verdict = STRESS_DIVERGED;
         snprintf(row->reason, sizeof row->reason, "grew to %.2g times the motion", size);
     } else if (gone) {
         row->verdict = STRESS_DAMPED;
         snprintf(row->reason, sizeof row->reason,
                  "numerical damping takes out what these steps do not resolve");
-    } else if (size <= BOUNDED) {
+    } else if (size <= AMPLITUDE_BOUNDED) {
         row->verdict = STRESS_BOUNDED;
         if (known)
             snprintf(row->reason, sizeof row->reason,
@@ -370,7 +372,7 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
                      : stress_limit(&bench->system, bench->system.start, 1, 1, row->method);
     const double dt = bench->what->change != STRESS_STEP ? bench->dt
                       : isfinite(*limit)                 ? bench->what->value * *limit
-                                                         : bench->what->value * bench->span / STEPS;
+                                         : bench->what->value * bench->span / CASE_STEPS;
     struct run_settings settings = {.dt = dt, .tol = adaptive ? bench->tol : 0};
     struct error error = {0};
     struct plan plan;

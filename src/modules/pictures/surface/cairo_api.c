@@ -9,8 +9,9 @@
 
 #ifdef HAVE_CAIRO
 
-#define LIBRARY "libcairo.so.2"
-#define PATIENCE 60 /* [s] that a picture may take: 1000 times what the largest took */
+#define CAIRO_LIBRARY "libcairo.so.2"
+/* Time that a picture may take [s], 1000 times that of the largest known. */
+#define PICTURE_SECONDS_MAX 60
 
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
@@ -46,7 +47,7 @@ static bool work(const void *context, struct buffer *out, struct error *error)
 {
     const struct cairo_work *work = context;
     struct cairo_api api;
-    return cairo_load(&api, LIBRARY, error) &&
+    return cairo_load(&api, CAIRO_LIBRARY, error) &&
            (!work->figure ||
             cairo_picture(&api, work->figure, work->kind, work->width, work->height, out, error));
 }
@@ -64,7 +65,7 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
 {
     const struct cairo_work of = {figure, kind, width, height};
     const struct child child = {work, work_stopped, &of, "the picture could not be drawn",
-                                PATIENCE};
+                                PICTURE_SECONDS_MAX};
     const bool done = child_run(&child, out, error);
     if (!done && error->code == ERROR_IO)
         error_hint(error, "a file that ends in .svg needs no library of the system's");

@@ -7,7 +7,7 @@
 
 #ifdef HAVE_CAIRO
 
-#define FONT "DejaVu Sans"
+#define PICTURE_FONT "DejaVu Sans"
 
 struct cairo_surface {
     struct surface surface;
@@ -129,7 +129,8 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     api->paint(on.cairo);
     api->set_line_cap(on.cairo, CAIRO_LINE_CAP_ROUND);
     api->set_line_join(on.cairo, CAIRO_LINE_JOIN_ROUND);
-    api->select_font_face(on.cairo, FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    api->select_font_face(on.cairo, PICTURE_FONT, CAIRO_FONT_SLANT_NORMAL,
+                          CAIRO_FONT_WEIGHT_NORMAL);
     bool drawn = picture_draw(&on.surface, figure, width, height) &&
                  api->status(on.cairo) == CAIRO_STATUS_SUCCESS;
     surface_free(&on.surface);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* Each has the characters of units and powers: superscripts, Greek, minus. */
-#define FONTS "DejaVu Sans,Segoe UI,Lucida Grande,Noto Sans,Helvetica,Arial,sans-serif"
+#define SVG_FONTS "DejaVu Sans,Segoe UI,Lucida Grande,Noto Sans,Helvetica,Arial,sans-serif"
 
 /* ".25", "-3", "17.5" */
 static void put_hundredths(struct buffer *out, long value)
@@ -216,7 +216,7 @@ void svg_begin(struct svg_surface *svg, double width, double height, double font
     put_hundredths(out, hundredths(width));
     buffer_char(out, ' ');
     put_hundredths(out, hundredths(height));
-    buffer_put(out, TEXT("\" font-family=\"" FONTS "\""));
+    buffer_put(out, TEXT("\" font-family=\"" SVG_FONTS "\""));
     put_length(out, "font-size", font);
     buffer_put(out, TEXT(" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n"));
     if (title && *title) {

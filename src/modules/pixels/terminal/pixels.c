@@ -20,12 +20,12 @@
 
 #include <readline/readline.h>
 
-#define QUESTION "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
+#define GRAPHICS_QUERY "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
 #define PATIENCE_NS 1000000000 /* a slow link; who answers does so long before */
 #define LATE_MS 100            /* between two bytes of an answer */
 #define CELL_WIDTH 10          /* [pixel] of terminals that do not say: those of a VT340 */
 #define CELL_HEIGHT 20
-#define CHUNK 4096 /* [byte] of a picture in one sequence */
+#define SEQUENCE_BYTES 4096 /* Bytes of a picture in one escape sequence. */
 
 enum protocol { PROTOCOL_UNKNOWN, PROTOCOL_NONE, PROTOCOL_KITTY, PROTOCOL_ITERM, PROTOCOL_SIXEL };
 
@@ -137,7 +137,7 @@ static enum protocol ask(bool at_prompt)
     if (tcsetattr(STDIN_FILENO, TCSANOW, &raw) != 0)
         return PROTOCOL_NONE;
     pixels.owed =
-        write_all(STDOUT_FILENO, TEXT(QUESTION), &failure) && !await_answers(&bytes, &best);
+        write_all(STDOUT_FILENO, TEXT(GRAPHICS_QUERY), &failure) && !await_answers(&bytes, &best);
     tcsetattr(STDIN_FILENO, TCSANOW, &before);
     if (!at_prompt)
         crash_disarm();
@@ -173,8 +173,8 @@ static int skip_answer(int key)
 /* https://sw.kovidgoyal.net/kitty/graphics-protocol: transmit and display, without an answer. */
 static void put_kitty(struct text code, int columns, struct buffer *out)
 {
-    for (size_t i = 0; i < code.len; i += CHUNK) {
-        const size_t n = code.len - i < CHUNK ? code.len - i : CHUNK;
+    for (size_t i = 0; i < code.len; i += SEQUENCE_BYTES) {
+        const size_t n = code.len - i < SEQUENCE_BYTES ? code.len - i : SEQUENCE_BYTES;
         buffer_put(out, TEXT("\033_G"));
         if (i == 0)
             buffer_format(out, "a=T,f=100,q=2,c=%d,", columns);

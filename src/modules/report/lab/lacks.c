@@ -26,7 +26,7 @@ struct lack {
     bool spring;             /* it needs that scene */
 };
 
-#define LACKS 10
+#define LACKS_MAX 10
 
 static bool has_of(const struct report *report, const char *name, int recording)
 {
@@ -37,7 +37,7 @@ static bool has_of(const struct report *report, const char *name, int recording)
     return find_value(report, name, of) != NULL;
 }
 
-static int find_lacks(const struct report *report, struct lack lack[LACKS])
+static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
 {
     const struct material *m = report->material;
     const int first = m->first, second = m->second;
@@ -49,7 +49,7 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS])
     const struct {
         bool there;
         struct lack lack;
-    } rows[LACKS] = {
+    } rows[LACKS_MAX] = {
         {first >= 0, {SECTION_RECORDING, "the recording without damping", "load FILE", -1, false}},
         {has_of(report, "period", first),
          {SECTION_RECORDING, "the period", "measure period of data %s", first, false}},
@@ -75,7 +75,7 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS])
           "fit damped to %s; adopt; method rk4 dt=10ms; run 20 s", second, true}},
     };
     int lacks = 0;
-    for (size_t i = 0; i < LACKS; i++)
+    for (size_t i = 0; i < LACKS_MAX; i++)
         if (!rows[i].there)
             lack[lacks++] = rows[i].lack;
     return lacks;
@@ -109,7 +109,7 @@ static void put_type(const struct report *report, const struct lack *lack, struc
 void report_missing(const struct report *report,
                     void (*say)(void *context, const char *what, const char *type), void *context)
 {
-    struct lack lack[LACKS];
+    struct lack lack[LACKS_MAX];
     const int lacks = report_of_lab(report) ? find_lacks(report, lack) : 0;
     for (int i = 0; i < lacks; i++) {
         struct buffer type = {0};
@@ -122,7 +122,7 @@ void report_missing(const struct report *report,
 void put_lacks(struct report *report, enum section section)
 {
     struct document *document = &report->document;
-    struct lack lack[LACKS];
+    struct lack lack[LACKS_MAX];
     const int lacks = find_lacks(report, lack);
     for (int i = 0; i < lacks; i++) {
         struct buffer type = {0};

@@ -14,9 +14,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FALLS 0.25 /* share of its amplitude that a recording of the second session loses */
-#define PARTS 5    /* of a recording: the amplitude of the last is compared with the first's */
-#define MORE 2     /* times the damping of another recording, and three uncertainties of both */
+/* Part of its amplitude that a recording of the second session loses. */
+#define AMPLITUDE_LOSS_MIN 0.25
+/* The amplitude of the last of this many parts is compared with that of the first. */
+#define RECORDING_PARTS 5
+/* Damping ratio of two recordings, besides three uncertainties of both. */
+#define DAMPING_RATIO_MIN 2
 
 bool is_method(const struct run *run, const char *name)
 {
@@ -50,8 +53,8 @@ static double falls(const struct recording *recording)
     double lost = NAN;
     whole.window[0] = -HUGE_VAL;
     whole.window[1] = HUGE_VAL;
-    if (recording_series(&whole, &arena, 4 * PARTS, &series, &error)) {
-        const size_t n = series.n / PARTS;
+    if (recording_series(&whole, &arena, 4 * RECORDING_PARTS, &series, &error)) {
+        const size_t n = series.n / RECORDING_PARTS;
         lost = 1 - spread(&arena, series.y + series.n - n, n) / spread(&arena, series.y, n);
     }
     arena_reset(&arena);
@@ -90,7 +93,7 @@ static bool is_damped_more(const struct report *report, int index)
     }
     for (int i = 0; i < session->recordings; i++)
         if (gamma[index].value - 3 * gamma[index].uncertainty >
-            MORE * (gamma[i].value + 3 * gamma[i].uncertainty))
+            DAMPING_RATIO_MIN * (gamma[i].value + 3 * gamma[i].uncertainty))
             return true;
     return false;
 }
@@ -112,8 +115,8 @@ static void sort_recordings(const struct report *report, struct material *m)
         most = asked[i] ? fmax(most, fall[i]) : most;
     }
     for (int i = 0; i < count; i++) {
-        m->decays[i] =
-            fall[i] > FALLS || (asked[i] && !(fall[i] < most)) || is_damped_more(report, i);
+        m->decays[i] = fall[i] > AMPLITUDE_LOSS_MIN || (asked[i] && !(fall[i] < most)) ||
+                       is_damped_more(report, i);
         all &= m->decays[i];
     }
     for (int i = 0; all && any_asked && i < count; i++)

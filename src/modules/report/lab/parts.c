@@ -17,7 +17,7 @@
 #define TEXT_WIDTH 100 /* [cell] of a figure as text */
 #define TEXT_HEIGHT 28
 #define ALL_COLUMNS 1000000 /* [cell] so wide that no envelope is drawn */
-#define DIGITS 6
+#define VALUE_DIGITS 6
 #define ALL_DIGITS 15
 #define FEW_DIGITS 4 /* of what has no uncertainty and was not stated */
 
@@ -32,8 +32,9 @@ void say_value(struct document *document, const struct report_value *value)
 {
     /* Of a simulation an uncertainty of rounding says nothing. */
     const bool recorded = text_starts(text_of(value->of), TEXT("data "));
-    const int digits = value->value.uncertainty > 0 ? (recorded ? ALL_DIGITS : DIGITS)
-                                                    : (is_stated(value) ? DIGITS : FEW_DIGITS);
+    const int digits = value->value.uncertainty > 0
+                           ? (recorded ? ALL_DIGITS : VALUE_DIGITS)
+                           : (is_stated(value) ? VALUE_DIGITS : FEW_DIGITS);
     document_measured(document, value->value, value->quantity, digits);
 }
 
@@ -80,7 +81,7 @@ static void put_name_and_value(struct document *document, const struct report_va
     say_label(document, v);
     if (isfinite(v->at)) {
         document_say(document, " at t = ");
-        document_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, DIGITS);
+        document_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, VALUE_DIGITS);
     }
     document_close(document, BLOCK_CELL);
     document_open(document, BLOCK_CELL);
@@ -185,7 +186,7 @@ static bool put_run_cell(struct document *document, const struct run *run, enum 
         buffer_format(&text, "%lld", (long long)run->steps);
         break;
     case RUN_END:
-        buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, DIGITS);
+        buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, VALUE_DIGITS);
         break;
     case RUN_ENERGY:
         run_ledger(run, &ledger);

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DIGITS 6
+#define VALUE_DIGITS 6
 
 /* ---- sections ---- */
 
@@ -23,7 +23,7 @@ static void put_rates(struct document *document, const struct stored_fit *stored
         if (!(fabs(rate.value) > 0 || rate.uncertainty > 0))
             continue;
         document_say(document, ", %s = ", drag_rates[k].name);
-        document_measured(document, rate, QUANTITY_OTHER, DIGITS);
+        document_measured(document, rate, QUANTITY_OTHER, VALUE_DIGITS);
         document_say(document, " %s",
                      stored->quantity == QUANTITY_LENGTH ? drag_rates[k].unit : drag_rates[k].bare);
     }
@@ -83,7 +83,7 @@ static void say_zero(struct report *report, const struct recording *recording, c
             zero.uncertainty = stored->fit.offset.uncertainty;
     }
     document_measured(&report->document, zero, recording->column[recording->value].quantity,
-                      DIGITS);
+                      VALUE_DIGITS);
 }
 
 static bool put_recording(struct report *report, int index, enum section section,

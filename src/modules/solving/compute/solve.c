@@ -203,15 +203,15 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
     return STOP_END;
 }
 
-#define ROOM 1024 /* [double] of states that a kernel leaves behind */
+#define ROW_DOUBLES 1024 /* Numbers of the states that a kernel leaves behind in one call. */
 
 /* each: steps between two grid times, all of which are steps' ends; 0: nobody asks for them. */
 static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
                             const struct cancel *cancel)
 {
     const int n = s->system->n;
-    const int64_t max = ROOM / n;
-    double row[ROOM];
+    const int64_t max = ROW_DOUBLES / n;
+    double row[ROW_DOUBLES];
     for (int64_t i = 0; i < steps;) {
         const int64_t to = each > 0 ? each * sampler->next : steps;
         const struct march march = {&s->step, s->system->t0, i, to - i < max ? to - i : max, row};

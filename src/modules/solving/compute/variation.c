@@ -10,9 +10,11 @@
 #include <string.h>
 #include <stdlib.h>
 
-#define DELTA 1e-6 /* relative to the parameter */
-#define SMALL 1e-3 /* SI; below it, unless it must be > 0, a parameter counts as that large, */
-#define LEAST 1e-6 /* else as that part of its initial value */
+#define DIFFERENCE_STEP 1e-6 /* Step of differences relative to the parameter. */
+/* Smallest size assumed of a parameter (SI), unless it has to be above 0. */
+#define PARAMETER_SIZE_MIN 1e-3
+/* Smallest size of a parameter above 0, as a part of its initial value. */
+#define INITIAL_FRACTION_MIN 1e-6
 
 static const struct bound_term *term_of(const struct system *system, const struct term_row *row)
 {
@@ -47,11 +49,13 @@ static bool find_between(const struct scene *scene, int index, struct system sid
 {
     const struct param_row *row = param_at(scene, index);
     const double value = scene->value[index],
-                 size = fmax(fabs(value), row->min_excluded ? LEAST * fabs(row->initial) : SMALL);
+                 size =
+                     fmax(fabs(value), row->min_excluded ? INITIAL_FRACTION_MIN * fabs(row->initial)
+                                                         : PARAMETER_SIZE_MIN);
     struct scene trial = *scene;
     double at[2];
     for (int s = 0; s < 2; s++) {
-        trial.value[index] = at[s] = value + (s == 0 ? DELTA : -DELTA) * size;
+        trial.value[index] = at[s] = value + (s == 0 ? DIFFERENCE_STEP : -DIFFERENCE_STEP) * size;
         if (scene_bind_rates(&trial, &side[s]))
             continue;
         trial.value[index] = at[s] = value; /* beyond a bound: a difference to one side */
@@ -179,7 +183,8 @@ static void variation_jacobian(const double *c, double t, const double *y, doubl
                 jac[(block * n + i) * all + block * n + j] += jacobian[0][i * n + j];
     memcpy(at, y, (size_t)n * sizeof *at);
     for (int l = 0; l < n; l++) {
-        const double delta = DELTA * fmax(fabs(y[l]), SMALL * v->base.scale[l]);
+        const double delta =
+            DIFFERENCE_STEP * fmax(fabs(y[l]), PARAMETER_SIZE_MIN * v->base.scale[l]);
         for (int s = 0; s < 2; s++) {
             at[l] = s == 0 ? y[l] + delta : y[l] - delta;
             system_jacobian(&v->base, t, at, jacobian[s]);

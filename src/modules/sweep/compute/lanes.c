@@ -8,7 +8,8 @@
 
 #include <string.h>
 
-#define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
+/* A larger state is stepped alone, which stops it at the right step. */
+#define DIVERGENCE_MIN 1e100
 
 /* The last, shorter step, as a run takes it. */
 static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
@@ -54,7 +55,7 @@ static double lane_measure(const struct sweep_worker *worker, int lane,
 bool lane_suspicious(const double *y, int n)
 {
     for (int i = 0; i < n; i++)
-        if (!(fabs(y[i]) <= SUSPICIOUS))
+        if (!(fabs(y[i]) <= DIVERGENCE_MIN))
             return true;
     return false;
 }

@@ -8,9 +8,11 @@
 #include <stdlib.h>
 
 #define LOOK_STEPS 1024 /* between looks at what has happened */
-#define NEAR 16         /* rounding units of a time */
-#define SAME 1e-6       /* of sizes: a state has come again */
-#define SETTLED 1e-2    /* of what two points are apart: more is not lost while some are kept */
+/* Distance of two times, in rounding units, that counts as none. */
+#define SECTION_TIME_ULPS 16
+#define STATE_DISTANCE_MAX 1e-6 /* A state that is nearer, in sizes, has come again. */
+/* Points still settle if their distance changes by more than this part of it. */
+#define DISTANCE_CHANGE_MAX 1e-2
 #define REPEATS_MAX 1000
 bool section_create(struct sweep_worker *worker)
 {
@@ -153,8 +155,9 @@ bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t pe
 {
     const struct run *run = crossings->run;
     const double t0 = run->system.t0, due = t0 + (double)period * crossings->period;
-    return row < trace_count(run->trace) && fabs(trace_time(run->trace, row) - due) <=
-                                                NEAR * DBL_EPSILON * fmax(fabs(due), fabs(t0));
+    return row < trace_count(run->trace) &&
+           fabs(trace_time(run->trace, row) - due) <=
+               SECTION_TIME_ULPS * DBL_EPSILON * fmax(fabs(due), fabs(t0));
 }
 
 /* In its first turn. */
@@ -192,7 +195,7 @@ static bool comes_again(const struct crossings *crossings, const double *state, 
         for (int i = 0; i < n; i++) {
             const double a = state[k * n + i], b = state[(k + apart) * n + i];
             const double size = fmax(fmax(fabs(a), fabs(b)), system->scale[i]);
-            if (!(fabs(turned(crossings, i, a - b)) <= SAME * size))
+            if (!(fabs(turned(crossings, i, a - b)) <= STATE_DISTANCE_MAX * size))
                 return false;
         }
     return true;
@@ -219,7 +222,7 @@ static bool still_settles(const struct crossings *crossings, const double *state
     if (apart % 2 != 0)
         return false;
     const double first = apart_by(crossings, state, 0, half);
-    return !(fabs(apart_by(crossings, state, last, half) - first) <= SETTLED * first);
+    return !(fabs(apart_by(crossings, state, last, half) - first) <= DISTANCE_CHANGE_MAX * first);
 }
 
 static double repeats(const struct crossings *crossings, const double *state, int64_t count)

@@ -11,10 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UNCERTAIN 1e-9 /* of what a step changes: so near to 0 rounding may have the say */
-#define GRAZES 0.25    /* of a value nearest to 0: what is left of it between steps */
-#define BEYOND 1e100   /* as in lanes.c */
-#define INSIDE 1e-9    /* of a step: the next strobe lies so far in it, or in the one before */
+/* A value that is nearer to 0, as a part of its change in a step, has no reliable sign. */
+#define SIGN_ROUNDING 1e-9
+/* Part of the value nearest to 0 that may be left of it between steps. */
+#define GRAZE_FRACTION 0.25
+#define DIVERGENCE_MIN 1e100 /* Same limit as in lanes.c. */
+/* Distance of the next strobe from a step's end, as a part of the step. */
+#define STROBE_MARGIN 1e-9
 
 /* ---- what is looked at, in state variables ---- */
 
@@ -140,7 +143,7 @@ static bool take_again(const struct sweep_worker *worker, struct crossings *p, i
 static bool wild(const double *y, int n)
 {
     for (int k = 0; k < n; k++)
-        if (!(fabs(y[k]) <= BEYOND))
+        if (!(fabs(y[k]) <= DIVERGENCE_MIN))
             return true;
     return false;
 }
@@ -151,7 +154,7 @@ static int64_t strobe_step(const struct sweep_worker *worker, const struct cross
 {
     const double due = p->period * (double)(worker->job->request->section.skip + p->seen + 1),
                  h = worker->job->request->settings.dt;
-    return (int64_t)floor(due / h - INSIDE);
+    return (int64_t)floor(due / h - STROBE_MARGIN);
 }
 
 /* False: the moment is not seen from there on. */
@@ -212,7 +215,7 @@ static bool may_graze(double a, double b, double c)
     if (!(fabs(b) <= fabs(a) && fabs(b) <= fabs(c)) || signbit(a) != signbit(c))
         return false;
     const double slope = (c - a) / 2, bend = a - 2 * b + c;
-    return !((b - slope * slope / (2 * bend)) / b > GRAZES);
+    return !((b - slope * slope / (2 * bend)) / b > GRAZE_FRACTION);
 }
 
 /* Lane values before the step before, at its beginning and at its end. */
@@ -229,7 +232,7 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
         return;
     const bool crosses = signbit(a) != signbit(b);
     p->alone = !isfinite(b) || b == 0 || a == 0 ||
-               ((crosses || step == 0) && !(fmin(fabs(a), fabs(b)) > UNCERTAIN * change)) ||
+               ((crosses || step == 0) && !(fmin(fabs(a), fabs(b)) > SIGN_ROUNDING * change)) ||
                (!crosses && signbit(value[0]) == signbit(a) && may_graze(value[0], a, b));
     if (!p->alone && crosses && (direction == 0 || (b > a) == (direction > 0))) {
         for (int k = 0; k < worker->system[0].n; k++)

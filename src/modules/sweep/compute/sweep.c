@@ -37,11 +37,11 @@ void sweep_free(struct sweep *sweep)
 }
 
 #define CELL_MOST 64
-#define CELLS 128
+#define PROGRESS_CELLS 128
 
 int64_t sweep_cell(int64_t total)
 {
-    const int64_t cell = total / CELLS;
+    const int64_t cell = total / PROGRESS_CELLS;
     return cell < 1 ? 1 : cell < CELL_MOST ? cell : CELL_MOST;
 }
 
