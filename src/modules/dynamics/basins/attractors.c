@@ -27,12 +27,13 @@
 
 static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
-    double least = HUGE_VAL;
+    double least = HUGE_VAL, nearest[FIELD_VARIABLES];
     for (int k = 0; k < a->points; k++) {
         const double *from = a->point + k * walk->n;
-        least = fmin(least, a->basin.kind == BASIN_ORBIT && k + 1 < a->points
-                                ? field_distance_to_line(&walk->field, y, from, from + walk->n)
-                                : field_distance(&walk->field, y, from));
+        const bool is_line = a->basin.kind == BASIN_ORBIT && k + 1 < a->points;
+        if (is_line)
+            field_nearest_on_line(&walk->field, y, from, from + walk->n, nearest);
+        least = fmin(least, field_distance(&walk->field, y, is_line ? nearest : from));
     }
     return least;
 }

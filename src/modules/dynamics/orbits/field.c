@@ -280,10 +280,10 @@ double field_distance(const struct vector_field *field, const double *x, const d
     return most;
 }
 
-double field_distance_to_line(const struct vector_field *field, const double *y, const double *a,
-                              const double *b)
+void field_nearest_on_line(const struct vector_field *field, const double *y, const double *a,
+                           const double *b, double *nearest)
 {
-    double along = 0, length = 0, nearest[FIELD_VARIABLES];
+    double along = 0, length = 0;
     for (int i = 0; i < field->n; i++) {
         const double by = (b[i] - a[i]) / field->size[i];
         along += field_apart(field, i, a, y) * by;
@@ -292,7 +292,6 @@ double field_distance_to_line(const struct vector_field *field, const double *y,
     const double share = length > 0 ? fmin(fmax(along / length, 0), 1) : 0;
     for (int i = 0; i < field->n; i++)
         nearest[i] = a[i] + share * (b[i] - a[i]);
-    return field_distance(field, nearest, y);
 }
 
 void field_plane_across(struct vector_field *field, const double *state, struct field_plane *plane)

@@ -82,9 +82,9 @@ double field_apart(const struct vector_field *field, int i, const double *x, con
 /* Returns the largest of these distances. */
 double field_distance(const struct vector_field *field, const double *x, const double *y);
 
-/* Returns how far y lies from the straight line between two states. */
-double field_distance_to_line(const struct vector_field *field, const double *y, const double *a,
-                              const double *b);
+/* Finds the state [n] on the straight line from a to b that is nearest to y. */
+void field_nearest_on_line(const struct vector_field *field, const double *y, const double *a,
+                           const double *b, double *nearest);
 
 /* A plane in the space of states, which has units of size. */
 struct field_plane {

@@ -314,9 +314,13 @@ static double away_from(const struct orbit_search *s, const struct found_orbit *
     double nearest = HUGE_VAL;
     for (int k = 0; k + 1 < orbit->samples; k++) {
         const double *a = orbit->sample + k * (n + 1) + 1, *b = a + n + 1;
-        nearest = fmin(nearest, field_distance_to_line(&s->field, s->request->state, a, b));
+        double at[FIELD_VARIABLES], sum = 0;
+        field_nearest_on_line(&s->field, s->request->state, a, b, at);
+        for (int i = 0; i < n; i++)
+            sum += pow(field_apart(&s->field, i, at, s->request->state), 2);
+        nearest = fmin(nearest, sum);
     }
-    return nearest / orbit_extent(&s->field, &orbit->solution);
+    return sqrt(nearest) / orbit_extent(&s->field, &orbit->solution);
 }
 
 /* [J] over a period: what a drive puts in; without one, what is put in where power is above 0. */
