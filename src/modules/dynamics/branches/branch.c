@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
-#include "modules/dynamics/branches/two_parameters.h"
-
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
 #define SHORTEST 1e-7 /* of the longest */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The first Lyapunov coefficient from differences of the symbolic Jacobian in the directions that
  * it needs. */
-#include "modules/dynamics/branches/criticality.h"
-
 #include <math.h>
 #include <string.h>
+
+#include "modules/dynamics/branches/walk.h"
 
 /* (A - i im) x = b as a real system of twice the size. */
 static bool solve_shifted(int n, const double *a, double im, double *x)

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "modules/dynamics/branches/criticality.h"
 #include "modules/dynamics/branches/walk.h"
 
 #define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */

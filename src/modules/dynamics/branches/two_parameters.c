@@ -6,14 +6,11 @@
  * Derivatives of that equation are differences: they only lead to the point, which is as exact as
  * the equations are.
  */
-#include "modules/dynamics/branches/two_parameters.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "modules/dynamics/branches/criticality.h"
 #include "modules/dynamics/branches/walk.h"
 
 #define DELTA 1e-6

@@ -130,4 +130,22 @@ void specials_unseen(struct branch_walk *walk, const struct curve_place *to,
                      const struct solution *at, struct found_special *found, int *count);
 void specials_sure(struct branch_walk *walk, const struct curve_place *at, int grows);
 
+/* ---- criticality.c ---- */
+
+/*
+ * First Lyapunov coefficient of an equilibrium with eigenvalues +- i omega (Kuznetsov 2004, eq.
+ * 5.62, <q, q> = <p, q> = 1, in the scene's own units). < 0: the orbits that are born are stable
+ * where everything else is. *error: what differences leave uncertain. NAN: not found.
+ */
+double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
+                            double *error);
+
+/* ---- two_parameters.c: curves of special points ---- */
+
+/* branch_follow() where there is a second parameter. */
+bool special_follow(const struct branch_request *request, struct branch *branch,
+                    struct error *error);
+/* Its points in the opposite order. */
+void branch_reverse(struct branch *branch);
+
 #endif
