@@ -44,7 +44,7 @@ static bool input_is_free(const struct options *options, enum front_kind kind)
     return is_free;
 }
 
-/* Before anything is said: who will listen? */
+/* Chooses the front end before anything is printed. */
 static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};

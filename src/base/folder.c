@@ -84,7 +84,7 @@ static void remove_hidden(struct folder *folder, const char *name)
 
 /* ---- opening ---- */
 
-/* Is the name free, or a folder that force may replace? */
+/* Returns true if the name is free, or is a folder that force may replace. */
 static bool target_allows(const struct folder *folder, bool *exists, struct error *error)
 {
     const struct writer *at = &folder->at;

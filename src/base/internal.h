@@ -19,8 +19,8 @@ bool writer_refuse_existing(const struct writer *writer, struct error *error);
 /* Opens the folder of writer->path and points at the last component. confine: it has to be below
  * the current one. */
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error);
-/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for
- * a new file. */
+/* Returns true if the name is free, or is a regular file that force may replace. Sets *mode to its
+ * permissions, or to 0 for a new file. */
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error);
 /* All of it to writer->fd; a failure is remembered. */
 void writer_write(struct writer *writer, struct text text);

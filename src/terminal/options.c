@@ -131,7 +131,7 @@ static bool take_size(struct options *options, const char *value)
                     value);
 }
 
-/* Does a value follow? That of --resume may be left out. */
+/* Returns true if a value has to follow; that of --resume may be left out. */
 static bool wants_value(const struct option_row *row, const char *next)
 {
     return row->value == VALUE_RESUME   ? next && session_keeper()->is_name(next)

@@ -182,7 +182,7 @@ char *offer_take(struct front_program *program, char *typed);
 /* Sees to it that ncurses and readline know a usual terminal where the system does not describe
  * it: TERMINFO says it then (terminfo(5), "Fetching Compiled Descriptions"). */
 void describe_terminal(void);
-/* Can panes be shown here? If not, why. */
+/* Returns true if panes can be shown; otherwise sets *error. */
 bool panes_possible(struct error *error);
 /* F1 at the plain prompt: what the word at the cursor is; the line stays. */
 void prompt_explain(void);

@@ -63,8 +63,8 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 
 /* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
-/* Does this kind of plot show what the recording itself holds, without derivatives of it? run:
- * NULL: none beside it. */
+/* Returns true if this kind of plot shows the values that the recording holds, not derivatives of
+ * them. run may be NULL if no run is shown beside the recording. */
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
 /* Velocities or energies have to be found from the positions of the recording. */
 /* How much older the newest velocity of what is being collected is than its newest sample. */

@@ -66,8 +66,8 @@ bool expr_compare(const struct expr *left, const struct expr **right, struct are
                   struct error *error);
 /* NaN and infinities pass through. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope);
-/* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only
- * in the a? */
+/* Returns true if the formula, as it is written, is linear in these names together: a0 + a1 x1 + a2
+ * x2, where other names occur only in the a. */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
 
 /* ---- bounds ---- */
@@ -107,7 +107,7 @@ struct root_search {
     /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for.
      */
     bool (*found)(void *context, double x, int sign);
-    /* is the value 0 there, within errors? NULL: who touches is not asked */
+    /* Returns true if the value at x is 0 within errors; may be NULL. */
     bool (*touches)(void *context, double x);
     double near; /* extreme values that are no farther from 0 are asked for, too */
     double min;  /* stretches are not cut below this length */
@@ -196,7 +196,7 @@ bool program_native(const struct program *program);
 int program_operations(const struct program *program);
 /* depends on no input */
 bool program_constant(const struct program *program, int output, double *value);
-/* Does any of `count` outputs from `first` depend on the input, as it is written? */
+/* Returns true if any of `count` outputs from `first` depends on the input as written. */
 bool program_depends(const struct program *program, int first, int count, int name);
 
 /* Doubles of a frame. It serves one thread at a time. */

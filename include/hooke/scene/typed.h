@@ -74,7 +74,7 @@ struct typed_line {
     enum quantity quantity; /* the same; QUANTITY_NUMBER: no unit */
 };
 
-/* Can a variable, a parameter or what is observed have this name? */
+/* Returns true if a variable, a parameter or an observable may have this name. */
 bool typed_name_fits(struct text name, struct error *error);
 
 struct typed_models; /* all of a session */
@@ -112,8 +112,8 @@ const struct typed_line *typed_line(const struct model *model, int i);
 void typed_describe(const struct typed_line *line, struct buffer *text);
 /* the built-in model below; NULL: none, all is typed */
 const struct model *typed_base(const struct model *model);
-/* Is it a built-in scene with this parameter or variable, where nothing but parameters was typed?
- * A parameter of that name then begins an empty scene, with those that were typed. */
+/* Returns true for a built-in scene with this parameter or variable where only parameters were
+ * typed. A parameter of that name then begins an empty scene, with those that were typed. */
 bool typed_base_has(const struct model *model, struct text name);
 
 /* Settings under the name of a scene that is all typed; NULL: it is not. */
@@ -169,8 +169,8 @@ void sliding_free(struct sliding *sliding);
  */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
 /*
- * Is the motion on its way across switch i, along which it was to slide? Yes, where jumps change
- * the rate of its argument only and this rate is more than they change in `within` [s].
+ * Returns true if the motion leaves across switch i, along which it was to slide: if jumps change
+ * only the rate of its argument, and this rate is more than they change in `within` [s].
  */
 bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y, double within);
 
@@ -183,7 +183,7 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
 
 /* The branch below switch i, where the motion slides along it. */
 double system_lower_branch(const struct system *frozen, int i, double t, const double *y);
-/* Does the argument of switch i change with this variable? */
+/* Returns true if the argument of switch i depends on this variable. */
 bool system_switch_sees(const struct system *system, int i, double t, const double *y,
                         int variable);
 

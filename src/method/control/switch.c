@@ -178,7 +178,7 @@ static enum step_status again(const struct switch_search *look, struct step *ste
     return status;
 }
 
-/* Where dry friction is all there is: is the velocity far from 0 all along? */
+/* Returns true if, with dry friction alone, the velocity is far from 0 in the whole step. */
 static bool moves_on(const struct system *system, double h, const double *before, const double *y)
 {
     const double v0 = before[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),

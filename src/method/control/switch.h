@@ -29,8 +29,8 @@ int64_t switched_march(const struct method *method, const struct march *march,
                        enum step_status *status);
 
 /* After that step was accepted. */
-/* Are the equations defined where a step on frozen branches has ended? Asks only where it may be
- * that they are not. */
+/* Returns true if the equations are defined where a step on frozen branches has ended. Tests this
+ * only where they may be undefined. */
 bool switch_is_there(struct step *step);
 void switch_next(struct step *step, struct switches_state *state, int ended);
 

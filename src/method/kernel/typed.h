@@ -35,7 +35,7 @@ struct typed_forces {
  * large. */
 bool known_take(struct typed_forces *known, const struct system *system);
 
-/* Has the sum one part, which is a program? */
+/* Returns true if the sum has one part, which is a program. */
 bool sum_is_one(const struct typed_sum *sum);
 
 /* out [rows], of n state variables */

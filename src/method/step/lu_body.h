@@ -63,8 +63,8 @@ LU_FUNCTION void lu_solve_size(int n, const double *a, const double *pivot, doub
     }
 }
 
-/* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the
- * pivots. */
+/* Returns true if the determinant of the factored matrix is negative. The diagonal holds the
+ * reciprocals of the pivots. */
 LU_FUNCTION bool lu_negative(int n, const double *a)
 {
     bool negative = false;

@@ -172,7 +172,7 @@ INLINE bool newton_renew(const struct newton *equations, struct step *step, int 
     return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, workspace);
 }
 
-/* Is the determinant, as far as it is real, positive as in short steps? */
+/* Returns true if the determinant, as far as it is real, is positive, as in short steps. */
 INLINE bool newton_positive(const struct implicit_tableau *tableau, int n,
                             const struct workspace *workspace)
 {

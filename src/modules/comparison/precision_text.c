@@ -45,7 +45,7 @@ static bool is_timed(const struct precision *precision, int first, int count)
     return timed;
 }
 
-/* Are some points timed by other code than the rest? */
+/* Returns true if some points are timed by other code than the others. */
 static bool is_mixed(const struct precision *precision)
 {
     bool mixed = false;

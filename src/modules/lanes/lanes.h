@@ -53,7 +53,7 @@ bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
 void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANE_COUNT], now */
 /* False: this lane has not come to t_end, and says nothing of what would happen alone. */
 bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals);
-/* Does a step begin with what the one before has left? */
+/* Returns true if a step begins with what the previous one has computed. */
 bool lanes_carry(const struct method *method, enum drag drag);
 
 /* ---- programs of formulas on many lanes ----

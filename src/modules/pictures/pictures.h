@@ -23,7 +23,7 @@ enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_PIXELS };
  */
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
                     struct buffer *out, struct error *error);
-/* Can it be drawn here at all? If not, why. */
+/* Returns true if this build can draw it; otherwise sets *error. */
 bool picture_offered(enum picture kind, struct error *error);
 
 #endif

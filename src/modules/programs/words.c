@@ -153,7 +153,7 @@ static void put_sizes(struct scene_program *p)
 
 /* ---- the method ---- */
 
-/* Is the method written as its Butcher table? Libraries have their own. */
+/* Returns true if the program contains the method's Butcher table; libraries have their own. */
 static bool has_table(const struct scene_program *p, struct runge_kutta *table)
 {
     const bool library = p->plan.adaptive && p->dialect != DIALECT_C;

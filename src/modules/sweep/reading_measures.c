@@ -148,7 +148,8 @@ static bool is_plain(struct text text)
     return plain;
 }
 
-/* The parenthesis that closes the one at `open`; len: there is none. One argument? */
+/* Returns the index of the matching ')', or text.len if none matches. Sets *one if it encloses a
+ * single argument. */
 static size_t closing(struct text text, size_t open, bool *one)
 {
     int depth = 0;

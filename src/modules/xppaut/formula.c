@@ -363,7 +363,7 @@ static bool put_sum(struct ode_writing *w, node of, const struct scope *scope)
 
 /* ---- operations ---- */
 
-/* Is it one more link of a chain a + b - c or a*b/c? */
+/* Returns true if the node continues a chain a + b - c or a*b/c. */
 static bool is_link(node of, bool sum)
 {
     return of->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", of->op);

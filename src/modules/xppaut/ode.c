@@ -11,7 +11,7 @@
 
 /* ---- names ---- */
 
-/* Is it how the initial value of the variable is called? */
+/* Returns true if name is that of the initial value of the variable. */
 static bool is_initial_of(struct text name, struct text variable)
 {
     const char last = variable.at[variable.len - 1];

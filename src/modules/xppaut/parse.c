@@ -241,7 +241,7 @@ static node power(struct ode_parser *p)
     return left;
 }
 
-/* Is the next word `not`? */
+/* Reads the word `not` and returns true if it comes next. */
 static bool takes_not(struct ode_parser *p)
 {
     peek(p);

@@ -52,8 +52,8 @@ static struct interval_jet somewhere(struct interval f)
 
 /* ---- circular ---- */
 
-/* Is there a k with (k + shift) pi in x, even k (odd, or any for part 2)? Too near to tell counts.
- */
+/* Returns true if x contains (k + shift) pi for an even k (odd or any k for parts 1 and 2), or if
+ * that cannot be excluded. */
 static bool meets(struct interval x, double shift, int part)
 {
     const double near = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));

@@ -141,8 +141,8 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
 }
 
 /*
- * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it
- * was found to be, or where the value is nearest to 0.
+ * Returns true if a curve whose ends are on one side of 0 has its extreme value on the other. Sets
+ * *x to where that was found, or to where the value is nearest to 0.
  */
 static bool reaches(const struct root_search *roots, const struct root_interval *s, double *x)
 {

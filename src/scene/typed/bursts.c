@@ -168,10 +168,10 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
 }
 
 /*
- * Do the samples differ from what lies around? Where a smooth force turns from one bend to the
- * other its samples see little of what bounds allow, too (1/8 of it with the best of bounds): there
- * the polynomial through points on either side (Lagrange) says what is between, and samples that
- * agree with it are no burst.
+ * Returns true if the samples differ from their surroundings. Where a smooth force turns from one
+ * bend to the other its samples also reach only a small part of the bounds (1/8 of the best
+ * bounds). There the polynomial through points on either side (Lagrange) predicts what is between,
+ * and samples that agree with it are no burst.
  */
 static bool stands_out(const struct way *way, int row, double a, double b, double seen)
 {

@@ -95,7 +95,7 @@ struct affine_form {
 
 static const struct affine_form unknown;
 
-/* Is there nothing but these? */
+/* Returns true if the form has no other parts. */
 static bool only(const struct affine_form *f, unsigned parts)
 {
     for (int i = 0; i < PARTS; i++)

@@ -110,7 +110,7 @@ bool typed_potential_is_integrated(const struct system *system)
     return false;
 }
 
-/* ---- is there one? ---- */
+/* ---- existence of a potential ---- */
 
 #define CURL_POINTS 8
 #define SAMPLE_REACH 3.0 /* Test points lie within this many natural sizes of 0. */
@@ -228,7 +228,7 @@ static void set_masses(struct system *system, const double *ratio)
     }
 }
 
-/* Is the integral from a to b what the potential says? */
+/* Returns true if the integral from a to b agrees with the difference of the potential. */
 static bool fits_between(const double *c, const double *a, const double *b, double potential_a,
                          double potential_b)
 {
@@ -239,7 +239,7 @@ static bool fits_between(const double *c, const double *a, const double *b, doub
            tolerated * (fabs(potential_a) + fabs(potential_b) + size);
 }
 
-/* Is the formula 0 at infinity, about? */
+/* Returns true if the formula is about 0 at infinity. */
 static bool fades(const double *c, const double *y, double value)
 {
     const double far = 1e6, small = 1e-3;

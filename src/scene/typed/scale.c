@@ -64,7 +64,7 @@ static bool all_finite(const double *y, int n)
     return true;
 }
 
-/* Has it grown away from the sizes it had after one time constant, `early`? */
+/* Returns true if the sizes have outgrown those after one time constant, `early`. */
 static bool grown(int n, const double *early, const double *max)
 {
     double then = 0, now = 0;

@@ -75,7 +75,7 @@ const struct model *typed_base(const struct model *model)
     return model->typed ? model->typed->base : model;
 }
 
-/* Are parameters all that was typed? */
+/* Returns true if only parameters were typed. */
 static bool has_params_only(const struct model *model)
 {
     int i = 0;
@@ -240,7 +240,7 @@ static int find_line(const struct typed *typed, enum typed_kind kind, struct tex
     return -1;
 }
 
-/* Is the variable declared, which a line of equations or of a velocity is about? */
+/* Returns true if the variable that a line of equations or of a velocity is about is declared. */
 static bool has_variable(const struct typed *typed, struct text name, struct error *error)
 {
     if (find_line(typed, TYPED_VAR, name) >= 0)
@@ -265,7 +265,7 @@ static bool is_coordinate(const struct typed *typed, struct text name, struct er
     return error_at(error, name, "there is no coordinate '%.*s'", (int)name.len, name.at);
 }
 
-/* Does the line make sense beside the others? */
+/* Returns true if the line agrees with the other lines. */
 static bool fits(const struct typed *typed, const struct typed_line *line, struct error *error)
 {
     struct text name = line->name;

@@ -149,8 +149,8 @@ const struct typed_term *typed_term_of(const double *c);
 /* Of a term's row: add, and jacobian. Without memory for large ones they add NaN. */
 void typed_add_force(const double *c, double t, const double *y, double *a);
 void typed_add_jacobian(const double *c, double t, const double *y, double *jac);
-/* Is there room for ratios of masses behind the values of a bound term? The last is that of the
- * first coordinate. */
+/* Returns true if ratios of masses have room behind the values of a bound term. The last ratio is
+ * that of the first coordinate. */
 static inline bool typed_ratios_fit(const struct typed_term *term)
 {
     return term->part && 1 + term->part->steady <= TERM_VALUES - typed_rows(term->typed);
@@ -183,7 +183,7 @@ void typed_branches_take(const struct system *system, const double *branch, int 
  * to, NAN: not one. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
-/* Is the only switch that of a speed, across which the force is continuous? */
+/* Returns true if the only switch is that of a speed, across which the force is continuous. */
 bool typed_turns_only(const struct system *system);
 /* that are located: 0 for an oscillator, which has turning points */
 int typed_switches(struct system *system);
@@ -194,7 +194,7 @@ double switch_branch(enum switch_kind kind, double argument);
 enum switch_kind switch_kind_of(const struct system *system, int i);
 /* Of all; of a frozen system, not one that slides. */
 void switch_arguments(const struct system *system, double t, const double *y, double *argument);
-/* Is it dry friction that sticks, and nothing else? Then nothing moves. */
+/* Returns true if all there is is dry friction that sticks; then nothing moves. */
 bool sliding_rests(const struct sliding *sliding);
 void sliding_freeze_rest(struct system *frozen);
 void system_sum_up(struct system *system); /* what its terms say together (system.c) */
@@ -206,7 +206,7 @@ void typed_parts_destroy(struct typed_parts *parts);
 /* Adds what is typed to a system whose mass is set. */
 bool typed_bind(const struct typed *typed, const double *param, struct system *system,
                 struct error *error);
-/* Once start and scale are known: is the force the slope of the potential? */
+/* Returns true if the force is the slope of the potential. Start and scale have to be known. */
 bool typed_check(const struct system *system, struct error *error);
 
 /* ---- work along a path (work.c) ---- */
@@ -227,8 +227,8 @@ void typed_found_rows(struct typed_part *part); /* once its terms are made */
 /* Once start and scale are known: forces that depend on positions only get a potential where there
  * is one. False: there is none, or nothing to look for. */
 bool typed_find_potential(struct system *system);
-/* Then: is there nothing but forces with a potential, drag, and drives that depend on time alone?
- */
+/* Returns true if all forces have a potential, are drag, or are drives that depend on time
+ * alone. */
 bool typed_has_energy(const struct system *system);
 
 /* ---- what they are (typed_linear.c) ---- */

@@ -258,7 +258,7 @@ static double largest(const struct stress_state *bench, const double *grid, int 
     return max;
 }
 
-/* The run reached its end: what is it worth? */
+/* Grades a run that reached its end. */
 static void judge_end(const struct stress_state *bench, struct stress_row *row)
 {
     const struct reference *reference = &bench->reference;

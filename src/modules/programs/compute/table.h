@@ -35,7 +35,7 @@ bool method_error_control(const struct method *method, double tol, double *most,
 int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHTS],
                      bool *kick_first);
 
-/* Is it y' = y + h f(t + h, y')? */
+/* Returns true for backward Euler, y' = y + h f(t + h, y'). */
 bool method_is_backward_euler(const struct method *method);
 
 #endif

@@ -126,7 +126,7 @@ CLONES static void add_own_areas(const struct stretch_watch *of, double number, 
     }
 }
 
-/* Comes the lane to its end, which needs no shorter step, with this one? */
+/* Returns true if this step ends the lane, and need not be shortened. */
 static bool ends_after(const struct lane_clock *clock, int64_t steps)
 {
     return clock->whole == steps && clock->rest == 0;

@@ -8,7 +8,7 @@
 #include <string.h>
 
 struct adaptive_watch {
-    double open[LANE_COUNT]; /* has the window begun? */
+    double open[LANE_COUNT]; /* not 0 if the window has begun */
     int closed;              /* windows that have not */
 };
 

@@ -147,7 +147,7 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
     }
 }
 
-/* Is what a run does not say all that is wanted? */
+/* Returns true if all that is wanted comes from attractors, none of it from a run. */
 static bool needs_no_run(const struct sweep_request *request)
 {
     bool none = true;
@@ -172,7 +172,7 @@ bool sweep_needs_trace(const struct sweep_job *job)
     return needed;
 }
 
-/* Or the work done on the way? */
+/* Returns true if what is measured needs the work done during the run. */
 static bool needs_work(const struct sweep_job *job)
 {
     bool needed = false;

@@ -185,7 +185,7 @@ static bool state_at(const struct crossings *crossings, int64_t at, int64_t peri
     return true;
 }
 
-/* Are the states so many apart the same, all of them? */
+/* Returns true if every state equals the one that is `apart` places later. */
 static bool comes_again(const struct crossings *crossings, const double *state, int64_t count,
                         int64_t apart)
 {

@@ -34,7 +34,7 @@ bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *c
 /* So many steps, or so long [s] where steps adapt, without an event are the end. */
 bool crossings_end(const struct sweep_request *request, const struct run *run, int64_t steps,
                    double time);
-/* Is that row of its run the state after so many periods? */
+/* Returns true if that row of its run is the state after this many periods. */
 bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t period);
 /* What the run has recorded becomes the point's; `before`: so many of its records are not kept. */
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,

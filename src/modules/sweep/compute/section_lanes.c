@@ -63,7 +63,7 @@ static double value_of(const struct crossings *p, const double *row, int lane)
     return p->right ? left - expr_value(p->right, &scope) : left;
 }
 
-/* Are values a0 + sum a_k y_k? Then the a are there. */
+/* Returns true if values are a0 + sum a_k y_k, and stores the a. */
 static bool is_linear(struct section *s, int n, int used)
 {
     double unit[LIMIT_VARIABLES * LANE_COUNT] = {0};

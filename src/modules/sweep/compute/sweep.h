@@ -99,7 +99,7 @@ extern const struct catalog sweep_measure_catalog;
  * watched of another column than the first. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error);
-/* Can it be measured where an event happens: is it a function of state and time? */
+/* Returns true if it can be measured at an event, as a function of state and time. */
 bool sweep_at_section(const struct sweep_measure *measure);
 const char *sweep_measure_name(const struct sweep_measure *measure);
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure,

@@ -149,7 +149,7 @@ void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run o
 struct run *sweep_run(struct sweep_worker *worker, int64_t i);
 /* Takes it to its end, measures it and destroys it. evals: what its steps take, < 0: as it says */
 void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals);
-/* Does what is measured need the states on the way? */
+/* Returns true if what is measured needs the states of the whole run. */
 bool sweep_needs_trace(const struct sweep_job *job);
 
 /* ---- in lanes (sweep_lanes.c) ---- */

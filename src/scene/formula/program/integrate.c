@@ -107,8 +107,8 @@ static int derivative(struct integration *in, int i)
 
 /* ---- ratios that do not depend on x ---- */
 
-/* Has the node only operations on x that are analytic, so that what is constant at some x is
- * constant everywhere? */
+/* Returns true if all operations of the node on x are analytic, so that a value that is constant at
+ * some x is constant everywhere. */
 static bool is_analytic(struct integration *in, int i)
 {
     static double (*const steps[])(double) = {floor, ceil, round, function_sign, function_step};

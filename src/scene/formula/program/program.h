@@ -201,7 +201,7 @@ struct switches {
  */
 bool equations_freeze(struct equations *e, int first, int count, struct switches *found,
                       struct error *error);
-bool expr_switches(const struct expr *expr); /* has it any? NULL: none */
+bool expr_switches(const struct expr *expr); /* false for NULL */
 
 /* One operation: places are doubles in the frame. What an operation writes is none of its operands.
  */
@@ -254,7 +254,7 @@ struct program *program_create_keeping(const struct equations *e, int first, int
                                        const bool *bound, const double *value,
                                        const struct steady_names *steady, bool native,
                                        struct error *error);
-/* As program_depends(), on any of these names? */
+/* Same as program_depends() for any of these names. */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */
 void program_keep(const struct program *program, double *steady);

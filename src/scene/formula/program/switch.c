@@ -14,8 +14,8 @@ struct freezing {
     struct equations *e;
     struct switches *found;
     int *map;     /* [nodes] the frozen node */
-    bool *moving; /* [nodes] does the frozen node depend on what moves? */
-    bool *always; /* [nodes] is it wanted whatever the branches are? */
+    bool *moving; /* [nodes] true if the frozen node depends on what moves */
+    bool *always; /* [nodes] true if it is needed on all branches */
 };
 
 static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
@@ -23,7 +23,7 @@ static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
     return graph_apply(&f->e->graph, kind, a, b, c);
 }
 
-/* Are two arguments the negatives of each other, as they stand in sign(x) = (0 < x) - (x < 0)? */
+/* Returns true if two arguments are negatives of each other, as in sign(x) = (0 < x) - (x < 0). */
 static bool opposite(const struct freezing *f, int a, int b)
 {
     const struct node *x = &f->e->graph.node[a], *y = &f->e->graph.node[b];
@@ -130,7 +130,8 @@ static bool never_below(const struct freezing *f, int node)
             (is_number(f, n->operand[1], 0) || is_number(f, n->operand[2], 0)));
 }
 
-/* Does it want an argument above 0? Of powers: with this exponent. */
+/* Returns true if the node needs an argument above 0. A power does if its exponent is no whole
+ * number. */
 static bool wants_positive(const struct freezing *f, const struct node *node)
 {
     if (node->kind != NODE_TWO || node->two != function_power)
@@ -229,7 +230,7 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
     return allocated ? graph_check(&e->graph, error) : error_memory(error);
 }
 
-/* ---- is there any? ---- */
+/* ---- whether a formula has switches ---- */
 
 static bool is_switch(const struct op *op)
 {
