@@ -143,17 +143,16 @@ static bool fill_values(const struct result_columns *columns, const struct resul
         return false;
     for (size_t i = 0; i < count; i++) {
         const void *row = row_at(columns, rows, i);
-        if (column->kind == COLUMN_REAL)
-            value[i] = real_of(column, row);
-        else if (numbers)
-            value[i] = (double)count_of(column, row);
+        if (value)
+            value[i] =
+                column->kind == COLUMN_REAL ? real_of(column, row) : (double)count_of(column, row);
         else if (column->kind == COLUMN_BOOL)
             text[i] = bool_of(column, row) ? "true" : "false";
         else if (column->kind != COLUMN_CHARS)
             text[i] = text_in(column, row);
         else if (!(text[i] = arena_text(arena, text_of(member(column, row)))))
             return false;
-        if (!numbers && !text[i])
+        if (text && !text[i])
             text[i] = "";
     }
     out->name = column->name;
