@@ -20,7 +20,7 @@ struct column {
     char unit[16];             /* as in the file, "" if it says nothing */
     enum quantity quantity;    /* QUANTITY_OTHER: unit unknown, values taken as they are */
     double factor;             /* SI value = number in the file * factor */
-    double *value;             /* [rows] numbers as in the file; NAN: missing */
+    double *value;             /* [rows] numbers as in the file; NAN if missing */
     int run;                   /* of recording.run, where runs stand side by side; -1: of all */
 };
 
@@ -67,7 +67,7 @@ struct recording {
     char *path;
     char format[32];       /* the row that read it */
     const char *container; /* what it was packed in ("zip", "xlsx" …); NULL: plain text */
-    uint64_t sum;          /* bytes_sum() of its file; 0: that is larger than SUMMED_BYTES */
+    uint64_t sum;          /* bytes_sum() of its file; 0 if that is larger than SUMMED_BYTES */
     size_t rows;           /* after what was dropped */
     size_t dropped;        /* rows in the file that could not be used */
     struct column *column;
@@ -77,12 +77,12 @@ struct recording {
     int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
     double rate;         /* [1/s] 1/dt */
-    double header_rate;  /* [1/s] what the file says above its table, 0: nothing */
+    double header_rate;  /* [1/s] what the file says above its table, 0 if there is nothing */
     double header_start; /* [s] and when the first sample was taken */
     /* these are better than the times beside the values, which are rounded or counts */
     bool header_rules;
     double dt; /* [s] of the line through all stamps where they are even, else the mean step */
-    /* relative standard uncertainty of dt that rounded stamps leave; 0: they are exact */
+    /* relative standard uncertainty of dt that rounded stamps leave; 0 if they are exact */
     double pace;
     int header_lines;
     char separator;       /* '\t' ',' ';' ' ', '\n': a single column */
@@ -92,16 +92,16 @@ struct recording {
     int unsaid;           /* these */
     double window[2];     /* [s] the part in use, in the file's time; the whole file by default */
     double zero;          /* SI, subtracted from the value; 0 by default */
-    struct measured mass; /* [kg] of what hung on the spring; 0: nobody has said */
+    struct measured mass; /* [kg] of what hung on the spring; 0 if nobody has said */
     /* name of the recording that holds the sensor's velocities; "": none */
     char velocity[LIMIT_NAME + 1];
     size_t repeated, backward; /* rows among the dropped ones whose time repeats or goes back */
-    const struct findings *findings; /* NULL: nobody has looked yet */
+    const struct findings *findings; /* NULL if nobody has looked yet */
     bool cleaned;                    /* what the findings mask is left out */
     double *t;                       /* [rows] time [s], rising; NAN never */
-    double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
+    double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN if missing */
     uint32_t *line; /* [rows] line of the file, counted from 1 */
-    const struct collected *collected; /* NULL: it was not */
+    const struct collected *collected; /* NULL if it was not */
     struct calibration calibration;    /* that its values have gone through */
     const struct cancel *cancel;       /* as when it was loaded */
     struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
@@ -140,8 +140,8 @@ struct finding {
     size_t stretches; /* stretches that they form */
     /* [s] where the first of these begin; NAN where there are fewer */
     double first[FINDING_STRETCHES];
-    /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its
-     * length [s], of sway the modulation (rms, relative); NAN: does not apply */
+    /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its length
+     * [s], of sway the modulation (rms, relative); NAN if it does not apply */
     double size;
 };
 
@@ -150,8 +150,8 @@ struct findings {
     unsigned char *mask; /* [rows] 0: fine; else 1 + the kind that masks it */
     size_t masked;
     double window[2];   /* [s] the part in which it swings freely */
-    double rests;       /* [s] from when on nothing moves any more; NAN: it moves to the end */
-    double period;      /* [s] it was inspected with; NAN: none */
+    double rests;       /* [s] from when on nothing moves any more; NAN if it moves to the end */
+    double period;      /* [s] it was inspected with; NAN if there is none */
     double sway_period; /* [s] NAN: not known */
     char still[160];    /* why it does not oscillate; "": it does, or nobody has said */
 };

@@ -34,7 +34,8 @@ struct canvas {
     struct cell *cell; /* [height * width] */
 };
 
-bool canvas_init(struct canvas *canvas, int width, int height); /* blanks; false: no memory */
+/* blanks; returns false if out of memory */
+bool canvas_init(struct canvas *canvas, int width, int height);
 void canvas_free(struct canvas *canvas);
 /* outside: ignored */
 void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style);
@@ -66,7 +67,7 @@ struct figure_words {
 struct charset {
     struct dot_grid dots;
     bool plain;                       /* frames are '-' and '|' */
-    const struct figure_words *words; /* which take the place of drawings; NULL: they are drawn */
+    const struct figure_words *words; /* which take the place of drawings; NULL if they are drawn */
 };
 extern const struct charset charset_ascii, charset_block, charset_braille;
 
@@ -105,7 +106,7 @@ struct curve {
     /* [n] of points in a picture: half the length of an error bar; NAN: without one; NULL: none
        has one. Text figures have no room for them. */
     const double *bar;
-    const struct cancel *cancel; /* ends every loop over its samples; NULL: nobody can */
+    const struct cancel *cancel; /* ends every loop over its samples; NULL if nobody can */
 };
 
 struct figure {
@@ -130,7 +131,7 @@ struct figure {
     int gutter;       /* least width of the y labels (hysteresis of live plots) */
     /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
     const char *caption;
-    /* what there is to say about it, where its curves do not say it; NULL: they do */
+    /* what there is to say about it, where its curves do not say it; NULL if they do */
     const char *words;
 };
 
@@ -144,7 +145,7 @@ static inline double axis_factor(const struct axis *axis)
 char figure_mark(const struct figure *figure, int curve);
 /* Whether a curve was cancelled: what was made of it is to be dropped. */
 bool figure_stopped(const struct figure *figure);
-/* The first curve (of this panel) that has a band with a name; NULL: none. */
+/* The first curve (of this panel) that has a band with a name; NULL if there is none. */
 const struct curve *figure_band(const struct figure *figure);
 
 /*
@@ -206,7 +207,7 @@ int figure_panels(const struct figure *figure, int width, int height, const stru
 struct curve_outside {
     size_t count, total; /* samples outside, of all in the window */
     bool leaves;         /* it was inside before */
-    double at;           /* where: t, or x if that is the independent variable; NAN: not known */
+    double at;           /* where: t, or x if that is the independent variable; NAN if unknown */
     double farthest;     /* value that lies farthest beyond the frame */
     bool along_x;        /* which is one of x */
     bool above;
@@ -220,7 +221,7 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
  * fits. */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height, const struct charset *charset);
-/* The whole figure as text lines; false: no memory, or it was stopped. */
+/* The whole figure as text lines; returns false if out of memory or stopped. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *out);
 

@@ -53,7 +53,8 @@ struct argument {
     enum argument_form form;
     const char *name; /* for usage and messages: "DURATION"; what is typed: "to", "dt", "force" */
     enum argument_type type;
-    const struct argument_type_row *own_type; /* of a module, instead of `type`; NULL: none */
+    /* of a module, instead of `type`; NULL if there is none */
+    const struct argument_type_row *own_type;
     unsigned flags;
     enum quantity quantity;
     const struct catalog *choices;
@@ -169,7 +170,7 @@ struct item {
 };
 
 struct argument_value {
-    int count; /* 0: not given */
+    int count; /* 0 if not given */
     struct item *item;
     struct text where; /* all of it, in the line */
 };

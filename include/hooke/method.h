@@ -74,7 +74,7 @@ struct step {
     /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
     step_function *kernel;
     controlled_function
-        *controlled; /* and accepted ones, by method_controlled_kernel(); NULL: there is none */
+        *controlled; /* and accepted ones, by method_controlled_kernel(); NULL if there is none */
     /* By method_adapt(): */
     /* the last step was taken back: what was evaluated at t and y before it still holds */
     bool again;
@@ -124,7 +124,7 @@ struct method {
     struct row row;      /* name, "", brief, citation, aliases */
     const char *formula; /* one step, as text with textbook letters, for help */
     int order;           /* order of convergence; 0: exact */
-    int embedded;        /* order of the embedded method, 0: none */
+    int embedded;        /* order of the embedded method, 0 if there is none */
     /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
     double fraction;
     int evals; /* force evaluations a step (once warm) */
@@ -173,8 +173,8 @@ bool method_fits(const struct method *method, const struct system *system, enum 
 size_t method_work_size(const struct method *method, int n);
 /*
  * Whoever owns the work memory calls these, too, with the system known to the step. Our own methods
- * need nothing more; an external library allocates here, for this system's n, and may again in
- * its first step. False: no memory.
+ * need nothing more; an external library allocates here, for this system's n, and may again in its
+ * first step. Returns false if out of memory.
  */
 bool method_begin(const struct method *method, struct step *step);
 void method_end(const struct method *method, struct step *step);
@@ -193,7 +193,7 @@ enum step_status method_step(const struct method *method, struct step *step);
  * of the last one. */
 enum step_status method_turning_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
-/* Its degree in theta, 0: it is no polynomial; most: DENSE_DEGREE. */
+/* Its degree in theta, 0 if it is no polynomial; most: DENSE_DEGREE. */
 #define DENSE_DEGREE 12
 int method_dense_degree(const struct method *method);
 void method_dense(const struct method *method, const struct step *step, const double *before,
@@ -287,7 +287,7 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
 struct switches_state {
     /* begins: some have changed at t; piled: too many in too short a time */
     bool known, begins, piled;
-    int fresh;           /* the one at which the last step ended, -1: none */
+    int fresh;           /* the one at which the last step ended, -1 if there is none */
     double t;            /* [s] */
     unsigned count;      /* of switches, */
     int shorter;         /* of blocks of them, each in a much shorter time than the one before, */
@@ -296,7 +296,7 @@ struct switches_state {
     double branch[LIMIT_SWITCHES];
     /* the motion slides along these, in steps of about `by`; branch: below */
     bool along[LIMIT_SWITCHES];
-    int released; /* the one along which it slid until the last step, -1: none */
+    int released; /* the one along which it slid until the last step, -1 if there is none */
     double by;
     double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
     bool slid_along[LIMIT_SWITCHES];
@@ -317,7 +317,7 @@ struct controller {
     /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
     double t_low;
     double last; /* [s] the last accepted step */
-    /* the square of its error, in units of what is aimed at; 0: there is no history */
+    /* the square of its error, in units of what is aimed at; 0 if there is no history */
     double previous;
     bool rejected;
     struct switches_state switches;
@@ -349,8 +349,8 @@ const struct system *method_adapted(const struct system *system,
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
                           double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
-/* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN:
- * does not apply. */
+/* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix.
+ * Returns NAN if it does not apply. */
 double method_growth(const struct method *method, enum drag drag, double x, double zeta);
 /* The same where the stiffness has that sign. */
 double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,

@@ -61,7 +61,7 @@ struct plot_row {
     const char *observable; /* on the vertical axis; NULL: state variables, or something else */
     const char *label;      /* of that axis, where the names of the variables are not */
     const char
-        *log_label; /* of its size on a logarithmic one; NULL: that is no plot of both signs */
+        *log_label; /* of its size on a logarithmic one; NULL if that is no plot of both signs */
     const char *title,
         *pane_label; /* in a pane: before the axis label, and instead of it; NULL: - */
     /* What it needs. */
@@ -71,7 +71,7 @@ struct plot_row {
     enum plot_recorded recorded;
     bool any_recording; /* without a run it shows whatever was recorded */
     bool of_motion;     /* of a recording's velocities, which are found from its positions */
-    /* draws what is left of a recording beside a fit or a run; NULL: it is no such plot */
+    /* draws what is left of a recording beside a fit or a run; NULL if it is no such plot */
     bool (*residual)(struct drawing *d, const struct recording *recording);
     bool of_study; /* of what a study has found, not of runs; its figure fails without one */
     bool whole;    /* its axes hold all points: ranges are refused */
@@ -80,7 +80,8 @@ struct plot_row {
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
-    void (*note)(const struct drawing *d, struct buffer *text); /* of its own; NULL: none */
+    /* of its own; NULL if there is none */
+    void (*note)(const struct drawing *d, struct buffer *text);
     struct axis (*axis)(const struct drawing *d); /* horizontal, in place of the usual; or NULL */
     const struct plane_row *plane;                /* NULL where its points are no states */
     /* Adds the numbers behind the figure to the reply. NULL: there are none. */
@@ -91,7 +92,7 @@ struct plot_row {
                         struct error *error);
     /* Appends lines of that width [cell] that stand below the figure in cells; may be NULL. */
     void (*legend)(const struct session *session, int width, struct buffer *text);
-    const char *planned; /* a line of `plan` while its pane has the focus; NULL: none */
+    const char *planned; /* a line of `plan` while its pane has the focus; NULL if there is none */
     bool takes_column;   /* a column may follow its name: what is drawn of it */
     bool coordinates;    /* all of one quantity, on one axis */
     bool energy;         /* of what all runs have: the kinetic one, where some have no potential */
@@ -161,7 +162,7 @@ struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
     int runs;
-    int recording; /* place, -1: none */
+    int recording; /* place, -1 if there is none */
     /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;
@@ -191,13 +192,13 @@ struct figure_request {
     double span;                /* [s] of time shown, 0: as much as the width can show */
     int pages;                  /* the window moves on by span / pages */
     double until;               /* [s] the axis reaches to here at least, where known; NAN */
-    struct figure_peaks *peaks; /* takes the lines of spectra; NULL: nobody asks */
+    struct figure_peaks *peaks; /* takes the lines of spectra; NULL if nobody asks */
     const struct figure_window
         *shared; /* of all time plots of a screen; NULL: chosen for this one */
 };
 
-/* Chooses the window for such a time plot and all that share it; false: there is nothing to show,
- * or no memory. */
+/* Chooses the window for such a time plot and all that share it; returns false if there is nothing
+ * to show, or no memory. */
 bool session_window(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure_window *window);
 
@@ -208,7 +209,7 @@ bool session_figure(const struct session *session, const struct figure_request *
  * scene, the values of one of first order; at most as many as have marks of their own. */
 int plot_coordinates(const struct model *model);
 /* Place of the recording that belongs into such a plot without being asked for: the current one,
- * where it overlaps the run; -1: none. */
+ * where it overlaps the run; -1 if there is none. */
 int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- cursors ---- */
@@ -253,7 +254,7 @@ void cursors_refresh(struct session *session);
  * of a damped sine leaves out; where none describes it, those that find_faults() masks.
  */
 struct data_distance {
-    double rms;     /* NAN: they do not overlap */
+    double rms;     /* NAN if they do not overlap */
     size_t bad;     /* samples left out: missed echoes would hide how well the run fits */
     int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
     enum quantity quantity; /* of the rms: the recording's own */

@@ -69,7 +69,7 @@ bool export_latest(struct session *session, struct export *export, struct error 
 /* A row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
 /* The table of a result whose records say more, or less. method, reference: what is said of it
- * beside duration and scene; NULL: nothing. Without memory it is lost. */
+ * beside duration and scene; NULL if there is nothing. Without memory it is lost. */
 void reply_result(const struct session *session, struct reply *reply, const char *kind,
                   const struct result_columns *columns, const void *rows, size_t count,
                   const char *method, const char *reference);

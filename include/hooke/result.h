@@ -55,7 +55,7 @@ struct reply {
                   size_t column);
     bool recorded;             /* this command made a record */
     bool muted;                /* lines and records are not written, only collected */
-    struct table_store *store; /* records are rows of its tables, too; NULL: they are not */
+    struct table_store *store; /* records are rows of its tables, too; NULL if they are not */
     int depth;                 /* objects and arrays open in the record */
     struct {
         const char *key;
@@ -206,14 +206,14 @@ void text_table_put(const struct text_table *table, struct buffer *out);
  */
 
 enum column_kind {
-    COLUMN_REAL,  /* double; NAN: there is none */
+    COLUMN_REAL,  /* double; NAN if there is none */
     COLUMN_INT,   /* int */
     COLUMN_COUNT, /* int64_t */
     COLUMN_BOOL,
-    COLUMN_NAME,     /* const char *; NULL: there is none */
+    COLUMN_NAME,     /* const char *; NULL if there is none */
     COLUMN_MEASURED, /* struct measured of `quantity`; value NAN: there is none. Only in records */
     COLUMN_CHARS,    /* an array of char, ended by 0; empty: there is none */
-    COLUMN_ROW,      /* pointer to what begins with a struct row: its name; NULL: there is none */
+    COLUMN_ROW,      /* pointer to what begins with a struct row: its name; NULL if there is none */
     COLUMN_CHOICE,   /* an enum: name of that row of `choices`, where its first has choice_first */
     /* An object of struct `part`, or an array of them, which list() returns. Only in records */
     COLUMN_OBJECT,
@@ -232,14 +232,14 @@ struct result_column {
     const char *name;                       /* key of records, column of files */
     const char *heading;                    /* for people */
     const char *(*head)(const void *first); /* the same where it depends on the first row */
-    int index; /* among the columns for people, from 1; 0: it is not there */
+    int index; /* among the columns for people, from 1; 0 if it is not there */
     unsigned flags;
     enum column_kind kind;
     enum quantity quantity; /* of a real */
     /* where rows differ; files have the first row's unit */
     enum quantity (*quantity_of)(const void *row);
     size_t at; /* offset in the struct, or in what a pointer in it points to: */
-    size_t in; /* COLUMN_IN of that pointer; 0: none */
+    size_t in; /* COLUMN_IN of that pointer; 0 if there is none */
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
@@ -276,7 +276,7 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count);
 /* The table to files, without keys, from the arena; it holds when the rows are gone, as long as
- * what their names point to. False: no memory. */
+ * what their names point to. Returns false if out of memory. */
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table);
 /* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in

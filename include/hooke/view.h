@@ -23,8 +23,8 @@ struct prompt_line {
  * panes of the layout, log, numbers, prompt. What does not fit is left out in the order numbers
  * line, second pane, log (one row at least), tick labels, frame, until only the prompt is left.
  * cursor_x, cursor_y [cell]: where the terminal's cursor belongs (NULL: not wanted). A long line
- * scrolls sideways with `<` and `>` marks. Allocates only scratch memory; false: there was none and
- * the canvas is blank.
+ * scrolls sideways with `<` and `>` marks. Allocates only scratch memory; returns false if there
+ * was none and the canvas is blank.
  */
 bool screen_draw(const struct session *session, const struct prompt_line *prompt,
                  struct canvas *canvas, int *cursor_x, int *cursor_y);
@@ -39,7 +39,8 @@ int screen_log_max(const struct session *session, int width, int height);
 /* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such
  * plot. */
 double screen_column_time(const struct session *session, int width, int height);
-/* What a cell is of the axes of the focused plane, across and up (SI); false: it is not shown. */
+/* What a cell is of the axes of the focused plane, across and up (SI); returns false if it is not
+ * shown. */
 bool screen_plane_cell(const struct session *session, int width, int height, double cell[2]);
 /* [s] from, to of that plot's time axis; false: no such plot. */
 bool screen_time_shown(const struct session *session, int width, int height, double span[2]);

@@ -12,7 +12,7 @@
 
 struct taken_column {
     char *name, *unit;
-    double *value; /* NULL: it has texts */
+    double *value; /* NULL if it has texts */
     char **text;
 };
 

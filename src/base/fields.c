@@ -146,7 +146,7 @@ static enum quantity find_quantity(struct text name)
     return (enum quantity)i;
 }
 
-/* *found: the file has it in this length. False: it cannot be what the file has. */
+/* *found: the file has it in this length. Returns false if it cannot be what the file has. */
 static bool take_field(struct text in, const struct field *field, void *of, bool *found)
 {
     struct text value;

@@ -21,9 +21,9 @@
 struct file_reading {
     const char *path;
     size_t limit, before; /* before: bytes of content that are not the file's */
-    uintmax_t size;       /* stated; 0: none */
+    uintmax_t size;       /* stated; 0 if there is none */
     struct read_watch *watch;
-    int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0: it need not */
+    int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0 if it need not */
 };
 
 /* Suggests files of the same folder whose names are like the one that does not exist. */
@@ -142,7 +142,7 @@ static bool too_long(const char *path, size_t limit, struct error *error)
                      safe_name(text_of(path), name), limit, limit);
 }
 
-/* False: it is neither at its end nor as fast as a file. */
+/* Returns false if it is neither at its end nor as fast as a file. */
 static bool await_more(int fd, const struct file_reading *r, size_t so_far, struct error *error)
 {
     if (r->until == 0)

@@ -34,7 +34,7 @@ void text_skip_blanks(struct text *text)
     }
 }
 
-/* Bytes of the string that starts at text.at[0], both quotes included; 0: it does not end. */
+/* Bytes of the string that starts at text.at[0], both quotes included; 0 if it does not end. */
 size_t text_quoted(struct text text)
 {
     const char quote = text.at[0];

@@ -55,7 +55,7 @@ void buffer_folded(struct buffer *buffer, struct text text, int width)
     }
 }
 
-/* [byte] of the separator of items that begins there; 0: none. */
+/* [byte] of the separator of items that begins there; 0 if there is none. */
 static size_t separator(struct text rest, int depth)
 {
     static const char *const between[] = {"  ", ", ", "; ", ": ", " | ", " ("};

@@ -57,7 +57,8 @@ struct argument_progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
-    int open; /* argument that may take more items without a new introduction, -1: none */
+    /* argument that may take more items without a new introduction, -1 if there is none */
+    int open;
     const struct item *number; /* that was read last, NULL: something else */
 };
 
@@ -113,7 +114,7 @@ static int find_argument(const struct command *command, enum argument_form form,
     return -1;
 }
 
-/* The argument that takes any NAME=VALUE, -1: none. */
+/* The argument that takes any NAME=VALUE, -1 if there is none. */
 static int find_start(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -170,7 +171,7 @@ static size_t key_length(struct text text, struct text name)
     return (size_t)(rest.at + 1 - text.at);
 }
 
-/* The place where an item without introduction goes, -1: none. */
+/* The place where an item without introduction goes, -1 if there is none. */
 static int next_index(const struct argument_progress *progress, struct text word)
 {
     const struct command *command = progress->command;

@@ -35,7 +35,7 @@ static bool goes_on(struct table_reading *r, size_t row)
            error_set(r->error, ERROR_CANCELLED, "reading was stopped");
 }
 
-/* More room at every power of two, from `least` on; NULL: no memory. */
+/* More room at every power of two, from `least` on; NULL if out of memory. */
 static void *grown(struct arena *arena, void *array, size_t count, size_t size, size_t least)
 {
     if (count > 0 && (count < least || (count & (count - 1))))

@@ -43,7 +43,7 @@ void table_store_free(struct table_store *store)
     *store = (struct table_store){0};
 }
 
-/* In the place of the one of that kind; false: no memory. */
+/* In the place of the one of that kind; returns false if out of memory. */
 static bool add(struct table_store *store, struct stored_table *stored)
 {
     struct stored_table *before = table_store_find(store, text_of(stored->kind));

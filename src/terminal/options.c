@@ -19,7 +19,7 @@ enum value {
 };
 
 static const struct option_row {
-    char letter; /* 0: none */
+    char letter; /* 0 if there is none */
     const char *name;
     enum value value;
     const char *shown; /* how --help names the value */

@@ -164,7 +164,7 @@ void panes_warn(struct panes *panes, const struct error *error);
 /* The one that is running; readline's callbacks have no context. NULL: none. */
 extern struct panes *panes_active;
 
-/* What readline wants to write goes nowhere. False: there is no thread for it. */
+/* What readline wants to write goes nowhere. Returns false if there is no thread for it. */
 bool edit_begin(FILE *nowhere);
 void edit_end(void);
 void edit_key(struct panes *panes, unsigned char byte); /* typed: to readline */

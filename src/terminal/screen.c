@@ -215,7 +215,7 @@ void screen_resize(struct terminal_screen *screen)
  */
 static const struct style_attributes {
     attr_t attributes;
-    short color; /* -1: none */
+    short color; /* -1 if there is none */
 } looks[] = {
     [STYLE_PLAIN] = {A_NORMAL, -1},
     [STYLE_DIM] = {A_DIM, -1},
@@ -284,7 +284,7 @@ static void put_row(struct terminal_screen *screen, int y)
 
 #define MOVE_COST 8 /* [byte] to place the cursor */
 
-/* [byte] about what it takes to make row b look like row a; 0: it does. */
+/* [byte] about what it takes to make row b look like row a; 0 if it does. */
 static int row_cost(const struct cell *a, const struct cell *b, int n)
 {
     int cost = 0;

@@ -131,7 +131,7 @@ static bool pager_start(char *const *argv, int from, pid_t *pid)
     return ok;
 }
 
-/* False: it could not be started, or failed. */
+/* Returns false if it could not be started, or failed. */
 static bool page(struct text text)
 {
     char *argv[PAGER_WORDS + 1];

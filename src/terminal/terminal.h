@@ -25,8 +25,8 @@ struct options {
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
     bool resume;
-    int width, height;                            /* 0: not given */
-    const char *charset, *color, *format, *split; /* NULL: not given */
+    int width, height;                            /* 0 if not given */
+    const char *charset, *color, *format, *split; /* NULL if not given */
     const char *resume_name;                      /* NULL: the newest */
     /* option of a module that is all the program does, or NULL */
     const struct module_option *only;
@@ -45,7 +45,7 @@ struct streams {
     bool broken;         /* standard output cannot be written; remembered until exit */
     int failure;         /* errno of that */
     struct log *log;     /* where what is said is kept for the screen as well; NULL: nowhere */
-    struct split *split; /* takes the tables; NULL: they go to standard output */
+    struct split *split; /* takes the tables; NULL if they go to standard output */
     bool holding;        /* what a line says waits until it is known how long it is */
 };
 
@@ -80,9 +80,9 @@ bool write_all(int fd, struct text text, int *failure); /* goes on after signals
 
 /* ---- --safe, kept by the kernel (confine/landlock.c) ---- */
 
-int confine_version(void); /* of Landlock; 0: this kernel has none */
-/* From now on only what is beneath these folders (NULL: none) can be written by this program, and
- * no program run; what is open stays open. False: the kernel does not do that. */
+int confine_version(void); /* of Landlock; 0 if this kernel has none */
+/* From now on only what is beneath these folders (NULL if there is none) can be written by this
+ * program, and no program run; what is open stays open. False: the kernel does not do that. */
 bool confine_writing(const char *const *folder, int folders, struct error *error);
 void confine_say(struct buffer *text); /* a line for --version */
 
@@ -91,7 +91,7 @@ void confine_say(struct buffer *text); /* a line for --version */
 extern struct cancel interrupt; /* set by Ctrl-C */
 
 void signals_install(void);
-int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0: none */
+int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0 if there is none */
 void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
 
 /* What else can happen; each is noticed once. */
@@ -110,7 +110,8 @@ bool signals_happened(enum signalled what); /* and forgets it */
 /* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the
  * handler. Returns what it was. */
 bool signals_busy(bool now);
-/* SIGALRM, which is to be watched, comes after that time; 0: none. Not once the end has begun. */
+/* SIGALRM, which is to be watched, comes after that time; 0 if there is none. Not once the end has
+ * begun. */
 void signals_alarm(int64_t ns);
 /* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty
  * is signals_drain().
@@ -138,8 +139,8 @@ void crash_end(void); /* crash_restore() and the line: nothing goes on after it 
 /* Catches a signal that ends the program, so that it restores the modes first. crash_modes() and
  * crash_line() do so for all signals that are neither caught nor ignored. */
 void crash_signal(int number);
-/* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing.
- */
+/* What is done when readline finds no memory, before the program ends with status 1. NULL for
+ * nothing. */
 void crash_last_act(void (*act)(void));
 
 /* ---- front ends ---- */
@@ -191,9 +192,10 @@ struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
- * error. False: it did. */
+ * error. Returns false if it did. */
 bool typed_run(struct session *session, struct text typed, struct reply *reply);
-/* Runs lines as a script of that name, or typed ones where it is NULL. False: it failed. */
+/* Runs lines as a script of that name, or typed ones where it is NULL. Returns false if it
+ * failed. */
 bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply);
 void front_greet(struct reply *reply);
 
@@ -235,7 +237,7 @@ char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.
 #define HISTORY_LINES 5000
 
 void history_load(void); /* readline's history from the file, the last HISTORY_LINES lines */
-/* To readline and, under a lock, to the file. False: it cannot be kept there. */
+/* To readline and, under a lock, to the file. Returns false if it cannot be kept there. */
 bool history_append(const char *line, struct error *error);
 void history_keep(const char *line, struct reply *reply); /* the same; a failure is said once */
 

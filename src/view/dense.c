@@ -5,8 +5,8 @@
 
 #define DENSE_SAMPLES 2 /* Samples per column from which a curve is dense. */
 
-/* The samples of a curve, with a NAN wherever a column or more of the time has none. NULL: no
- * memory. */
+/* The samples of a curve, with a NAN wherever a column or more of the time has none. Returns NULL
+ * if out of memory. */
 static const struct curve *joined(struct arena *arena, const struct curve *from, int columns)
 {
     const double *t = from->t ? from->t : from->x;

@@ -29,10 +29,10 @@ struct placed_pane {
     struct rectangle at;
     bool open;   /* continues in the place below: no time labels, no lower frame */
     bool joined; /* continues the place above: its upper frame is a divider */
-    int number;  /* written in the frame; 0: none */
+    int number;  /* written in the frame; 0 if there is none */
 };
 
-/* What the heights of the screen are used for; 0: not there. The prompt is the last row. */
+/* What the heights of the screen are used for; 0 if it is not there. The prompt is the last row. */
 struct division {
     int state, plots, log, numbers; /* [cell] */
 };
@@ -50,24 +50,25 @@ bool view_has_time_range(const struct view *view);
 /* Moves the end of a time axis of so many cells to the next label where that is near. */
 bool is_range(const double range[2]); /* not automatic */
 void ranges_reach_label(struct axis *axis, int columns);
-/* false: no memory */
+/* Returns false if out of memory */
 bool ranges_settle(struct screen *screen, const struct placed_pane *placed, struct figure *figure);
 
 /* ---- panes.c ---- */
 
-/* One figure for each place, all time plots with the same time axis, as they will be drawn; false:
- * no memory. */
+/* One figure for each place, all time plots with the same time axis, as they will be drawn; returns
+ * false if out of memory. */
 bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure);
 /* of its figure: the lowest rows may lie under the pane below */
 int pane_drawn_height(const struct placed_pane *placed);
-/* false: no memory */
+/* Returns false if out of memory */
 bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count);
-/* What a cell is of the axes of the pane, across and up; false: it is not on the screen. */
+/* What a cell is of the axes of the pane, across and up; returns false if it is not on the
+ * screen. */
 bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, int placed_count,
                       enum plot_kind pane, double cell[2]);
-/* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns,
- * 0: there is none. */
+/* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns, 0
+ * if there is none. */
 int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,
                     double span[2]);
 
@@ -79,8 +80,8 @@ void cursors_table(const struct screen *screen, struct rectangle at);
 
 /* ---- one file each ---- */
 
-/* A curve of marks alone, too many for so many columns, becomes a line with gaps; false: no memory.
- */
+/* A curve of marks alone, too many for so many columns, becomes a line with gaps; returns false if
+ * out of memory. */
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure);
 
 /* Run numbers instead of names where those do not fit into the frame of width x height [cell]. */

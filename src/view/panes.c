@@ -40,7 +40,7 @@ static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLA
     return count;
 }
 
-/* What `range` has fixed; NULL: nothing. */
+/* What `range` has fixed; NULL if there is nothing. */
 static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
 {
     struct figure_range *fixed =

@@ -67,7 +67,7 @@ void fields_put(struct buffer *to, const struct field *field, size_t count, cons
 
 /* Points into `in`; false: not there, or damaged. */
 bool field_find(struct text in, const char *name, struct text *value);
-/* The next of the fields, which is taken off them. False: no more. */
+/* The next of the fields, which is taken off them. Returns false if there is no more. */
 bool field_next(struct text *in, struct text *name, struct text *value);
 /* Exactly so many bytes, else false and *to as it was. */
 bool field_get(struct text in, const char *name, void *to, size_t bytes);
@@ -86,7 +86,7 @@ bool fields_sound(const struct field *field, size_t count, const void *of);
 struct field_places {
     int rows, count;           /* of the catalog; of the items in the file */
     int at[LIMIT_PARAMETERS];  /* [rows] -1: the file has none */
-    int row[LIMIT_PARAMETERS]; /* [count] of an item in the file; -1: there is no such row */
+    int row[LIMIT_PARAMETERS]; /* [count] of an item in the file; -1 if there is no such row */
 };
 
 /* Writes the names that arrays are counted by, as a field of that name. */

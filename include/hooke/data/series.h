@@ -13,14 +13,14 @@ struct series {
     const double *y; /* SI; no NaN */
     size_t n;
     enum quantity quantity;      /* of y */
-    const struct cancel *cancel; /* ends what is done with it; NULL: nobody can */
+    const struct cancel *cancel; /* ends what is done with it; NULL if nobody can */
     double pace; /* relative uncertainty that all its times have in common; 0: none is known */
 };
 
 /* The part [from, to] of a series; shares memory. */
 struct series series_window(struct series series, double from, double to);
-/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN: too few samples,
- * or no memory. */
+/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN if there are too
+ * few samples, or if out of memory. */
 double series_noise(const struct series *series, struct arena *arena);
 
 /* ---- what is found in one ---- */
@@ -73,7 +73,7 @@ struct samples {
     double pace;                 /* relative standard uncertainty that all times have in common */
     unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
     bool resampled;              /* made of a very uneven series, which no sensor sends */
-    const struct cancel *cancel; /* ends fits; NULL: nobody can */
+    const struct cancel *cancel; /* ends fits; NULL if nobody can */
 };
 
 /* Returns true if a tenth of the steps are far shorter than the mean one, as those of a stiff
@@ -85,7 +85,8 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
 /* Sets out[length] to the values at t0, t0 + dt, ..., by straight lines. Returns their sum. */
 double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
                         double *out);
-/* Standard deviation of the noise, from sixth differences; scratch [n]. NAN: too few samples. */
+/* Standard deviation of the noise, from sixth differences; scratch [n]. Returns NAN if there are
+ * too few samples. */
 double samples_noise(const struct samples *samples, double *scratch);
 
 #endif

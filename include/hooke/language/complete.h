@@ -31,7 +31,7 @@ void complete_events(struct completion *c); /* what is watched for */
 /* One item of this type; before: what stands to the left of the word. */
 void complete_item(struct completion *c, const struct argument *argument, struct text before);
 
-char last_letter(struct text text); /* without blanks; 0: there is none */
+char last_letter(struct text text); /* without blanks; 0 if there is none */
 bool ends_in_digit(struct text before);
 /* The value that stands before the word ends in an operator, or inside of parentheses. */
 bool value_is_open(struct text value);

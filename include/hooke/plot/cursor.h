@@ -8,7 +8,8 @@
 /* A point that cursors snap to. */
 struct snap_point {
     double t, uncertainty, y; /* [s] [s] SI */
-    int crossing;             /* counted in periods from 1 for the first up-crossing, 0: none */
+    /* counted in periods from 1 for the first up-crossing, 0 if there is none */
+    int crossing;
 };
 
 /* What the cursors stand on; memory from the arena. */
@@ -30,8 +31,8 @@ double ground_spacing(const struct ground *ground); /* [s] between samples */
 /* Puts cursor `which` to t, or to the place it snaps to if that is within `reach` [s]. */
 void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t,
                 double reach);
-/* To the next (forward) or previous crossing, or peak where cursors snap to peaks. False: there is
- * none, with error. */
+/* To the next (forward) or previous crossing, or peak where cursors snap to peaks. Returns false if
+ * there is none, with error. */
 bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forward,
                  struct error *error);
 /* B to A + n periods. */

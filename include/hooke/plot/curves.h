@@ -42,7 +42,8 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 /* State variable i at these rows. */
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out);
 /* The first variable between recorded rows; NAN outside. */
-const struct observable *observable_named(const char *name); /* of the catalog; NULL: none */
+/* of the catalog; NULL if there is none */
+const struct observable *observable_named(const char *name);
 double run_position(const struct run *run, double t);
 /* The first coordinate (derivative 0), its velocity (1) or acceleration (2) at t, between rows by
  * Hermite interpolation; NAN: outside of the run, or a scene of first order has none. */

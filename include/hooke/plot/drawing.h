@@ -22,13 +22,14 @@ struct drawing {
     struct error *error;
     struct curve *curve;
     int curves;
-    const struct model *model;                           /* of the runs; NULL: there are none */
+    const struct model *model;                           /* of the runs; NULL if there are none */
     int coordinates;                                     /* curves that one run has */
     struct chosen_column column[DRAWN_COLUMNS], against; /* if the request names them */
     double omega0;                                       /* [rad/s] that v is divided by; 1: not */
-    double period;                                       /* [s] of the first run, NAN: none */
-    double window[2];                                    /* [s] */
-    double shown, total;                                 /* [s] */
+    /* [s] of the first run, NAN if there is none */
+    double period;
+    double window[2];    /* [s] */
+    double shown, total; /* [s] */
     /* of a spectrum: the strongest, of several the highest; frequency 0: none */
     struct spectrum_peak line;
     struct data_motion motion; /* of the recording, where the plot needs it */
@@ -50,7 +51,7 @@ static inline const struct recording *recording_of(const struct drawing *d)
 
 /* Finds what the request names, of one unit, since it shares the axis. */
 bool drawing_columns(struct drawing *d, const struct system *system);
-/* Name of what is drawn of one run, i of its coordinates. NULL: no memory. */
+/* Name of what is drawn of one run, i of its coordinates. Returns NULL if out of memory. */
 const char *drawing_label(const struct drawing *d, int i);
 
 /* The columns where the event of the request happened. */
@@ -59,7 +60,7 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot);
  * *drawn: it was. */
 bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
                     const char *label, bool *drawn);
-/* Name of the run in a legend; NULL: no memory. */
+/* Name of the run in a legend; NULL if out of memory. */
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 
 /* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
@@ -74,7 +75,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording);
 
 /* The unit in which numbers of this size are short; without one the axis is left as it is. */
 void axis_suit(struct axis *axis, enum quantity quantity, double size);
-/* Of the vertical axis; NULL: no memory. */
+/* Of the vertical axis; NULL if out of memory. */
 const char *drawing_y_label(const struct drawing *d, int panel);
 /* Of columns of the request's table (table.c). */
 bool drawing_table(struct drawing *d, struct figure *figure);
@@ -88,7 +89,7 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
 /* v against y: about the equilibrium, in the units of the phase plot. */
 bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve);
 
-/* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
+/* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN if there is none. */
 double run_rhythm(const struct run *run);
 bool run_goes_back(const struct run *run); /* time falls from row to row */
 /* In the unit that a value of this size is shown in; its range is automatic. */

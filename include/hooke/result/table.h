@@ -27,7 +27,7 @@ struct table {
     const struct table_column *column;
     int columns;
     size_t rows;
-    const struct cancel *cancel; /* ends its writing; NULL: nobody can */
+    const struct cancel *cancel; /* ends its writing; NULL if nobody can */
 };
 
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
@@ -71,7 +71,7 @@ struct table_store {
 };
 
 void table_store_free(struct table_store *store);
-/* NULL: none */
+/* Returns NULL if there is none */
 struct stored_table *table_store_find(const struct table_store *store, struct text kind);
 /* A whole table, which replaces that of the same kind; the arena that it lives in is taken over.
  * False: no memory, nothing has changed. */

@@ -24,7 +24,7 @@ struct suggestion;
 
 struct expr_scope {
     const void *context;
-    /* Slot of a name; false: unknown. */
+    /* Slot of a name; false if unknown. */
     bool (*find)(const void *context, struct text name, int *slot);
     double (*load)(const void *context, int slot);
     /* Offers every known name for "did you mean"; may be NULL. */
@@ -136,7 +136,7 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
 
 /*
  * The same expression where the names that move have the slots that `slot` says, and others, for
- * which it is < 0, are the numbers that they are now. NULL: no memory.
+ * which it is < 0, are the numbers that they are now. Returns NULL if out of memory.
  */
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
                                int (*slot)(void *context, int slot), void *context,
@@ -162,7 +162,7 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
 struct equations;
 struct program;
 
-/* After a failure no more can be added; what there is stays good. NULL: no memory. */
+/* After a failure no more can be added; what there is stays good. Returns NULL if out of memory. */
 struct equations *equations_create(int names, struct error *error);
 void equations_destroy(struct equations *equations);
 /* From here on the name means this expression of those before. */

@@ -43,7 +43,7 @@ struct scene {
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
     bool chosen[PARAM_MAX];        /* set by the user since the preset */
     bool across; /* methods step across kinks at turning points, as they are printed */
-    /* [n] errors of adaptive methods that do not matter, SI; 0: not given */
+    /* [n] errors of adaptive methods that do not matter, SI; 0 if not given */
     double atol[LIMIT_VARIABLES];
 };
 
@@ -82,7 +82,7 @@ const struct preset *preset_from(const struct row *row); /* of the catalog */
 /* The parameters and derived quantities of the scene's model; places in them index scene.value. */
 const struct catalog *scene_params(const struct scene *scene);
 const struct catalog *scene_derived(const struct scene *scene);
-/* place, -1: this scene has no such parameter */
+/* place, -1 if this scene has no such parameter */
 int scene_param(const struct scene *scene, const char *name);
 int scene_param_at(const struct scene *scene, struct text name);
 const struct param_row *param_at(const struct scene *scene, int index);
@@ -97,7 +97,7 @@ void scene_init(struct scene *scene, const struct preset *preset);
 /* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on
  * error. */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
-void scene_set_atol(struct scene *scene, int variable, double atol); /* 0: not given */
+void scene_set_atol(struct scene *scene, int variable, double atol); /* atol 0 if not given */
 void scene_unset(struct scene *scene, int param); /* back to the preset's value */
 
 /* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium …
@@ -144,14 +144,14 @@ struct model {
     const struct variable *variable; /* [n] */
     const struct catalog *params, *terms,
         *derived; /* struct param_row, struct term_row, struct derived_row */
-    /* rules beyond each parameter's range; NULL: none */
+    /* rules beyond each parameter's range; NULL if there is none */
     bool (*coherent)(const double *param, struct error *error);
     /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
     void (*begin)(const double *param, struct system *system);
     /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
     void (*exact)(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-    const struct typed *typed; /* what a user typed; NULL: one of scene_models */
+    const struct typed *typed; /* what a user typed; NULL for one of scene_models */
 };
 
 extern const struct model oscillator_model;
@@ -313,7 +313,7 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 }
 /* d y'/d y, [n][n] row-major */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac);
-/* The same as new memory, to be given back by free(); NULL: there is none. For 64 variables it
+/* The same as new memory, to be given back by free(); NULL if there is none. For 64 variables it
  * would be half a stack. */
 double *system_new_jacobian(const struct system *system, double t, const double *y);
 
@@ -347,7 +347,7 @@ double system_dissipation(const struct system *system, double t, const double *y
 double system_drive(const struct system *system);
 
 struct variable system_variable(const struct system *system, int i); /* of state variable i */
-/* Place in the state of a variable's name; y' is the velocity of y. -1: there is none. */
+/* Place in the state of a variable's name; y' is the velocity of y. Returns -1 if there is none. */
 int model_state(const struct model *model, struct text name);
 
 /* ---- exact solutions ----

@@ -79,7 +79,7 @@ bool typed_name_fits(struct text name, struct error *error);
 
 struct typed_models; /* all of a session */
 
-struct typed_models *typed_create(struct error *error); /* NULL: no memory */
+struct typed_models *typed_create(struct error *error); /* Returns NULL if out of memory */
 /* with every model: nothing may use them any more */
 void typed_destroy(struct typed_models *models);
 #define SWEEP_FROM 32 /* of fewer nobody looks for what is not used */
@@ -87,7 +87,7 @@ void typed_destroy(struct typed_models *models);
 void typed_sweep(struct typed_models *models,
                  bool (*used)(const void *context, const struct model *model), const void *context);
 /* A scene without a line under this name ("": typed); lines that are added to it keep the name.
- * NULL: error. */
+ * Returns NULL if an error is set. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
  * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var
@@ -96,12 +96,13 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
  */
 const struct model *typed_add(struct typed_models *models, const struct model *from,
                               const struct typed_line *line, struct error *error);
-/* All lines at once, which do not have to make sense one by one. Texts are copied. NULL: error. */
+/* All lines at once, which do not have to make sense one by one. Texts are copied. Returns NULL if
+ * an error is set. */
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error);
 /* Without that line; a variable takes its equation and its initial velocity along. What is left may
- * be the built-in model itself. NULL: it is not there, or others use it. */
+ * be the built-in model itself. Returns NULL if it is not there, or others use it. */
 const struct model *typed_remove(struct typed_models *models, const struct model *from,
                                  enum typed_kind kind, struct text name, struct error *error);
 /* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in
@@ -116,15 +117,15 @@ const struct model *typed_base(const struct model *model);
  * typed. A parameter of that name then begins an empty scene, with those that were typed. */
 bool typed_base_has(const struct model *model, struct text name);
 
-/* Settings under the name of a scene that is all typed; NULL: it is not. */
+/* Settings under the name of a scene that is all typed; NULL if it is not. */
 const struct preset *typed_preset(const struct model *model);
 
 /* The scene with another model: values stay with the names of their parameters, unless the line
  * gave a new one. */
 void scene_remodel(struct scene *scene, const struct model *model);
 
-/* The term that is the whole right-hand side of a scene that is all typed. NULL: there are several.
- */
+/* The term that is the whole right-hand side of a scene that is all typed. Returns NULL if there
+ * are several. */
 const struct bound_term *system_whole(const struct system *system);
 
 /*
@@ -165,8 +166,8 @@ struct sliding {
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
                   double near, struct sliding *sliding, struct system *frozen);
 void sliding_free(struct sliding *sliding);
-/* Puts the state back on the switches from which it is off by what steps leave; false: it is there.
- */
+/* Puts the state back on the switches from which it is off by what steps leave; returns false if it
+ * is there. */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
 /*
  * Returns true if the motion leaves across switch i, along which it was to slide: if jumps change
@@ -189,7 +190,7 @@ bool system_switch_sees(const struct system *system, int i, double t, const doub
 
 /*
  * Bounds of the derivatives rate [n] on a box [n] of states, and of their derivatives by the state
- * [n][n], NULL: not wanted. What a drive does is left out: means over its period. False: not of a
+ * [n][n], NULL if not wanted. What a drive does is left out: means over its period. False: not of a
  * scene that is all typed, or whose forces do not repeat.
  */
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,

@@ -131,7 +131,7 @@ static double dip(const struct switch_search *look, int i, double m, double apar
 }
 
 /*
- * The first point of the step where guard i falls below 0, 2: it does not. A branch begins within
+ * The first point of the step where guard i falls below 0, 2 if it does not. A branch begins within
  * rounding of its switch, perhaps before it: while its guard rises from there, in a step as short
  * as rounding, it has not ended.
  */

@@ -31,7 +31,7 @@ static void look_from(const struct step *step, const struct system *frozen, cons
     system_guards(frozen, step->t + h, y, guard);
 }
 
-/* [s] in which the motion goes a millionth of the sizes of variables; 0: it does not move. */
+/* [s] in which the motion goes a millionth of the sizes of variables; 0 if it does not move. */
 static double moment(const struct step *step, int n, const double *f)
 {
     const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
@@ -97,7 +97,7 @@ static void slide(struct step *step, struct switches_state *state, const struct 
     }
 }
 
-/* As slide(); false: it is on its way across, as one in time alone always is. */
+/* As slide(); returns false if it is on its way across, as one in time alone always is. */
 static bool slide_along(struct step *step, struct switches_state *state,
                         const struct system *frozen, int i)
 {
@@ -119,7 +119,8 @@ static bool falls(double now, double soon, bool ends)
     return soon < 0 && fabs(now) <= (ends ? GUARD_ZERO_RELATIVE : AT_ONCE) * fabs(soon - now);
 }
 
-/* One along which it does not slide: one side pushes harder than the other draws back; -1: none. */
+/* One along which it does not slide: one side pushes harder than the other draws back; -1 if there
+ * is none. */
 static int not_held(const struct switches_state *state, const double *guard, int count)
 {
     for (int i = 0; i < count; i++)
@@ -128,7 +129,7 @@ static int not_held(const struct switches_state *state, const double *guard, int
     return -1;
 }
 
-/* It is no slide then, but goes to that side. False: it has slid before. */
+/* It is no slide then, but goes to that side. Returns false if it has slid before. */
 static bool let_go(const struct step *step, struct switches_state *state,
                    const struct system *sliding, int i)
 {

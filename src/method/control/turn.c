@@ -189,7 +189,8 @@ static int64_t march_on_branch(const struct method *method, march_function *kern
     return taken;
 }
 
-/* A body that sticks, with nothing around it that changes: all rows are the same. True: it does. */
+/* A body that sticks, with nothing around it that changes: all rows are the same. Returns true if
+ * it does. */
 static bool march_at_rest(const struct march *march, const double *before, int64_t done)
 {
     const struct step *step = march->step;

@@ -127,7 +127,7 @@ static inline unsigned forces_of(const struct system *system)
     case 0u TERMS_OF_##shape(FORCE_AT):                                                            \
         return SHAPE_##shape;
 
-/* Which shape is the system's, -1: none. */
+/* Which shape is the system's, -1 if there is none. */
 static inline int shape_of(const struct system *system)
 {
     switch (forces_of(system)) {

@@ -39,7 +39,7 @@ RUN(terms_run)
     return (struct leading){a[0], a[1]};
 }
 
-/* False: there are more than two coordinates. */
+/* Returns false if there are more than two coordinates. */
 static bool built_in_take(const struct system *system, struct typed_addend *part, double *frame)
 {
 #define RUN_ENTRY(shape) shape##_run,

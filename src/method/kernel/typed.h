@@ -87,7 +87,7 @@ TYPED_FLOWS(FLOW_FUNCTIONS)
 #define TYPED_PLACE(name, n) PLACE_##name,
 enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
-/* Which of these a system is, -1: none. splits: force and drag apart. */
+/* Which of these a system is, -1 if there is none. splits: force and drag apart. */
 int typed_shape(const struct system *system, bool splits);
 
 #endif

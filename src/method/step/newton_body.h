@@ -40,7 +40,7 @@ static const double newton_one[] = {1}, newton_now[] = {0};
 
 /* What newton_room() holds. */
 struct workspace {
-    double *h;    /* of the factors, 0: there are none */
+    double *h;    /* of the factors, 0 if there are none */
     double *rate; /* by which increments shrank in the last solution */
     double *slope, *rest, *move, *jacobian, *real, *complex;
 };
@@ -302,8 +302,8 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
 
 /* ---- one stage of an equation of motion ---- */
 
-/* A derivative of the velocity's equation, and its sign as in short steps. False: there is no next
- * iterate. */
+/* A derivative of the velocity's equation, and its sign as in short steps. Returns false if there
+ * is no next iterate. */
 INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step,
                           double t, double h, const double *at, double *inverse, bool *positive)
 {

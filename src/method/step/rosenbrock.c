@@ -42,7 +42,7 @@ static void jacobian_of(const void *system, double t, const double *y, double *j
     system_jacobian(system, t, y, jac);
 }
 
-/* u_i from y, by the factors of a matrix; sum [n]: scratch. False: it is singular. */
+/* u_i from y, by the factors of a matrix; sum [n]: scratch. Returns false if it is singular. */
 static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step, double *sum)
 {
     const struct system *system = step->system;

@@ -103,7 +103,7 @@ INLINE struct few few_multiply(int n, const struct few *column, const double *x,
     return start;
 }
 
-/* Columns of the inverse of diagonal - jacobian; false: there is none. */
+/* Columns of the inverse of diagonal - jacobian; returns false if there is none. */
 INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct few *column)
 {
     double a[INVERTED * INVERTED], pivot[INVERTED], x[INVERTED];

@@ -29,7 +29,7 @@ size_t split_work(const struct method *method, int n)
     return (size_t)n + (size_t)n / 2 + (size_t)n;
 }
 
-/* The size of the most negative kick, 0: there is none. */
+/* The size of the most negative kick, 0 if there is none. */
 static double backward_kick(const struct splitting *splitting)
 {
     double min = 0;

@@ -33,8 +33,9 @@ struct tableau {
     const double *c;     /* [stages + extra] */
     const double *a;     /* strictly lower triangle, row by row: a21, a31 a32, … */
     const double *b;     /* [stages] */
-    const double *b_hat; /* [stages] weights of the embedded method, NULL: none */
-    const double *rough; /* [stages] weights of a second one, of lower order, NULL: none */
+    const double *b_hat; /* [stages] weights of the embedded method, NULL if there is none */
+    /* [stages] weights of a second one, of lower order, NULL if there is none */
+    const double *rough;
     int bends;
     const double *dense; /* [bends][stages + extra] */
 };
@@ -122,7 +123,7 @@ struct nystrom {
     const double *a;          /* strictly lower triangle, row by row */
     const double *b;          /* [stages] position */
     const double *d;          /* [stages] velocity */
-    const double *embedded_b; /* [stages] of the embedded method, NULL: none */
+    const double *embedded_b; /* [stages] of the embedded method, NULL if there is none */
     const double *embedded_d;
 };
 
@@ -145,7 +146,7 @@ struct implicit_tableau {
     const double *c; /* [stages] */
     const double *a; /* [stages][stages] */
     const double *b; /* [stages] */
-    const double *b_hat;        /* [stages] weights of the embedded method, NULL: none */
+    const double *b_hat;        /* [stages] weights of the embedded method, NULL if there is none */
     const double *d, *estimate; /* [stages] */
     double real, alpha, beta;
     const double *left, *right; /* [stages][stages] */
@@ -166,17 +167,18 @@ struct rosenbrock {
     const double *d;     /* [stages] */
     const double *a, *c; /* strictly lower triangles, row by row */
     const double *m;     /* [stages] */
-    const double *b_hat; /* [stages], NULL: none */
+    const double *b_hat; /* [stages], NULL if there is none */
     int degree;
-    const double *dense; /* [degree][stages], NULL: none */
+    const double *dense; /* [degree][stages], NULL if there is none */
 };
 
 /* The newest first. */
 struct multistep {
     int steps;
-    const double *predict; /* [steps] of f_n, f_n-1, … (Adams-Bashforth), NULL: none */
-    const double *correct; /* [steps] of f_n+1, f_n, … (Adams-Moulton), NULL: none */
-    const double *values; /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL: none */
+    const double *predict; /* [steps] of f_n, f_n-1, … (Adams-Bashforth), NULL if there is none */
+    const double *correct; /* [steps] of f_n+1, f_n, … (Adams-Moulton), NULL if there is none */
+    /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL if there is none */
+    const double *values;
 };
 
 /* Turning points: shares of the step so close to its end are as good as there (below rounding);

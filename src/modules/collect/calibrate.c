@@ -24,7 +24,7 @@
 struct raw {
     double mean, scatter;
     size_t n;
-    const struct unit *unit; /* NULL: none */
+    const struct unit *unit; /* NULL if there is none */
 };
 
 static bool take(const struct session *session, const struct recording *recording, double from,

@@ -161,7 +161,7 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
     return true;
 }
 
-/* NULL: there is none of that name. */
+/* Returns NULL if there is none of that name. */
 static const struct column *trigger_column(const struct trigger *trigger,
                                            const struct recording *recording)
 {

@@ -13,17 +13,17 @@ struct collecting {
     bool stop;                                                       /* asked to */
     uint64_t lines;
     double seconds;           /* [s] since the first line, or the trigger, without pauses */
-    double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
+    double period, amplitude; /* [s], SI of the last few periods; NAN if unknown */
     enum quantity quantity;   /* of the amplitude */
     struct {
-        double t;                         /* [s] of the newest sample; NAN: there is no fit */
+        double t;                         /* [s] of the newest sample; NAN if there is no fit */
         struct measured period, gamma, k; /* NAN: not determined, k: nobody has said the mass */
     } fit;
     struct { /* a calibration that waits for its points */
         bool waits;
         int taken; /* of two */
         double truth[2], read[2], scatter[2];
-        const struct unit *truth_unit[2], *read_unit; /* NULL: none */
+        const struct unit *truth_unit[2], *read_unit; /* NULL if there is none */
     } aim;
     struct feed *feed;
 };

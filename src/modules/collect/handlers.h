@@ -91,7 +91,7 @@ struct collection {
     struct error never; /* why the trigger cannot come; code 0: it can */
 };
 
-/* Its place among the recordings while it grows; -1: it is not shown. */
+/* Its place among the recordings while it grows; -1 if it is not shown. */
 int collect_own_place(const struct session *session);
 /* Of what is shown by now: period, fit, the scene laid over it. */
 void collect_find(struct collection *c, struct recording *recording);

@@ -34,13 +34,13 @@ struct lengthening {
 /* Clocks that count from the first line that was read, dates among them: they count as those did by
  * which that line of the file was at t [s]. */
 void recording_join_clock(struct recording *more, uint32_t line, double t);
-/* From a recording that was read whole. False: no memory. */
+/* From a recording that was read whole. Returns false if out of memory. */
 bool growth_begin(struct lengthening *growth, struct recording *recording);
 /*
  * Adds what came: `more` was read from the last lines of the same file, which overlap with those of
  * before; its line numbers count from the file's beginning. Where the samples have no times of
  * their own, the overlap takes the newer ones. *other: these are other columns, nothing was added.
- * False: no memory.
+ * Returns false if out of memory.
  */
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other);
@@ -54,24 +54,25 @@ struct arrivals {
     bool counted;      /* by the device: they are */
     const bool *pause; /* [n] nothing was wanted before it: none are lost there; NULL: nowhere */
 };
-/* clock.c: [count/s] of a device's clock v [n] by the arrivals; NAN: they do not say.
- * scratch [n]. */
+/* clock.c: [count/s] of a device's clock v [n] by the arrivals; NAN if they do not say. scratch
+ * [n]. */
 double clock_pace(const struct arrivals *arrivals, const double *v, double *scratch);
 struct clock_mended {
     size_t starts, wraps; /* it started again, was full */
     size_t wrong;         /* stamps that are NAN now */
     bool *after;          /* [n] the first one after a new start */
 };
-/* What goes back goes on instead (only `trusted`), if it is a clock at all; false: no memory. */
+/* What goes back goes on instead (only `trusted`), if it is a clock at all; returns false if out of
+ * memory. */
 bool clock_mend(const struct arrivals *arrivals, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended);
-/* Lines lost between the times t [n], rising, but not before those `after` (NULL: none) a new
- * start; not known where the steps are uneven. */
+/* Lines lost between the times t [n], rising, but not before those `after` (NULL if there is none)
+ * a new start; not known where the steps are uneven. */
 size_t clock_lost(const struct arrivals *arrivals, const double *t, const bool *after,
                   double *scratch, bool *known);
 
 /* Times [n] of the samples: fills clock, lost, rate and jitter of what is known of them. Scratch
- * from `arena`; false: no memory. */
+ * from `arena`; returns false if out of memory. */
 bool arrival_times(const struct arrivals *arrivals, struct arena *arena,
                    struct collected *collected, double *t);
 

@@ -13,7 +13,7 @@ extern const struct argument_type_row stressed_type;
 
 /* What the module keeps in a session. */
 struct comparison_part {
-    struct precision *precision;  /* the last study, for `plot precision`; NULL: none */
+    struct precision *precision;  /* the last study, for `plot precision`; NULL if there is none */
     struct references references; /* of the scenes that were studied last */
 };
 

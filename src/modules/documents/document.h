@@ -22,8 +22,8 @@ extern const char document_style[], document_table[], document_preamble[];
 
 /* Nothing in it is a command; letters that pdflatex does not know become a question mark. */
 void buffer_tex(struct buffer *out, struct text text);
-/* Puts the beginning of a table of so many columns before the heading that stands at `from`. False:
- * no memory. */
+/* Puts the beginning of a table of so many columns before the heading that stands at `from`.
+ * Returns false if out of memory. */
 bool begin_longtable(struct buffer *out, size_t from, int columns);
 void put_tex_code(struct buffer *out, struct text code); /* line by line */
 

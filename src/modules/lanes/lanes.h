@@ -20,9 +20,9 @@ struct lanes;
  * Two of them together? */
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
 bool lanes_alike(const struct system *a, const struct system *b);
-struct lanes *lanes_create(void); /* NULL: no memory */
+struct lanes *lanes_create(void); /* Returns NULL if out of memory */
 void lanes_destroy(struct lanes *lanes);
-/* For systems like this one. False: no memory. */
+/* For systems like this one. Returns false if out of memory. */
 bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
                  const struct system *like, double h);
 /* Before the first step: this lane starts as the system says, which stays where it is. Every lane
@@ -31,27 +31,26 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system);
 /* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
 /* The next steps of all of them, nothing checked. row [count][2][LANE_COUNT]: the first variable
- * and how fast it changes, after them; NULL: not wanted. */
+ * and how fast it changes, after them; NULL if not wanted. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);
 void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANE_COUNT], now */
 void lanes_state(const struct lanes *lanes, int lane, double *y);
 int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
 /*
  * The same by steps of method_adapt(), each lane by its own control from a fresh one with the step
- * of lanes_begin(): can such
- * systems go in lanes? After lanes_begin() and lanes_set() of all lanes lanes_control() takes the
- * first step of the first `used` ones, tol [used]. creep: a lane whose next step becomes shorter
- * than this part of the time since the start goes no further, unless the system is linear. Then
- * lanes_adapt() attempts so many steps; false: all have ended. row [count][3][LANE_COUNT]: t [s],
- * the variable and how fast it changes, after each attempt, as before it where that was rejected;
- * NULL: not wanted.
+ * of lanes_begin(): can such systems go in lanes? After lanes_begin() and lanes_set() of all lanes
+ * lanes_control() takes the first step of the first `used` ones, tol [used]. creep: a lane whose
+ * next step becomes shorter than this part of the time since the start goes no further, unless the
+ * system is linear. Then lanes_adapt() attempts so many steps; false: all have ended. row
+ * [count][3][LANE_COUNT]: t [s], the variable and how fast it changes, after each attempt, as
+ * before it where that was rejected; NULL if not wanted.
  */
 bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
                      double h);
 void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep);
 bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
 void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANE_COUNT], now */
-/* False: this lane has not come to t_end, and says nothing of what would happen alone. */
+/* Returns false if this lane has not come to t_end, and says nothing of what would happen alone. */
 bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t *evals);
 /* Returns true if a step begins with what the previous one has computed. */
 bool lanes_carry(const struct method *method, enum drag drag);

@@ -59,7 +59,7 @@ static inline double page_text_width(const struct page *page, const char *text)
 }
 
 /* Fills in `path`, from `arena`, or roughly, within a point; page_free_paths frees what they hold.
- * False: no memory. */
+ * Returns false if out of memory. */
 bool page_trace(struct page *page, bool rough, struct arena *arena);
 void page_free_paths(struct page *page);
 /* [pt] of a dot of dense data: larger where lines have to be seen on it. */

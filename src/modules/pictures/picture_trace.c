@@ -15,7 +15,7 @@ double page_dot(const struct page *page)
     return page->style.dot;
 }
 
-/* Error bars as a curve with gaps between them. False: no memory. */
+/* Error bars as a curve with gaps between them. Returns false if out of memory. */
 static bool bar_curve(const struct page *page, const struct curve *curve, struct arena *arena,
                       struct curve *bars)
 {

@@ -30,7 +30,7 @@ static void put_superscript(struct buffer *out, struct text digits)
             buffer_codepoint(out, 0x207B);
 }
 
-/* How many digits lead the text, after a sign if there may be one; 0: none. */
+/* How many digits lead the text, after a sign if there may be one; 0 if there is none. */
 static size_t digits_of(struct text text, bool sign)
 {
     const size_t start = sign && text.len && (text.at[0] == '-' || text.at[0] == '+');
@@ -82,7 +82,7 @@ static size_t put_number(struct buffer *out, struct text text)
     return len + exponent;
 }
 
-/* A number or a sign of arithmetic at `i`; 0: there is none. */
+/* A number or a sign of arithmetic at `i`; 0 if there is none. */
 static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
 {
     const struct text rest = rest_of(text, i);
@@ -118,7 +118,7 @@ void put_number_symbols(struct buffer *out, struct text text)
 
 /* ---- names ---- */
 
-/* The letter of this name; 0: it is none. */
+/* The letter of this name; 0 if it is none. */
 static uint32_t greek(struct text name)
 {
     static const struct {

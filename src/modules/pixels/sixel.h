@@ -11,7 +11,7 @@
 /*
  * pixel: rows of `stride` bytes, four a pixel, in the machine's words 0x00RRGGBB. Appends the whole
  * sequence, from ESC P to ESC \; at most SIXEL_COLORS colours, those that are there most often.
- * False: no memory.
+ * Returns false if out of memory.
  */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
                  struct buffer *out);

@@ -41,7 +41,7 @@ void check_differs(struct check *check, const char *file, const char *what, stru
 
 /* ---- what is read ---- */
 
-/* The recording that was taken from the folder, since its own file is not here; NULL: it is. */
+/* The recording that was taken from the folder, since its own file is not here; NULL if it is. */
 static const struct recording *moved(const struct session *session, int index)
 {
     const struct recording *recording = session->recording[index]->recording;
@@ -182,8 +182,8 @@ static bool keep_error(void *context, struct text text)
     return true;
 }
 
-/* Nothing is shown and nothing written; settings of the output are as they were. False: it cannot
- * be read. */
+/* Nothing is shown and nothing written; settings of the output are as they were. Returns false if
+ * it cannot be read. */
 static bool run_again(struct check *check, struct session *session)
 {
     struct buffer path = {0}, script = {0};

@@ -18,7 +18,7 @@ static const double data_tolerance_of_one = 1e-13;
 
 /* ---- values ---- */
 
-struct values { /* columns of values.csv; NULL: it has none of that name or kind */
+struct values { /* columns of values.csv; NULL if it has none of that name or kind */
     const char *const *name, *const *of, *const *source;
     const double *value, *uncertainty, *t;
     size_t rows;

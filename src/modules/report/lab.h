@@ -49,7 +49,7 @@ struct report {
     struct session *view; /* a copy in which other runs and recordings are the current ones */
     struct arena *arena;
     struct folder *folder;
-    /* takes the files, with `context`; NULL: they go into the folder */
+    /* takes the files, with `context`; NULL if they go into the folder */
     bool (*put)(void *context, const char *name, struct text content, struct error *error);
     void *context;
     struct document document;
@@ -96,7 +96,7 @@ void say_value(struct document *document, const struct report_value *value);
  * such a plot. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
                 int runs, int recording, struct error *error);
-/* Place of the recording that a run is to be compared with; -1: none. */
+/* Place of the recording that a run is to be compared with; -1 if there is none. */
 int recording_beside(struct report *report, int run, enum plot_kind kind);
 /* The runs as a table; distance: from the recordings beside them. */
 void put_runs(struct report *report, const int *run, int runs, bool distance);

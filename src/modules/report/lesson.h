@@ -29,7 +29,7 @@ struct lesson_step {
     bool bare, disk;                         /* it needs that recording */
 };
 
-/* Steps are counted from 0. False: it has no such step. */
+/* Steps are counted from 0. Returns false if it has no such step. */
 bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step);
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
                  struct error *error);

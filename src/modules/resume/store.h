@@ -51,20 +51,20 @@ struct cancel;
 struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
-    const struct cancel *cancel; /* NULL: nobody stops it */
+    const struct cancel *cancel; /* NULL if nobody stops it */
     int64_t until; /* [clock_ns] when further rows are left to another time; 0: never */
 };
 
 void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */
 /* Writes what has changed since the last time; where it is stopped, `unfinished` is set, and what
- * was written does not count yet. False: it cannot be written, or no memory. */
+ * was written does not count yet. Returns false if it cannot be written, or no memory. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error);
 
 /*
  * Into a new session. name: of the file; temporary: folder for what only files can be read from,
- * NULL: /tmp. notes: a line for each part that could not be restored, and why. False: there is
- * nothing that could be restored.
+ * NULL: /tmp. notes: a line for each part that could not be restored, and why. Returns false if
+ * there is nothing that could be restored.
  */
 bool session_restore(struct session *session, struct text content, const char *name,
                      const char *temporary, struct buffer *notes, struct error *error);

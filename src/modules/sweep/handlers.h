@@ -30,7 +30,7 @@ struct sweep_request sweep_request_begin(struct session *session);
 /* rest: what stands behind `sweep`. Without axes only where there is a file. */
 bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
                 struct sweep_request *request, struct sweep_options *options, struct error *error);
-/* before: what was found until it was stopped; NULL: nothing. */
+/* before: what was found until it was stopped; NULL if there is nothing. */
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
                      const struct sweep *before, struct reply *reply, struct error *error);
 /* stopped.c: the functions of sweep_module. */
@@ -50,7 +50,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
 /* What it would cost, by computing some of it. */
 bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
                 struct error *error);
-/* Rows of CSV of these points, below the names of the columns; false: no memory. */
+/* Rows of CSV of these points, below the names of the columns; returns false if out of memory. */
 bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep,
                 struct buffer *rows);
 

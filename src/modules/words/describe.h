@@ -38,49 +38,52 @@ struct curve_reading {
     /* Of one with turns. */
     size_t turns;     /* highest and lowest places on the way */
     size_t crossings; /* of the middle between them */
-    double hole[2];   /* x: the longest time without samples where it has periods; NAN: none */
-    size_t periods;   /* between crossings of the same direction: so many were averaged, */
-    double period;    /* each; NAN: irregular */
-    double spread;    /* standard deviation of one; of the values, where they scatter */
-    double noise;     /* standard deviation, of what was measured; 0: a line */
+    /* x: the longest time without samples where it has periods; NAN if there is none */
+    double hole[2];
+    size_t periods; /* between crossings of the same direction: so many were averaged, */
+    double period;  /* each; NAN: irregular */
+    double spread;  /* standard deviation of one; of the values, where they scatter */
+    double noise;   /* standard deviation, of what was measured; 0: a line */
     double level[2], amplitude[2]; /* middle and half the swing: of the first and the last one */
     double growth;                 /* d ln amplitude / dx, least squares, if it is a line */
     /* Of one that winds. */
-    double winds;              /* signed number, counterclockwise positive */
-    double distance[2];        /* from the centre: at the start, and after the last whole turn */
-    bool about_origin;         /* the centre; false: the middle of what the curve spans */
-    struct curve_point about;  /* where it is */
-    struct curve_point widest; /* of the band about the line: x, half the width; NAN: none */
+    double winds;             /* signed number, counterclockwise positive */
+    double distance[2];       /* from the centre: at the start, and after the last whole turn */
+    bool about_origin;        /* the centre; false: the middle of what the curve spans */
+    struct curve_point about; /* where it is */
+    /* of the band about the line: x, half the width; NAN if there is none */
+    struct curve_point widest;
 };
 
 /* How far a curve is from the first that holds points of a recording, or from the first. */
 struct curve_distance {
     int curve;      /* its place in the figure */
-    double largest; /* NAN: they do not overlap, or it is a plane */
+    double largest; /* NAN if they do not overlap, or it is a plane */
     double at;      /* x */
     double rms;     /* over the points of the other curve */
 };
 
 struct figure_reading {
     const struct figure *figure;
-    struct curve_reading *curve;     /* [figure->curves] */
-    double x[2], y[PANELS_MAX][2];   /* what the axes hold: as fixed, or from end to end of it */
-    double second_x[2];              /* of a second plane */
-    int reference;                   /* the curve that distances are from; -1: there is one only */
+    struct curve_reading *curve;   /* [figure->curves] */
+    double x[2], y[PANELS_MAX][2]; /* what the axes hold: as fixed, or from end to end of it */
+    double second_x[2];            /* of a second plane */
+    /* the curve that distances are from; -1 if there is one only */
+    int reference;
     struct curve_distance *distance; /* [distances] */
     int distances;
     int *order; /* [ordered] the curves from the highest end to the lowest, of those with points */
     int ordered;
 };
 
-/* False: no memory. Memory from the arena; the figure has to live as long. */
+/* Returns false if out of memory. Memory from the arena; the figure has to live as long. */
 bool figure_read(const struct figure *figure, struct arena *arena, struct figure_reading *reading);
 
 /* The axis of a curve: of its panel. */
 const struct axis *curve_axis(const struct figure *figure, const struct curve *curve,
                               bool vertical);
 
-/* Three to six sentences without line breaks; false: no memory. */
+/* Three to six sentences without line breaks; returns false if out of memory. */
 bool describe_reading(const struct figure_reading *reading, struct buffer *out);
 bool describe_figure(const struct figure *figure, struct buffer *out); /* both at once */
 

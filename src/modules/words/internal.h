@@ -31,13 +31,13 @@ static inline bool points_go_on(const struct points *points, size_t i)
     return i < points->n && (i % LOOK_EACH_ROWS != 0 || !cancelled(points->cancel));
 }
 
-/* Leaves out single samples far off their neighbours; false: no memory. */
+/* Leaves out single samples far off their neighbours; returns false if out of memory. */
 bool drop_echoes(struct points *points, struct arena *arena);
 /* Turns, crossings, period, amplitudes; over something else than time no crossings. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading);
 /* As the axes show numbers: with their factor and unit. range: of the axis, beside which a value
- * may be nothing; NULL: none. */
+ * may be nothing; NULL if there is none. */
 void figure_number(double value, struct buffer *out); /* four digits */
 void figure_value(const struct axis *axis, double value, const double *range, struct buffer *out);
 /* Around what, how often, how far from there. half: of what the curve spans, by which both

@@ -47,7 +47,7 @@ static int column_width(const struct buffer *heading)
     return needed > COLUMN_CELLS ? needed : COLUMN_CELLS;
 }
 
-/* Puts the heading where there is room for its column, and returns how wide that is; 0: there is
+/* Puts the heading where there is room for its column, and returns how wide that is; 0 if there is
  * none. */
 static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *out)
 {
@@ -146,7 +146,7 @@ static int lines_of(const struct buffer *folded)
     return lines;
 }
 
-/* Without the last sentence; false: there is one only. */
+/* Without the last sentence; returns false if there is one only. */
 static bool drop_sentence(struct buffer *text)
 {
     size_t end = text->len > 1 ? text->len - 1 : 0;

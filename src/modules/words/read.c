@@ -113,7 +113,7 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
 
 /* ---- trends ---- */
 
-/* Slope of ln|y| over x, or over ln x; NAN: that is no line. */
+/* Slope of ln|y| over x, or over ln x; NAN if that is no line. */
 static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;

@@ -58,7 +58,7 @@ struct ode_symbol *ode_find(const struct ode *ode, struct text name)
     return NULL;
 }
 
-/* The argument that a name is; *where: what it is written in. NULL: none. */
+/* The argument that a name is; *where: what it is written in. Returns NULL if there is none. */
 static node argument_named(const struct scope *scope, struct text name, const struct scope **where)
 {
     while (scope && !scope->function)

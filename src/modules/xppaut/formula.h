@@ -27,7 +27,7 @@ struct ode_node {
     int arguments;
 };
 
-/* NULL: error. */
+/* Returns NULL if an error is set. */
 const struct ode_node *ode_parse(struct arena *arena, int line, struct text text,
                                  struct error *error);
 

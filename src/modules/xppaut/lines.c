@@ -96,7 +96,7 @@ static bool is_kernel(const struct text line, size_t at) /* int[.5] */
     return at >= 3 && memcmp(line.at + at - 3, "int", 3) == 0;
 }
 
-/* The line at j; from, to: of "1..9" inside its brackets, NULL: it has none. */
+/* The line at j; from, to: of "1..9" inside its brackets, NULL if it has none. */
 static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
                       const char *from, const char *to)
 {

@@ -201,7 +201,7 @@ static int neighbour(const struct ode_net *net, int i)
     return net->edge == 'e' ? (i < 0 ? -i : 2 * (net->count - 1) - i) : -1;
 }
 
-/* The quantity i places behind the first, as a formula; NULL: none. */
+/* The quantity i places behind the first, as a formula; NULL if there is none. */
 static const struct ode_node *behind(struct ode *ode, const struct ode_symbol *first, int i)
 {
     for (int k = 0; k < ode->symbols; k++) {

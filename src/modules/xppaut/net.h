@@ -27,7 +27,7 @@ struct ode_net {
 bool ode_table_read(struct ode *ode, struct ode_symbol *symbol);
 bool ode_net_read(struct ode *ode, struct ode_symbol *symbol);
 
-/* What they are at an argument, or at a place; NULL: error. */
+/* What they are at an argument, or at a place; NULL if an error is set. */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
                                     const struct ode_node *at);
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place);

@@ -147,7 +147,7 @@ static bool choose_set(struct ode_statements *s, struct text wanted, struct ode_
 
 /* ---- lines of a scene ---- */
 
-/* The right-hand side as typed scenes have it, in the arena; NULL: error. */
+/* The right-hand side as typed scenes have it, in the arena; NULL if an error is set. */
 static const char *right_side(struct ode *ode, const struct ode_symbol *symbol)
 {
     const bool ordered = symbol->kind == ODE_DERIVED || symbol->kind == ODE_FIXED;

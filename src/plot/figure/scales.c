@@ -86,7 +86,7 @@ static double size_of_curve(const struct drawing *d, int i, bool x)
     return extent.low <= extent.high ? fmax(fabs(extent.low), fabs(extent.high)) : 0;
 }
 
-/* Of each curve; of a plane the larger of both. NULL: no memory. */
+/* Of each curve; of a plane the larger of both. Returns NULL if out of memory. */
 static const double *curve_sizes(const struct drawing *d, const struct figure *figure)
 {
     double *size = arena_array(d->arena, (size_t)d->curves + 1, sizeof *size);

@@ -41,7 +41,7 @@ enum quantity column_quantity(const struct table_column *column)
     return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
 }
 
-/* asked: of the user; NULL: none. What begins at 0 is not logarithmic. */
+/* asked: of the user; NULL if there is none. What begins at 0 is not logarithmic. */
 static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
                            const struct figure_range *wanted)
 {
@@ -75,7 +75,7 @@ static int group_of(const char *const *value, int *count, const char *group[GROU
     return (*count)++;
 }
 
-/* The first column of words with more than one, but few; NULL: none. */
+/* The first column of words with more than one, but few; NULL if there is none. */
 static const struct table_column *find_groups(const struct table *table, int *count,
                                               const char *group[GROUPS_MAX])
 {

@@ -314,7 +314,7 @@ static bool read_operand(struct compiler *c, bool *complete)
     return missing_operand(c);
 }
 
-/* The innermost open parenthesis or call; NULL: none. */
+/* The innermost open parenthesis or call; NULL if there is none. */
 static struct pending *innermost(struct compiler *c)
 {
     for (size_t i = c->depth; i > 0; i--)

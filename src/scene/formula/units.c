@@ -255,7 +255,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
 
 /* ---- reading ---- */
 
-/* m/s^2 of m/s2; NULL: there is no such unit. */
+/* m/s^2 of m/s2; NULL if there is no such unit. */
 static const struct unit *powered_unit(const char *name)
 {
     char whole[LIMIT_NAME + 1];

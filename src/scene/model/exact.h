@@ -21,7 +21,7 @@ void linear_exact(const struct system *system, double t0, const double *start, d
 #define TRANSIENT_GROWTH_MAX 32
 
 /* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not
- * just grow. rate [1/s]: of the fastest motion, 0: none. */
+ * just grow. rate [1/s]: of the fastest motion, 0 if there is none. */
 void linear_sizes(const struct system *system, double rate, double *max);
 
 #endif

@@ -50,7 +50,7 @@ static real frequency(const struct oscillator *o)
 /*
  * The time to where a body that moves comes to rest, or back (forward < 0) to where it set out: the
  * root of |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with hyperbolic functions.
- * Infinite: there is none.
+ * Returns infinity if there is none.
  */
 static real turning_time(const struct oscillator *o, real omega, const double *start, real forward)
 {

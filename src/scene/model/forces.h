@@ -26,7 +26,7 @@ struct program *terms_program(const struct system *system, unsigned mask, unsign
 
 /* ---- their texts ---- */
 
-/* Which text a term's force is; 0: one that no kernel knows. */
+/* Which text a term's force is; 0 for one that no kernel knows. */
 enum force {
     FORCE_OTHER,
 #define CONSERVATIVE_TERM(name, ...) FORCE_##name,

@@ -50,8 +50,8 @@ double scene_start_energy(const struct scene *scene); /* [J] */
 #define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                \
     {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
 
-/* Those of the oscillator for one whose equation was typed, but where the name is taken. False: no
- * memory. */
+/* Those of the oscillator for one whose equation was typed, but where the name is taken. Returns
+ * false if out of memory. */
 bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived);
 
 /* ---- terms: not each needs all that a row's function is given ---- */

@@ -29,8 +29,9 @@ struct symbol {
 
 /* A variable that has an equation, or is going to have one. */
 struct unknown {
-    const struct typed_line *line, *speed, *equation; /* speed: var y' = …; NULL: not there */
-    int symbol, velocity;                             /* symbols, velocity -1: none */
+    /* speed: var y' = …; NULL if it is not there */
+    const struct typed_line *line, *speed, *equation;
+    int symbol, velocity; /* symbols, velocity -1: none */
     const struct expr *expr;
     int order;
 };
@@ -45,7 +46,7 @@ struct compile {
     struct param_row *own; /* parameters that are not those of the base */
     int owns, bases;
     const struct expr **force; /* [lines] */
-    int state;                 /* state variables of the base, 0: none */
+    int state;                 /* state variables of the base, 0 if there is none */
 };
 
 /* ---- typed_names.c ---- */
@@ -57,7 +58,7 @@ static inline bool symbol_is(const struct symbol *symbol, struct text name)
            symbol->name[last] == name.at[last] && memcmp(symbol->name, name.at, last) == 0;
 }
 
-/* The line of that kind and name; NULL: none. */
+/* The line of that kind and name; NULL if there is none. */
 const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
                                        struct text name);
 /* All names but those of observed quantities. */

@@ -16,7 +16,7 @@ struct drive_part {
     bool known; /* the value at t = 0 is a number, whatever the state is */
     double value;
     double rate;   /* 0: steady, or it repeats */
-    double period; /* [s] 0: it does not repeat; NAN: it does neither */
+    double period; /* [s] 0: it does not repeat; NAN if it does neither */
 };
 
 static const struct drive_part unknown = {false, 0, 0, 0}, neither = {false, 0, 0, NAN};

@@ -213,7 +213,8 @@ static bool make_whole(const struct part_making *m, struct typed_part *part)
     return fine;
 }
 
-/* What can be integrated of the force that depends on positions only. False: error. */
+/* What can be integrated of the force that depends on positions only. Returns false if an error is
+ * set. */
 static bool make_integrals(const struct part_making *m, struct typed_term *force, int first)
 {
     const int rows = typed_rows(m->typed);

@@ -76,7 +76,7 @@ static bool grown(int n, const double *early, const double *max)
 }
 
 /*
- * How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it
+ * How far it got, if its steps became shorter and shorter there; 0 if it found no pole. *there: it
  * came to the end, or grew away.
  */
 static double try_out(const struct system *system, double span, double *max, bool *there)

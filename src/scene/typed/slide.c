@@ -308,8 +308,8 @@ static void follow_jumps(const struct sliding *s, const struct around *around, d
     }
 }
 
-/* Arguments whose rates alone the jumps change are put back by what follows from these. False: they
- * are there. */
+/* Arguments whose rates alone the jumps change are put back by what follows from these. Returns
+ * false if they are there. */
 static bool return_twice(const struct sliding *s, const struct around *around, double t,
                          const double *miss, double *y)
 {
@@ -332,8 +332,8 @@ static bool return_twice(const struct sliding *s, const struct around *around, d
     return true;
 }
 
-/* How far each argument is from its switch. True: one is, or its rate is not 0 where it has to be.
- */
+/* How far each argument is from its switch. Returns true if one is, or its rate is not 0 where it
+ * has to be. */
 static bool look_off(const struct sliding *s, double t, const double *y, struct around *around,
                      double *miss)
 {

@@ -42,10 +42,10 @@ struct typed {
     struct catalog params, terms, derived;
     /* parameter of each state variable; where all is typed, like the next two */
     int initial[LIMIT_VARIABLES];
-    /* places in the state of a variable and of its velocity, -1: none */
+    /* places in the state of a variable and of its velocity, -1 if there is none */
     int velocity[LIMIT_VARIABLES];
     int t0, mass;                 /* parameters, mass -1: it is 1 */
-    int incomplete;               /* line of a variable without an equation, -1: none */
+    int incomplete;               /* line of a variable without an equation, -1 if there is none */
     int read[TYPED_READS], reads; /* parameters */
     struct variable *observed;
     const struct expr **observe;
@@ -120,7 +120,8 @@ struct typed_term {
     struct typed_part *part;
     struct term_row row; /* with the flags that hold here */
     struct program *add, *jacobian;
-    struct program *potential, *slope, *observe; /* NULL: none. slope: of the potential */
+    /* NULL if there is none. slope: of the potential */
+    struct program *potential, *slope, *observe;
     /* Parts of a potential that nobody typed, as equations_integrate() makes them: of all
      * antiderivatives, and along the axes; NULL: none were found. */
     struct program *parts, *axes;
@@ -201,7 +202,7 @@ void system_sum_up(struct system *system); /* what its terms say together (syste
 
 /* ---- binding (typed_bind.c) ---- */
 
-struct typed_parts *typed_parts_create(void); /* NULL: no memory */
+struct typed_parts *typed_parts_create(void); /* Returns NULL if out of memory */
 void typed_parts_destroy(struct typed_parts *parts);
 /* Adds what is typed to a system whose mass is set. */
 bool typed_bind(const struct typed *typed, const double *param, struct system *system,
@@ -225,7 +226,7 @@ double typed_work(const double *c, enum typed_path shape, const double *from, co
 
 void typed_found_rows(struct typed_part *part); /* once its terms are made */
 /* Once start and scale are known: forces that depend on positions only get a potential where there
- * is one. False: there is none, or nothing to look for. */
+ * is one. Returns false if there is none, or nothing to look for. */
 bool typed_find_potential(struct system *system);
 /* Returns true if all forces have a potential, are drag, or are drives that depend on time
  * alone. */

@@ -90,7 +90,7 @@ static bool same_branches(const struct force_path *path, double s, const double 
     return true;
 }
 
-/* Where the first switch behind `from` is, to the last place; 1: there is none. */
+/* Where the first switch behind `from` is, to the last place; 1 if there is none. */
 static double next_switch(const struct force_path *path, double from)
 {
     const struct typed_part *part = path->term->part;
@@ -118,8 +118,8 @@ struct quadrature {
     int pieces;
 };
 
-/* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not
- * converge. */
+/* Adds the integral from `from` to `to`, between which the force is smooth. Returns false if it
+ * does not converge. */
 static bool add_smooth(const struct force_path *path, double from, double to,
                        struct quadrature *sums)
 {
@@ -145,7 +145,7 @@ static bool add_smooth(const struct force_path *path, double from, double to,
     return false;
 }
 
-/* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
+/* The integral over s from 0 to 1, and that of its magnitude; NAN if it does not converge. */
 static double integral(const struct force_path *path, double *size)
 {
     struct quadrature sums = {0};

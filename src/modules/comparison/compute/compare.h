@@ -69,11 +69,12 @@ struct reference {
     const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
     double accuracy; /* distance between both, or the conditioning floor of the closed form */
     struct singularity singular; /* where there is no reference because the solution ends */
-    double meaning;  /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
-    bool sudden;     /* there they part within 1/256 of the span: not as rounding grows */
-    double shortest; /* [s] the shortest stretch that its steps had to be cut for, 0: none */
-    double bound;    /* [s] no step of it is longer, except of one of the two methods */
-    bool again;      /* computed again, in shorter steps, because finer runs disagreed with it */
+    double meaning; /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+    bool sudden;    /* there they part within 1/256 of the span: not as rounding grows */
+    /* [s] the shortest stretch that its steps had to be cut for, 0 if there is none */
+    double shortest;
+    double bound; /* [s] no step of it is longer, except of one of the two methods */
+    bool again;   /* computed again, in shorter steps, because finer runs disagreed with it */
     /* their runs agree with each other and not with it: not resolved; NULL: nobody */
     const struct method *against[2];
     double apart; /* by so much, in amplitudes */
@@ -233,7 +234,8 @@ struct precision_row {
     const struct precision *precision;
 };
 
-/* One for each point, from the arena; they hold as long as `precision`. NULL: no memory. */
+/* One for each point, from the arena; they hold as long as `precision`. Returns NULL if out of
+ * memory. */
 const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena);
 extern const struct result_columns precision_columns; /* of struct precision_row */
 
@@ -345,7 +347,7 @@ struct compared_row {
     enum stop stop;
     int number;                         /* of the run */
     struct measured period;             /* [s] NAN: none, or not looked for */
-    double data_rms;                    /* from a recording, NAN: there is none */
+    double data_rms;                    /* from a recording, NAN if there is none */
     enum quantity data_quantity;        /* of that */
     char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
     bool mixed;                         /* the rows are not all timed by the same code */

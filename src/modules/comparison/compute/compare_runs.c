@@ -98,7 +98,7 @@ static struct prediction predict(const struct run *run)
 /* A predicted factor over the whole run within this of 1 counts as bounded. */
 #define BOUNDED_GROWTH_MAX 0.02
 
-/* max |energy-error| over the last quarter of the rows / over the first; NAN: not known. */
+/* max |energy-error| over the last quarter of the rows / over the first; NAN if unknown. */
 static double energy_trend(const struct run *run)
 {
     const struct observable *missing = observable_by_name(TEXT("energy-error"));

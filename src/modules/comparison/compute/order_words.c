@@ -23,8 +23,8 @@ static double fastest(const struct system *system)
     return max;
 }
 
-/* What turning points and switches do to the order; NULL: nothing. misses: another one was found,
- * or none. */
+/* What turning points and switches do to the order; NULL if there is nothing. misses: another one
+ * was found, or none. */
 static const char *explain_jumps(const struct system *system, const struct order *order,
                                  bool misses)
 {

@@ -45,7 +45,7 @@ struct sweeping {
     int stale, failures;
 };
 
-/* NULL: no memory */
+/* Returns NULL if out of memory */
 static struct precision_point *add_point(struct sweeping *sweep)
 {
     struct precision *precision = sweep->precision;
@@ -201,7 +201,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     return curve->cut;
 }
 
-/* The i-th setting from coarse to fine; false: there are no more. */
+/* The i-th setting from coarse to fine; returns false if there are no more. */
 static bool setting_at(const struct sweeping *sweep, int i, struct precision_point *point)
 {
     const struct precision_request *request = sweep->request;

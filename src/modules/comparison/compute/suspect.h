@@ -13,7 +13,7 @@
 struct witness {
     const struct method *by; /* NULL: none has arrived yet */
     double *grid;            /* [STUDY_TIMES * n] */
-    double moved;            /* from the run before it, in amplitudes; NAN: there was none */
+    double moved;            /* from the run before it, in amplitudes; NAN if there was none */
     double step;             /* [s] in the mean */
 };
 
@@ -24,7 +24,7 @@ struct witnesses {
     int count;
 };
 
-/* false: no memory */
+/* Returns false if out of memory */
 bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max);
 void witnesses_free(struct witnesses *witnesses);
 /* A finer run of choice i has arrived, in so many steps. */

@@ -360,7 +360,7 @@ static void refuse(struct stress_row *row, const char *why)
     snprintf(row->reason, sizeof row->reason, "%.230s", why);
 }
 
-/* False: no memory. */
+/* Returns false if out of memory. */
 static bool run_case(struct stress_state *bench, int method, struct stress_row *row)
 {
     const bool adaptive = row->method->flags & METHOD_ADAPTIVE && !bench->what->fixed;

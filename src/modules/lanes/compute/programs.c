@@ -24,7 +24,7 @@ struct lane_operation {
     int output;
     const double *operand[3];
     const struct node *node;
-    void (*many)(int n, const double *x, double *out); /* NULL: one by one */
+    void (*many)(int n, const double *x, double *out); /* NULL if it takes one at a time */
 };
 
 /* The frame: numbers and intermediate values, room for those that are fixed, then the operations.

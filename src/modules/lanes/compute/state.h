@@ -63,7 +63,7 @@ enum { DRIVE_VALUES = 1 << 15, DRIVE_ROWS = 64 };
 struct lane_drive {
     bool own;
     int rows, places;
-    const double *c1, *c2; /* [LANE_COUNT] coefficients; NULL: there is no drive */
+    const double *c1, *c2; /* [LANE_COUNT] coefficients; NULL if there is no drive */
     struct driven_by by;
     int64_t from, end;            /* steps of which it is known */
     const double *next;           /* [steps][places] of the next ones, the same in all lanes; */
@@ -137,8 +137,8 @@ void lanes_time_add(const struct lanes *lanes, double part, struct lane_time *at
 /* z = y + sum_j weight_j k_j, each [n]; h: NULL, or what weights are multiplied by [LANE_COUNT] */
 void lanes_combine(const struct weights *sum, const double *h, int n, const double *k,
                    const double *y, double *z);
-/* As lanes_march(), of oscillators whose forces and steps the compiler knows; false: it does not.
- */
+/* As lanes_march(), of oscillators whose forces and steps the compiler knows; returns false if it
+ * does not. */
 bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row);
 /* As lanes_march(), of the families of methods. */
 void lanes_march_rk(struct lanes *lanes, int64_t count, double *row);

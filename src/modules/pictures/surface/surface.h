@@ -42,7 +42,8 @@ struct surface;
 
 struct surface_kind {
     void (*paint)(struct surface *surface, const struct brush *brush); /* surface->path */
-    void (*clip)(struct surface *surface, const double box[4]);        /* NULL: no more */
+    /* NULL if there is no more */
+    void (*clip)(struct surface *surface, const double box[4]);
     void (*text)(struct surface *surface, const struct surface_text *text);
     double (*text_width)(struct surface *surface, double size, const char *text);
 };
@@ -86,7 +87,7 @@ void svg_begin(struct svg_surface *svg, double width, double height, double font
                struct buffer *out);
 void svg_end(struct svg_surface *svg);
 
-/* Draws a figure on a page of that size; false: no memory. */
+/* Draws a figure on a page of that size; returns false if out of memory. */
 bool picture_draw(struct surface *surface, const struct figure *figure, double width,
                   double height);
 

@@ -39,7 +39,7 @@ static struct {
 /* ---- answers ---- */
 
 /*
- * The length of the answer that the text begins with; 0: it begins with none; SIZE_MAX: it could
+ * The length of the answer that the text begins with; 0 if it begins with none; SIZE_MAX: it could
  * become one. Answers are ESC _ G ... ESC \, ESC P > | ... ESC \ and ESC [ ? ... c.
  */
 static size_t answer_length(struct text text)
@@ -71,7 +71,7 @@ static bool has_sixels(struct text attributes)
     return false;
 }
 
-/* What an answer says; true: it is the last. */
+/* What an answer says; returns true if it is the last. */
 static bool take_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;

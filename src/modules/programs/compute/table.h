@@ -12,8 +12,8 @@ struct runge_kutta {
     bool fsal;
     const double *c, *b; /* [stages] */
     const double *a;     /* a21, a31 a32, ... */
-    const double *b_hat; /* [stages] of the embedded method; NULL: none */
-    /* [stages] of a cubic Hermite interpolant's bend, see src/method/step/step.h; NULL: there is
+    const double *b_hat; /* [stages] of the embedded method; NULL if there is none */
+    /* [stages] of a cubic Hermite interpolant's bend, see src/method/step/step.h; NULL if there is
      * another interpolant, or none */
     const double *bend;
 };

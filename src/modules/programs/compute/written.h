@@ -43,7 +43,8 @@ struct written {
     /* [rows] NULL: nothing is added. force and drag: without and with velocity, for splittings */
     const struct expr *all[LIMIT_VARIABLES], *force[LIMIT_VARIABLES], *drag[LIMIT_VARIABLES];
     const struct expr *split[LIMIT_VARIABLES]; /* force, then drag, as splittings add them */
-    const struct expr *dry;      /* what dry friction takes, in none of them; NULL: none */
+    /* what dry friction takes, in none of them; NULL if there is none */
+    const struct expr *dry;
     int observed;                /* the first name of what is observed */
     const struct expr **observe; /* [names - observed] */
     const struct cancel *cancel; /* of what is made of it; whoever began looks, too */

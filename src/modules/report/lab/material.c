@@ -28,8 +28,8 @@ bool is_method(const struct run *run, const char *name)
 
 /* ---- recordings ---- */
 
-/* Half of the values are no farther from their median: missed echoes do not matter. NAN: no memory.
- */
+/* Half of the values are no farther from their median: missed echoes do not matter. Returns NAN if
+ * out of memory. */
 static double spread(struct arena *arena, const double *y, size_t n)
 {
     double *values = arena_array(arena, n, sizeof *values);

@@ -9,7 +9,8 @@ struct material {
     /* Places of the runs that stand in a section. Those of SECTION_SIMULATION are forward Euler's;
      * SECTION_ENERGY is about them, too, and SECTION_SCHEMES adds the other methods. */
     int run[SECTION_COUNT][LIMIT_RUNS], runs[SECTION_COUNT];
-    int euler;                           /* place of the one that is looked at closely; -1: none */
+    /* place of the one that is looked at closely; -1 if there is none */
+    int euler;
     int scheme[REPORT_OVERLAY], schemes; /* one a method: the same motion, the same step */
     bool decays[LIMIT_RECORDINGS];       /* recordings of the second session */
     int first, second;                   /* place of the first recording of each session; -1 */

@@ -162,7 +162,7 @@ enum run_column {
     RUN_STATUS
 };
 
-/* False: there is nothing to say. */
+/* Returns false if there is nothing to say. */
 static bool put_run_cell(struct document *document, const struct run *run, enum run_column column)
 {
     struct buffer text = {0};

@@ -12,7 +12,7 @@ static const struct question {
     int number;
     enum section section;
     const char *words;
-    unsigned figures;      /* kinds, of its section and those before it; 0: it is derived */
+    unsigned figures;      /* kinds, of its section and those before it; 0 if it is derived */
     const char *values[4]; /* that it rests on */
 } questions[] = {
     {1,

@@ -53,7 +53,8 @@ void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 
 
 /* scan.c: all records that count, rows and runs by id. False: no memory, or no S. */
 bool reader_scan(struct reader *reader, struct text content, struct error *error);
-struct read_run *reader_run(struct reader *reader, uint64_t id); /* NULL: not there */
+/* Returns NULL if it is not there */
+struct read_run *reader_run(struct reader *reader, uint64_t id);
 
 /* restore.c */
 /* Executes the lines; the first that fails ends it. */

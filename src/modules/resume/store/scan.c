@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* *list has room for one more; false: no memory. */
+/* *list has room for one more; returns false if out of memory. */
 static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
 {
     if (count < *capacity)
@@ -27,7 +27,7 @@ static bool read_head(struct text at, struct record_head *head)
     return head->own == bytes_sum((struct text){at.at, offsetof(struct record_head, own)});
 }
 
-/* From there to the next record; false: there is none. */
+/* From there to the next record; returns false if there is none. */
 static bool find_record(struct text *at, struct record_head *head)
 {
     while (at->len >= sizeof *head) {

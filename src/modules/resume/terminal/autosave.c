@@ -332,7 +332,7 @@ int64_t autosave_due(const struct autosave *autosave)
     return autosave->fd >= 0 && autosave->unsynced ? autosave->sync_due : INT64_MAX;
 }
 
-/* What a file system cannot do is said once each. False: it was said now. */
+/* What a file system cannot do is said once each. Returns false if it was said now. */
 static bool has_all(struct autosave *autosave, struct error *error)
 {
     const int failure = atomic_exchange(&autosave->sync_failure, 0);

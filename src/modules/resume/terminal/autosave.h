@@ -37,7 +37,7 @@ bool saved_lock(int fd);
 /* With what is still read of a session's file, to take its place once it is on the disk. */
 struct fresh_file {
     char *path;
-    int fd;         /* -1: none */
+    int fd;         /* -1 if there is none */
     int64_t from;   /* of the file, the first byte that it has not got */
     uint64_t bytes; /* that it has */
 };

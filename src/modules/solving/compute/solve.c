@@ -89,7 +89,7 @@ enum stop solver_stop(enum step_status status)
 
 struct sampler {
     struct solver *solver;
-    double *grid; /* NULL: nobody asks */
+    double *grid; /* NULL if nobody asks */
     int next;     /* the grid time to come */
 };
 
@@ -205,7 +205,7 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
 
 #define ROW_DOUBLES 1024 /* Numbers of the states that a kernel leaves behind in one call. */
 
-/* each: steps between two grid times, all of which are steps' ends; 0: nobody asks for them. */
+/* each: steps between two grid times, all of which are steps' ends; 0 if nobody asks for them. */
 static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
                             const struct cancel *cancel)
 {

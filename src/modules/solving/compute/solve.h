@@ -19,13 +19,15 @@ struct cancel;
 struct solver {
     const struct system *system;
     const struct method *method;
-    double dt, tol, span; /* tol > 0: adaptive, dt is the first guess, 0: none */
+    double dt, tol, span; /* tol > 0: adaptive, dt is the first guess, 0 if there is none */
     bool compensated;     /* sums of fixed steps */
     bool turns;           /* fixed steps are taken in pieces that meet at turning points */
-    /* where nobody looks at the states on the way: the same steps, to the bit; NULL: none */
+    /* where nobody looks at the states on the way: the same steps, to the bit; NULL if there is
+     * none */
     march_function *kernel;
-    int64_t max;      /* evaluations, Jacobians and solves together it may cost; 0: no limit */
-    int64_t part;     /* fixed steps after which it stops, as if at the end; 0: none. For timing */
+    int64_t max; /* evaluations, Jacobians and solves together it may cost; 0: no limit */
+    /* fixed steps after which it stops, as if at the end; 0 if there is none. For timing */
+    int64_t part;
     int64_t steps;    /* taken */
     struct step step; /* y, work, low and side belong to the solver */
     double *side;     /* work of a shorter step */

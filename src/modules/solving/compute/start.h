@@ -7,7 +7,8 @@
 
 /* Gives a parameter a value without an uncertainty; one that has it already stays as it is. */
 void scene_take_value(struct scene *scene, int i, double value);
-/* Lets the scene start at that state [n]. False: it cannot, or the value is out of its range. */
+/* Lets the scene start at that state [n]. Returns false if it cannot, or the value is out of its
+ * range. */
 bool scene_start_at(struct scene *scene, const double *state, struct error *error);
 
 #endif

@@ -239,7 +239,7 @@ static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
     }
 }
 
-/* False: cancelled. */
+/* Returns false if cancelled. */
 static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;

@@ -50,7 +50,7 @@ static void watch_attempts(struct sweep_worker *worker, const double *before, in
     }
 }
 
-/* False: cancelled. */
+/* Returns false if cancelled. */
 static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *of)
 {
     const struct sweep_job *job = worker->job;

@@ -166,7 +166,8 @@ static double turned(const struct crossings *crossings, int variable, double val
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
 }
 
-/* The moment and the state of a record, angles in their first turn; false: it is not there. */
+/* The moment and the state of a record, angles in their first turn; returns false if it is not
+ * there. */
 static bool state_at(const struct crossings *crossings, int64_t at, int64_t period, double *t,
                      double *y)
 {

@@ -121,7 +121,8 @@ static void march(struct sweep_worker *worker, int64_t count)
     }
 }
 
-/* The step after `step` once more, by the run of the point; false: it has seen nothing there. */
+/* The step after `step` once more, by the run of the point; returns false if it has seen nothing
+ * there. */
 static bool take_again(const struct sweep_worker *worker, struct crossings *p, int64_t step,
                        const double *y)
 {

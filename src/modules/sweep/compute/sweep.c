@@ -131,7 +131,7 @@ static bool lane_measures(const struct sweep_measure *measure)
               ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
 }
 
-/* The system at one end of an axis; false: it is refused there. */
+/* The system at one end of an axis; returns false if it is refused there. */
 static bool bind_end(const struct sweep_request *request, const struct sweep *sweep, int64_t number,
                      struct system *system)
 {

@@ -94,7 +94,7 @@ static double column_speed(const struct trace *trace, const double *column, size
                                : 0;
 }
 
-/* What is no state variable, at all rows; NULL: it is one, or there is none of it. */
+/* What is no state variable, at all rows; NULL if it is one, or there is none of it. */
 static bool make_column(const struct run *run, const struct sweep_measure *measure,
                         const struct scene *scene, double **column)
 {

@@ -97,7 +97,7 @@ struct sweep_worker {
     struct lanes *lanes; /* NULL: none are used */
     double *row;
     double *replay;              /* [LANE_COUNT][room][2]; NULL: nothing is replayed */
-    struct run *run[LANE_COUNT]; /* in pieces: of each lane; NULL: none */
+    struct run *run[LANE_COUNT]; /* in pieces: of each lane; NULL if there is none */
     struct system *system;       /* [LANE_COUNT] */
     struct extremes watch[LANE_COUNT];
     double tol[LANE_COUNT];
@@ -112,7 +112,7 @@ struct sweep_worker {
     enum drag drag;
     double steps; /* of all points so far */
     int64_t side_by_side;
-    int64_t refused; /* place of the first refused point, -1: none */
+    int64_t refused; /* place of the first refused point, -1 if there is none */
     char reason[600];
     bool failed; /* no memory */
 };
@@ -183,7 +183,7 @@ void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, 
 
 /* ---- at a section (section.c, section_lanes.c) ---- */
 
-/* False: no memory. */
+/* Returns false if out of memory. */
 bool section_create(struct sweep_worker *worker);
 void section_free(struct section *section);
 void section_alone(struct sweep_worker *worker, int64_t i);

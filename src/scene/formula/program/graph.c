@@ -193,7 +193,7 @@ static enum zero_mark mark_of_result(const struct graph *g, const struct node *n
     return node->kind == NODE_ADD || node->kind == NODE_SUB ? (a < b ? a : b) : ZERO_NUMBER;
 }
 
-/* The operand of a negation; -1: it is none. */
+/* The operand of a negation; -1 if it is none. */
 static int negated(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NEG ? g->node[i].operand[0] : -1;
@@ -223,7 +223,7 @@ static int power(struct graph *g, int x, double n)
     return n < 0 ? graph_apply(g, NODE_DIV, graph_number(g, 1), made, 0) : made;
 }
 
-/* What is as good and simpler; -1: nothing. */
+/* What is as good and simpler; -1 if there is nothing. */
 static int simpler(struct graph *g, struct node node)
 {
     const int a = node.operand[0], b = node.operand[1], c = node.operand[2];

@@ -157,7 +157,7 @@ static bool is_near(double a, double b)
     return fabs(a - b) <= 1e-12 * fabs(b);
 }
 
-/* Returns a/b as a node without x; -1: it depends on x, or is not known to be constant. */
+/* Returns a/b as a node without x; -1 if it depends on x, or is not known to be constant. */
 static int constant_quotient(struct integration *in, int a, int b)
 {
     struct graph *g = in->g;
@@ -203,7 +203,7 @@ static bool add_factor(struct product *p, int base, double power, int exponent)
     return true;
 }
 
-/* Multiplies the product by node^power. False: it has too many factors. */
+/* Multiplies the product by node^power. Returns false if it has too many factors. */
 static bool collect(struct integration *in, int i, double power, struct product *p)
 {
     struct graph *g = in->g;
@@ -257,7 +257,7 @@ static int other_factors(struct graph *g, const struct product *p, int but)
     return made;
 }
 
-/* The antiderivative of a call by its argument v; -1: not known. Those that are even begin with the
+/* The antiderivative of a call by its argument v; -1 if unknown. Those that are even begin with the
  * square of v, free of cancellation. */
 static int call_integral(struct graph *g, const struct node *call)
 {

@@ -45,7 +45,7 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
 struct usage {
     int uses;   /* by operations and outputs */
     int slot;   /* in the frame */
-    int output; /* that it is, the last one of them; -1: none */
+    int output; /* that it is, the last one of them; -1 if there is none */
     bool fused;
 };
 
@@ -106,7 +106,8 @@ static void emit(struct schedule *s, const struct node *node, int i)
     release(s, node, instruction);
 }
 
-/* Counts uses, finds what is fused, gives places to names and numbers. False: no memory. */
+/* Counts uses, finds what is fused, gives places to names and numbers. Returns false if out of
+ * memory. */
 static bool prepare(struct schedule *s)
 {
     struct program *p = s->program;
@@ -209,7 +210,8 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
 
 /* ---- what is kept ---- */
 
-/* Nodes that depend on given names only and are used by others or are outputs. -1: no memory. */
+/* Nodes that depend on given names only and are used by others or are outputs. Returns -1 if out of
+ * memory. */
 static int find_retained(const struct program *p, int *retained)
 {
     bool *steady = calloc((size_t)p->nodes, sizeof *steady),
@@ -234,7 +236,7 @@ static int find_retained(const struct program *p, int *retained)
     return count;
 }
 
-/* The program of what is kept, unless that is too large. False: no memory. */
+/* The program of what is kept, unless that is too large. Returns false if out of memory. */
 static bool make_retained(struct program *p, const struct steady_names *steady, const int *retained,
                           int count)
 {

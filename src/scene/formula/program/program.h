@@ -208,7 +208,8 @@ bool expr_switches(const struct expr *expr); /* false for NULL */
 struct instruction {
     struct node node; /* operand: places */
     int out;
-    int output;   /* in lanes: the output that this is, which no operation reads; -1: none */
+    /* in lanes: the output that this is, which no operation reads; -1 if there is none */
+    int output;
     bool last[3]; /* the operand's place is free afterwards */
 };
 
@@ -220,7 +221,7 @@ struct program {
     struct arena arena;
     int moving, names, numbers, slots;
     int keeps;            /* the last names: what depends on given ones only */
-    struct program *keep; /* their values, from the names before; NULL: there are none */
+    struct program *keep; /* their values, from the names before; NULL if there are none */
     double *number;
     struct instruction *code;
     int count;
@@ -232,7 +233,7 @@ struct program {
     int copies;        /* the others */
     struct node *node; /* the graph it came from, and there the outputs: for questions */
     int nodes, *result;
-    struct native *native; /* NULL: none */
+    struct native *native; /* NULL if there is none */
     /* Calls whose argument depends on t only remember it and their value in two places each,
      * behind those of the operations. */
     int remembered;

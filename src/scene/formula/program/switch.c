@@ -33,7 +33,7 @@ static bool opposite(const struct freezing *f, int a, int b)
             x->operand[1] == y->operand[0]);
 }
 
-/* The branch of u as a node; 0: there are too many. */
+/* The branch of u as a node; 0 if there are too many. */
 static int branch(struct freezing *f, int u, enum switch_kind kind)
 {
     struct switches *found = f->found;
@@ -91,8 +91,8 @@ static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
     return -1;
 }
 
-/* The smooth node in place of one whose operands move; -1: it is smooth itself. x: frozen operands.
- */
+/* The smooth node in place of one whose operands move; -1 if it is smooth itself. x: frozen
+ * operands. */
 static int freeze(struct freezing *f, const struct node *node, const int *x, bool condition_moves)
 {
     switch (node->kind) {
