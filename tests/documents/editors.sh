@@ -111,7 +111,7 @@ ok "bash completes by it" $? "$said"
 
 if command -v nano >/dev/null && command -v script >/dev/null; then
     nano_says() { # what it writes to its terminal, with that file of rules
-        (sleep 0.3; printf '\030') | HOME=$work TERM=vt100 timeout 120 \
+        (while sleep 0.3; do printf '\030'; done) 2>/dev/null | HOME=$work TERM=vt100 timeout 120 \
             script -qec "nano -f $1 $work/example.hk" /dev/null 2>&1
     }
     said=$(nano_says "$work/hooke.nanorc")

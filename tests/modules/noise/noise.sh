@@ -39,9 +39,11 @@ ok "dampings that differ are all named" $? "$said"
 [ -s a.csv ] && cmp -s a.csv b.csv
 ok "the same seed gives the same file" $? "$(wc -c ./*.csv)"
 "$hooke" -n -c 'scene pendulum; ensemble 10000 10000 s kT=0.1 gamma=1 --force' >out 2>&1 &
-sleep 0.5
-while kill -INT $! 2>/dev/null; do sleep 1; done
-wait $!
+program=$!
+# A start takes a hundredth of a second: then it has been computing for long.
+until [ "$(awk '{print $14 + $15}' /proc/$program/stat 2>/dev/null || echo 99)" -ge 60 ]; do sleep 0.05; done
+kill -INT $program
+wait $program
 [ $? -eq 130 ] && grep -q 'stopped: the ensemble is dropped' out
 ok "Ctrl-C ends an ensemble, with status 130" $? "$(cat out)"
 echo "1..$n"
