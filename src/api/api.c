@@ -174,7 +174,8 @@ const char *hooke_column_unit(const struct hooke_table *table, size_t at)
     return at < hooke_columns(table) ? table->column[at].unit : NULL;
 }
 
-static const struct taken_column *find_column(const struct hooke_table *table, const char *name)
+static const struct taken_column *taken_column_find(const struct hooke_table *table,
+                                                    const char *name)
 {
     for (size_t i = 0; i < hooke_columns(table) && name; i++)
         if (strcmp(table->column[i].name, name) == 0)
@@ -184,13 +185,13 @@ static const struct taken_column *find_column(const struct hooke_table *table, c
 
 const double *hooke_column(const struct hooke_table *table, const char *name)
 {
-    const struct taken_column *column = find_column(table, name);
+    const struct taken_column *column = taken_column_find(table, name);
     return column ? column->value : NULL;
 }
 
 const char *hooke_text(const struct hooke_table *table, const char *name, size_t row)
 {
-    const struct taken_column *column = find_column(table, name);
+    const struct taken_column *column = taken_column_find(table, name);
     return column && column->text && row < table->rows ? column->text[row] : NULL;
 }
 

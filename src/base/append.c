@@ -91,7 +91,7 @@ static bool cut_back(int fd, off_t whole)
 }
 
 /* 0 or an errno. */
-static int append(int fd, struct text lines, bool sync, struct stat *before)
+static int file_append(int fd, struct text lines, bool sync, struct stat *before)
 {
     char last = '\n';
     struct buffer text = {0};
@@ -111,7 +111,7 @@ static int append(int fd, struct text lines, bool sync, struct stat *before)
 bool append_lines(int fd, struct text lines, bool sync, struct error *error)
 {
     struct stat before = {.st_size = 0};
-    const int number = append(fd, lines, sync, &before);
+    const int number = file_append(fd, lines, sync, &before);
     const bool whole = number == 0 || cut_back(fd, before.st_size);
     return number == 0 || error_set(error, ERROR_IO, "%s%s", system_message(number),
                                     whole ? "" : " (its last line is cut)");

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Makes room for `extra` more bytes and the NUL. */
-static bool reserve(struct buffer *buffer, size_t extra)
+static bool buffer_make_room(struct buffer *buffer, size_t extra)
 {
     if (buffer->failed)
         return false;
@@ -32,7 +32,7 @@ static bool reserve(struct buffer *buffer, size_t extra)
 
 void buffer_put(struct buffer *buffer, struct text text)
 {
-    if (!reserve(buffer, text.len))
+    if (!buffer_make_room(buffer, text.len))
         return;
     if (text.len)
         memcpy(buffer->data + buffer->len, text.at, text.len);
@@ -66,7 +66,7 @@ void buffer_vformat(struct buffer *buffer, const char *format, va_list args)
     va_end(again);
     if (len < 0)
         buffer->failed = true;
-    if (len < 0 || !reserve(buffer, (size_t)len))
+    if (len < 0 || !buffer_make_room(buffer, (size_t)len))
         return;
     vsnprintf(buffer->data + buffer->len, (size_t)len + 1, format, args);
     buffer->len += (size_t)len;

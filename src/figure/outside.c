@@ -56,7 +56,7 @@ static int digits_on(const struct scale *scale)
 }
 
 /* A value of an axis in the unit that suits it. */
-static void put_value(struct buffer *out, const struct axis *axis, double value, int digits)
+static void axis_value_put(struct buffer *out, const struct axis *axis, double value, int digits)
 {
     const struct unit *unit = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
     const struct unit *suited = unit ? unit_display(unit->quantity, fabs(value)) : NULL;
@@ -67,9 +67,9 @@ static void put_value(struct buffer *out, const struct axis *axis, double value,
                       axis->unit && *axis->unit ? " " : "", axis->unit ? axis->unit : "");
 }
 
-static void put_curve(struct buffer *out, const struct figure *figure,
-                      const struct figure_layout *layout, int index,
-                      const struct curve_outside *outside, int detail)
+static void outside_curve_put(struct buffer *out, const struct figure *figure,
+                              const struct figure_layout *layout, int index,
+                              const struct curve_outside *outside, int detail)
 {
     const struct curve *curve = &figure->curve[index];
     const struct axis *axis = outside->along_x ? &figure->x : &figure->y;
@@ -82,13 +82,13 @@ static void put_curve(struct buffer *out, const struct figure *figure,
     if (isfinite(outside->at)) {
         const struct axis time = {.unit = "s"};
         buffer_put(out, TEXT(" at "));
-        put_value(out, figure->plane ? &time : &figure->x, outside->at,
-                  figure->plane ? 3 : digits_on(&layout->x));
+        axis_value_put(out, figure->plane ? &time : &figure->x, outside->at,
+                       figure->plane ? 3 : digits_on(&layout->x));
     }
     if (detail > 0) {
         buffer_put(out, text_of(outside->above ? ", up to " : ", down to "));
-        put_value(out, axis, outside->farthest,
-                  digits_on(outside->along_x ? &layout->x : &layout->y));
+        axis_value_put(out, axis, outside->farthest,
+                       digits_on(outside->along_x ? &layout->x : &layout->y));
     }
     if (detail > 1 && !curve->thinned)
         buffer_format(out, " (%zu of %zu samples)", outside->count, outside->total);
@@ -109,7 +109,7 @@ static void put_outside(struct buffer *out, const struct figure *figure,
             continue;
         if (detail >= 0) {
             buffer_put(out, count ? TEXT("; ") : TEXT(""));
-            put_curve(out, figure, layout, i, &outside, detail);
+            outside_curve_put(out, figure, layout, i, &outside, detail);
         }
         count++;
     }
@@ -137,7 +137,7 @@ static void put_hidden(struct buffer *out, const struct figure *figure,
         buffer_format(out, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
     if (figure->y.log && figure->y.min > 0) {
         buffer_put(out, TEXT("below "));
-        put_value(out, &figure->y, figure->y.min, 3);
+        axis_value_put(out, &figure->y, figure->y.min, 3);
     } else {
         buffer_put(out, TEXT("<= 0"));
     }

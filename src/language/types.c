@@ -326,7 +326,7 @@ READ_ITEM(read_unit)
                         : catalog_unknown(&unit_catalog, item->text, error);
 }
 
-static void take(struct parser *parser, size_t used)
+static void parser_take(struct parser *parser, size_t used)
 {
     parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
 }
@@ -340,7 +340,7 @@ READ_ITEM(read_name)
                  word.at);
         return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
     }
-    take(parser, item->text.len);
+    parser_take(parser, item->text.len);
     return true;
 }
 
@@ -351,7 +351,7 @@ READ_ITEM(read_param)
         return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters",
                         argument->name);
     item->index = scene_param_at(&parser->session->setup.scene, item->text);
-    take(parser, item->text.len);
+    parser_take(parser, item->text.len);
     return true;
 }
 
@@ -363,7 +363,7 @@ READ_ITEM(read_text)
 READ_ITEM(read_rest)
 {
     item->text = parser->rest;
-    take(parser, parser->rest.len);
+    parser_take(parser, parser->rest.len);
     return true;
 }
 

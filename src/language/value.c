@@ -14,12 +14,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static void advance(struct text *text, size_t by)
+static void text_skip(struct text *text, size_t by)
 {
     *text = (struct text){text->at + by, text->len - by};
 }
 
-static struct text between(const char *from, const char *to)
+static struct text text_between(const char *from, const char *to)
 {
     struct text text = {from, (size_t)(to - from)};
     return text_trim(text);
@@ -70,7 +70,7 @@ static double take_last_digits(struct text typed, struct text *rest)
         digits = 10 * digits + (rest->at[end++] - '0');
     if (end == 1 || end >= rest->len || rest->at[end] != ')')
         return 0;
-    advance(rest, end + 1);
+    text_skip(rest, end + 1);
     while (decimals-- > 0)
         unit *= 10;
     return digits / unit;
@@ -94,7 +94,7 @@ static void take_power(struct text typed, struct number_part *part, struct text 
     snprintf(whole, sizeof whole, "1%.*s", (int)end, rest->at);
     if (real_scan(text_of(whole), '.', &power, &used) == REAL_OK)
         part->last_digits *= power;
-    advance(rest, end);
+    text_skip(rest, end);
 }
 
 /* The unit after 200.0(1), which is behind the uncertainty. */
@@ -106,7 +106,7 @@ static void take_unit(struct parser *parser, struct number_part *part)
     if (!unit)
         return;
     parser->rest = after;
-    advance(&parser->rest, strlen(unit->row.name));
+    text_skip(&parser->rest, strlen(unit->row.name));
     part->dimension = dimension_of_unit(unit);
     unit_convert(unit, unit->quantity, part->number, &part->number);
     unit_convert(unit, unit->quantity, part->last_digits, &part->last_digits);
@@ -124,7 +124,7 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
         used--;
     part->number = expr_value(part->expr, parser->scope);
     part->dimension = *expr_dimension(part->expr);
-    advance(&parser->rest, used);
+    text_skip(&parser->rest, used);
     part->last_digits = take_last_digits((struct text){start.at, used}, &parser->rest);
     if (part->last_digits > 0) {
         take_power((struct text){start.at, used}, part, &parser->rest);
@@ -240,11 +240,11 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
         spread = (struct number_part){number.last_digits, number.dimension, number.expr, 0};
     if (signs) {
         parser->rest = after;
-        advance(&parser->rest, 2);
+        text_skip(&parser->rest, 2);
         if (!parse_part(parser, &spread, error))
             return false;
     }
-    const struct text typed = between(start, parser->rest.at);
+    const struct text typed = text_between(start, parser->rest.at);
     item->text = typed;
     item->expr = number.expr;
     const struct dimension *is = number.dimension.unit ? &number.dimension : &spread.dimension;
@@ -290,11 +290,11 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     struct text after = parser->rest;
     text_skip_blanks(&after);
     if (after.len == 0 || after.at[0] != ':') {
-        error_at(error, between(start, parser->rest.at), "%s needs a range from:to", what);
+        error_at(error, text_between(start, parser->rest.at), "%s needs a range from:to", what);
         return error_hint(error, "for example %s=2:8, or 2: for everything after 2", what);
     }
     parser->rest = after;
-    advance(&parser->rest, 1);
+    text_skip(&parser->rest, 1);
     /* After a blank only a number belongs to the range, so that `3: of run 1` can be written. */
     struct text next = parser->rest;
     text_skip_blanks(&next);
@@ -305,7 +305,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
             return false;
         item->range[1] = end.value.value;
         if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
-            return error_at(error, between(start, parser->rest.at),
+            return error_at(error, text_between(start, parser->rest.at),
                             "%s: the ends of the range are in %s and in %s", what,
                             item->unit->row.name, end.unit->row.name);
         lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
@@ -313,7 +313,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         item->quantity =
             end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
     }
-    item->text = between(start, parser->rest.at);
+    item->text = text_between(start, parser->rest.at);
     if (!(item->range[0] >= item->range[1]))
         return true;
     error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
@@ -341,7 +341,7 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     item->text = (struct text){parser->rest.at, used};
     item->value = (struct measured){value, 0};
     item->quantity = QUANTITY_NUMBER;
-    advance(&parser->rest, used);
+    text_skip(&parser->rest, used);
     return true;
 }
 
@@ -353,7 +353,7 @@ static bool decimal_comma(struct text rest, struct error *error)
         from--;
     while (to < rest.at + rest.len && is_digit(*to))
         to++;
-    error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point",
+    error_at(error, text_between(from, to), "decimal comma in '%.*s': the decimal mark is a point",
              (int)(to - from), from);
     return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from,
                       (int)(to - rest.at - 1), rest.at + 1);

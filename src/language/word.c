@@ -31,7 +31,8 @@ static bool unescape(struct parser *parser, struct text inside, struct text *out
 }
 
 /* A copy without the backslashes that stand before blanks. */
-static bool join(struct parser *parser, struct text word, struct text *out, struct error *error)
+static bool word_unescape(struct parser *parser, struct text word, struct text *out,
+                          struct error *error)
 {
     char *copy = arena_alloc(parser->arena, word.len + 1);
     if (!copy)
@@ -71,5 +72,5 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
     }
     item->text = (struct text){rest->at, used};
     *rest = (struct text){rest->at + used, rest->len - used};
-    return blanks == 0 || join(parser, item->text, &item->text, error);
+    return blanks == 0 || word_unescape(parser, item->text, &item->text, error);
 }

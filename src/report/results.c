@@ -161,7 +161,7 @@ void reply_result(const struct session *session, struct reply *reply, const char
     arena_reset(&arena);
 }
 
-static bool keep(void *context, struct stored_table *stored)
+static bool stored_table_keep(void *context, struct stored_table *stored)
 {
     struct session *session = context;
     const struct result_row *row = row_of(text_of(stored->kind));
@@ -193,6 +193,6 @@ const struct row *session_keep_results(struct session *session, struct table_sto
     const struct result_row *row = result_at(of);
     if (row && !row->table && !row->say && !table_store_find(said, kind_of(row)))
         of = NULL;
-    table_store_take(&session->studies.found, said, keep, session);
+    table_store_take(&session->studies.found, said, stored_table_keep, session);
     return of;
 }

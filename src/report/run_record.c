@@ -40,7 +40,7 @@ static bool has_data(const void *row)
 }
 
 /* What takes long, and only records say. */
-static void complete(struct run_record *record)
+static void run_record_complete(struct run_record *record)
 {
     const struct run *run = record->run;
     const struct model *model = run->system.model;
@@ -123,7 +123,7 @@ static const struct result_columns columns = RESULT_COLUMNS(of_run, struct run_r
 
 void reply_run_record(struct run_record *record, struct reply *reply)
 {
-    complete(record);
+    run_record_complete(record);
     reply_records(reply, "run", &columns, record, 1);
 }
 

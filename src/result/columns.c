@@ -203,8 +203,9 @@ static bool has_value(const struct result_column *column, const void *row)
     }
 }
 
-static bool is_shown(const struct result_columns *columns, const struct result_column *column,
-                     const void *rows, size_t count, bool wide)
+static bool column_is_shown(const struct result_columns *columns,
+                            const struct result_column *column, const void *rows, size_t count,
+                            bool wide)
 {
     bool any = !(column->flags & COLUMN_IF_ANY);
     for (size_t i = 0; i < count && !any; i++)
@@ -212,7 +213,8 @@ static bool is_shown(const struct result_columns *columns, const struct result_c
     return any && (wide || !(column->flags & COLUMN_WIDE));
 }
 
-static void put_cell(const struct result_column *column, const void *row, struct text_table *table)
+static void column_cell_put(const struct result_column *column, const void *row,
+                            struct text_table *table)
 {
     if (column->cell)
         column->cell(table, row);
@@ -238,7 +240,7 @@ static int columns_shown(const struct result_columns *columns, const void *rows,
         for (const struct result_column *c = columns->column; c < columns->column + columns->count;
              c++)
             if (c->index == index && used < TABLE_COLUMNS_MAX &&
-                is_shown(columns, c, rows, count, wide))
+                column_is_shown(columns, c, rows, count, wide))
                 shown[used++] = c;
     return used;
 }
@@ -252,5 +254,5 @@ void columns_text(const struct result_columns *columns, const void *rows, size_t
         cell_text(table, shown[c]->head && count > 0 ? shown[c]->head(rows) : shown[c]->heading);
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < table->columns; c++)
-            put_cell(shown[c], row_at(columns, rows, i), table);
+            column_cell_put(shown[c], row_at(columns, rows, i), table);
 }

@@ -9,7 +9,7 @@
 #define SHOWN_WIDTH 100 /* [column] of a long line that is shown around the caret */
 
 /* Characters before the place, counted from 1; 0 if the place is not in the line. */
-static size_t column_of(struct text line, struct text where)
+static size_t place_column(struct text line, struct text where)
 {
     if (!where.at || !line.at || where.at < line.at || where.at > line.at + line.len)
         return 0;
@@ -136,10 +136,10 @@ static void put_text(struct buffer *out, const struct error *error, const struct
 }
 
 /* The line of the file that the error is in: its number, what stands there, the column. */
-static size_t index_of(const struct error *error, const struct source **where, struct source *own,
-                       struct text *line)
+static size_t error_line_index(const struct error *error, const struct source **where,
+                               struct source *own, struct text *line)
 {
-    size_t column = column_of(*line, error->where);
+    size_t column = place_column(*line, error->where);
     if (column == 0 || !*where || (*where)->pieces == 0)
         return column;
     const struct source_piece *piece = (*where)->piece, *end = piece + (*where)->pieces;
@@ -151,7 +151,7 @@ static size_t index_of(const struct error *error, const struct source **where, s
     own->line = piece->line;
     *where = own;
     *line = (struct text){line->at + piece->at, to - piece->at};
-    return column_of(*line, error->where) + (size_t)piece->indent;
+    return place_column(*line, error->where) + (size_t)piece->indent;
 }
 
 void reply_error(struct reply *reply, const struct error *error, const struct source *where,
@@ -159,7 +159,7 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
 {
     struct buffer out = {0};
     struct source own;
-    const size_t column = index_of(error, &where, &own, &line);
+    const size_t column = error_line_index(error, &where, &own, &line);
     reply_flush(reply);
     if (reply->error)
         reply->error(reply->sink.context, error, where, column);

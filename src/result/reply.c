@@ -206,8 +206,8 @@ static void put_column(struct reply *reply, const char *key, struct buffer *name
 }
 
 /* A number, a text, or neither. */
-static void collect(struct reply *reply, const char *key, const double *value, const char *unit,
-                    const char *text)
+static void record_value_append(struct reply *reply, const char *key, const double *value,
+                                const char *unit, const char *text)
 {
     if (!reply->store || !reply->store->row)
         return;
@@ -358,7 +358,7 @@ void reply_string(struct reply *reply, const char *key, const char *value)
     const bool names = names_object(reply, key, value);
     put_key(reply, key);
     if (!names)
-        collect(reply, key, NULL, "", value);
+        record_value_append(reply, key, NULL, "", value);
     if (reply->format == FORMAT_JSON)
         buffer_json_text(&reply->json, text_of(value));
     put_cell(reply, key, text_of(value), true);
@@ -370,7 +370,7 @@ void reply_quantity(struct reply *reply, const char *key, double value, const ch
     const bool known = isfinite(value);
     const struct text text = {z, known ? real_format(value, z) : 0};
     put_literal(reply, key, known ? text : TEXT("null"), text);
-    collect(reply, key, &value, unit, NULL);
+    record_value_append(reply, key, &value, unit, NULL);
 }
 
 void reply_real(struct reply *reply, const char *key, double value)
@@ -384,20 +384,20 @@ void reply_int(struct reply *reply, const char *key, int64_t value)
     const double real = (double)value;
     snprintf(z, sizeof z, "%lld", (long long)value);
     put_literal(reply, key, text_of(z), text_of(z));
-    collect(reply, key, &real, "", NULL);
+    record_value_append(reply, key, &real, "", NULL);
 }
 
 void reply_bool(struct reply *reply, const char *key, bool value)
 {
     const struct text text = value ? TEXT("true") : TEXT("false");
     put_literal(reply, key, text, text);
-    collect(reply, key, NULL, "", text.at);
+    record_value_append(reply, key, NULL, "", text.at);
 }
 
 void reply_null(struct reply *reply, const char *key)
 {
     put_literal(reply, key, TEXT("null"), TEXT(""));
-    collect(reply, key, NULL, "", NULL);
+    record_value_append(reply, key, NULL, "", NULL);
 }
 
 /* Two columns, which have the unit: NAME and NAME_uncertainty. */
@@ -413,9 +413,9 @@ void reply_in_unit(struct reply *reply, const char *key, struct measured value, 
     reply_string(reply, "unit", unit);
     reply_close(reply);
     reply->store = store;
-    collect(reply, key, &value.value, unit, NULL);
+    record_value_append(reply, key, &value.value, unit, NULL);
     if (key)
-        collect(reply, uncertainty, &value.uncertainty, unit, NULL);
+        record_value_append(reply, uncertainty, &value.uncertainty, unit, NULL);
 }
 
 void reply_measured(struct reply *reply, const char *key, struct measured value,

@@ -29,7 +29,7 @@ static bool damaged(struct table_reading *r, const char *what)
 }
 
 /* Rows are read in pieces. */
-static bool goes_on(struct table_reading *r, size_t row)
+static bool row_continues(struct table_reading *r, size_t row)
 {
     return row % LOOK_EACH_ROWS != LOOK_EACH_ROWS - 1 || !cancelled(r->cancel) ||
            error_set(r->error, ERROR_CANCELLED, "reading was stopped");
@@ -54,7 +54,7 @@ static const char *copy(struct table_reading *r, const struct buffer *text)
     return made;
 }
 
-static bool is_number(enum real_status status)
+static bool is_number_status(enum real_status status)
 {
     return status == REAL_OK || status == REAL_UNDERFLOW;
 }
@@ -146,7 +146,7 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
     if (!value || !text)
         return error_memory(r->error);
     for (size_t i = 0; i < rows; i++) {
-        if (!goes_on(r, i))
+        if (!row_continues(r, i))
             return false;
         const struct parsed_cell *one = &cell[i * (size_t)columns];
         const struct text as = text_of(one->text);
@@ -155,7 +155,7 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
         if (text_is(as, "inf") || text_is(as, "-inf"))
             value[i] = as.at[0] == '-' ? -HUGE_VAL : HUGE_VAL;
         else if (as.len > 0)
-            numbers &= is_number(real_parse(as, &value[i]));
+            numbers &= is_number_status(real_parse(as, &value[i]));
         numbers &= !one->quoted;
     }
     *(numbers ? (const void **)&column->value : (const void **)&column->text) =
@@ -183,7 +183,7 @@ static bool read_separated(struct table_reading *r, struct table *table)
     }
     while (r->rest.len > 0) {
         bool last = false;
-        if (!goes_on(r, table->rows))
+        if (!row_continues(r, table->rows))
             return false;
         for (int c = 0; c < table->columns; c++) {
             if (last)
@@ -207,7 +207,7 @@ static bool read_separated(struct table_reading *r, struct table *table)
 
 /* ---- JSON, of the one form that is written ---- */
 
-static bool take(struct table_reading *r, const char *what)
+static bool table_text_take(struct table_reading *r, const char *what)
 {
     text_skip_blanks(&r->rest);
     while (r->rest.len > 0 && r->rest.at[0] == '\n')
@@ -248,7 +248,7 @@ static bool read_escape(struct table_reading *r, struct buffer *out)
     if (letter != 'u' || !read_code(r, &code))
         return false;
     if (code >= 0xD800 && code < 0xDC00) {
-        if (!take(r, "\\u") || !read_code(r, &low))
+        if (!table_text_take(r, "\\u") || !read_code(r, &low))
             return false;
         code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
     }
@@ -259,7 +259,7 @@ static bool read_escape(struct table_reading *r, struct buffer *out)
 static const char *read_string(struct table_reading *r)
 {
     struct buffer text = {0};
-    bool ok = take(r, "\"");
+    bool ok = table_text_take(r, "\"");
     while (ok && r->rest.len > 0 && r->rest.at[0] != '"') {
         const char c = r->rest.at[0];
         r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
@@ -268,7 +268,7 @@ static const char *read_string(struct table_reading *r)
         else
             buffer_char(&text, c);
     }
-    ok = ok && take(r, "\"");
+    ok = ok && table_text_take(r, "\"");
     const char *made = ok ? copy(r, &text) : NULL;
     if (!ok)
         damaged(r, "a text is not closed");
@@ -279,17 +279,18 @@ static const char *read_string(struct table_reading *r)
 static bool read_json_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
-    for (bool more = !take(r, "}"); more; more = take(r, ",")) {
+    for (bool more = !table_text_take(r, "}"); more; more = table_text_take(r, ",")) {
         key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
         if (!key)
             return error_memory(r->error);
         key[table->keys].key = read_string(r);
-        if (!key[table->keys].key || !take(r, ":") || !(key[table->keys].value = read_string(r)))
+        if (!key[table->keys].key || !table_text_take(r, ":") ||
+            !(key[table->keys].value = read_string(r)))
             return damaged(r, "a key without its text");
         table->keys++;
     }
     table->key = key;
-    return table->keys == 0 || take(r, "}") || damaged(r, "the keys do not end");
+    return table->keys == 0 || table_text_take(r, "}") || damaged(r, "the keys do not end");
 }
 
 static bool read_values(struct table_reading *r, struct table_column *column, size_t *rows)
@@ -297,10 +298,11 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
     double *value = NULL;
     const char **text = NULL;
     *rows = 0;
-    for (bool more = !take(r, "]"), any = more; any && more; more = take(r, ",")) {
-        take(r, "");
+    for (bool more = !table_text_take(r, "]"), any = more; any && more;
+         more = table_text_take(r, ",")) {
+        table_text_take(r, "");
         size_t used = 0;
-        if (!goes_on(r, *rows))
+        if (!row_continues(r, *rows))
             return false;
         if (r->rest.len > 0 && r->rest.at[0] == '"') {
             text = grown(r->arena, text, *rows, sizeof *text, 16);
@@ -313,7 +315,8 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
             if (!value || text)
                 return value ? damaged(r, "texts among numbers") : error_memory(r->error);
             value[*rows] = NAN;
-            if (!take(r, "null") && !is_number(real_scan(r->rest, '.', &value[*rows], &used)))
+            if (!table_text_take(r, "null") &&
+                !is_number_status(real_scan(r->rest, '.', &value[*rows], &used)))
                 return damaged(r, "a value is no number");
             r->rest = (struct text){r->rest.at + used, r->rest.len - used};
         }
@@ -323,14 +326,14 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         value = arena_array(r->arena, 1, sizeof *value);
     column->value = value;
     column->text = text;
-    return *rows == 0 || take(r, "]") || damaged(r, "values do not end");
+    return *rows == 0 || table_text_take(r, "]") || damaged(r, "values do not end");
 }
 
 static bool read_json(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
-    take(r, FIRST_JSON);
-    if (!read_json_keys(r, table) || !take(r, ",\"columns\":["))
+    table_text_take(r, FIRST_JSON);
+    if (!read_json_keys(r, table) || !table_text_take(r, ",\"columns\":["))
         return damaged(r, "no columns follow the keys");
     do {
         size_t rows;
@@ -339,19 +342,21 @@ static bool read_json(struct table_reading *r, struct table *table)
             return error_memory(r->error);
         struct table_column *one = &column[table->columns++];
         *one = (struct table_column){.name = NULL};
-        if (!take(r, "{\"name\":") || !(one->name = read_string(r)) || !take(r, ",\"unit\":") ||
-            !(one->unit = read_string(r)) || !take(r, ",\"values\":["))
+        if (!table_text_take(r, "{\"name\":") || !(one->name = read_string(r)) ||
+            !table_text_take(r, ",\"unit\":") || !(one->unit = read_string(r)) ||
+            !table_text_take(r, ",\"values\":["))
             return damaged(r, "a column without name, unit or values");
         if (!read_values(r, one, &rows))
             return false;
-        if (!take(r, "}"))
+        if (!table_text_take(r, "}"))
             return damaged(r, "a column does not end");
         if (table->columns > 1 && rows != table->rows)
             return damaged(r, "columns differ in length");
         table->rows = rows;
-    } while (take(r, ","));
+    } while (table_text_take(r, ","));
     table->column = column;
-    return take(r, "]}") || take(r, "]") || damaged(r, "the columns do not end");
+    return table_text_take(r, "]}") || table_text_take(r, "]") ||
+           damaged(r, "the columns do not end");
 }
 
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,

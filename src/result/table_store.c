@@ -44,7 +44,7 @@ void table_store_free(struct table_store *store)
 }
 
 /* In the place of the one of that kind; returns false if out of memory. */
-static bool add(struct table_store *store, struct stored_table *stored)
+static bool stored_table_add(struct table_store *store, struct stored_table *stored)
 {
     struct stored_table *before = table_store_find(store, text_of(stored->kind));
     for (int i = 0; i < store->count && before; i++)
@@ -68,7 +68,7 @@ bool table_store_put(struct table_store *store, const char *kind, struct arena *
     struct stored_table *stored = malloc(sizeof *stored);
     if (stored)
         *stored = (struct stored_table){kind, *arena, *table, NULL};
-    if (stored && add(store, stored)) {
+    if (stored && stored_table_add(store, stored)) {
         *arena = (struct arena){0};
         return true;
     }
@@ -117,8 +117,8 @@ static bool grow_rows(struct arena *arena, struct column_growth *stored)
     return true;
 }
 
-static struct cells *column_of(struct arena *arena, struct column_growth *growth, const char *name,
-                               const char *unit)
+static struct cells *stored_column(struct arena *arena, struct column_growth *growth,
+                                   const char *name, const char *unit)
 {
     for (int i = 0; i < growth->columns; i++) {
         const int c = (growth->next + i) % growth->columns;
@@ -154,7 +154,7 @@ static struct cells *cell_of(struct table_store *store, const char *name, const 
         return NULL;
     if (growth->rows >= growth->capacity && !grow_rows(arena, growth))
         growth->failed = true;
-    struct cells *cells = growth->failed ? NULL : column_of(arena, growth, name, unit);
+    struct cells *cells = growth->failed ? NULL : stored_column(arena, growth, name, unit);
     growth->failed |= !cells;
     return cells;
 }
@@ -217,7 +217,7 @@ void store_row_end(struct table_store *store)
 
 /* ---- what the rows have become ---- */
 
-static bool finish(struct stored_table *stored)
+static bool stored_table_finish(struct stored_table *stored)
 {
     const struct column_growth *growth = stored->growth;
     if (!growth)
@@ -245,7 +245,8 @@ void table_store_take(struct table_store *store, struct table_store *from,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context)
 {
     for (int i = 0; i < from->count; i++)
-        if (!finish(from->of[i]) || !wanted(context, from->of[i]) || !add(store, from->of[i]))
+        if (!stored_table_finish(from->of[i]) || !wanted(context, from->of[i]) ||
+            !stored_table_add(store, from->of[i]))
             destroy(from->of[i]);
     from->count = 0;
     table_store_free(from);

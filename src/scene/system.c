@@ -294,7 +294,7 @@ static void bind_dry(struct system *system)
 }
 
 /* A system without terms. Not all of its ten kilobytes: a sweep binds millions. */
-static void begin(const struct model *model, struct system *system)
+static void system_clear(const struct model *model, struct system *system)
 {
     system->model = model;
     system->n = model->n;
@@ -333,7 +333,7 @@ static bool bind_motion(const struct scene *scene, bool sized, struct system *sy
     const double *param = scene->value;
     if (model->coherent && !model->coherent(param, error))
         return false;
-    begin(model, system);
+    system_clear(model, system);
     memcpy(system->atol, scene->atol, (size_t)model->n * sizeof *system->atol);
     bind_rows(param, system);
     if (model->typed)

@@ -31,7 +31,7 @@ struct candidates {
     size_t count, capacity;
 };
 
-static void collect(void *context, const char *candidate, const char *brief)
+static void candidate_append(void *context, const char *candidate, const char *brief)
 {
     (void)brief;
     struct candidates *all = context;
@@ -51,7 +51,7 @@ static void collect(void *context, const char *candidate, const char *brief)
 }
 
 /* match[0] is the longest common prefix of the others. */
-static char **finish(struct candidates *all)
+static char **candidates_finish(struct candidates *all)
 {
     if (all->count == 0) {
         free(all->match);
@@ -155,7 +155,7 @@ static void collect_files(struct text typed, const char *ending, struct candidat
         const bool folder = stat(match, &status) == 0 && S_ISDIR(status.st_mode);
         buffer_clear(&shown);
         if ((folder || ends_in(match, ending)) && put_quoted(match, quote, folder, &shown))
-            collect(all, buffer_view(&shown), "");
+            candidate_append(all, buffer_view(&shown), "");
         free(match);
     }
     free(path);
@@ -181,7 +181,7 @@ static void cut(struct candidates *all, size_t start, size_t begin)
     }
 }
 
-static char **complete(const char *word, int begin, int end)
+static char **word_complete(const char *word, int begin, int end)
 {
     (void)word;
     struct candidates all = {0};
@@ -190,8 +190,9 @@ static char **complete(const char *word, int begin, int end)
     rl_attempted_completion_over = 1;
     rl_completion_append_character = ' ';
     /* The interpreter knows where the argument begins. */
-    const char *const file = command_complete(
-        completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start, collect, &all);
+    const char *const file =
+        command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
+                         candidate_append, &all);
     if (file) {
         while (cursor == start && all.count > 0) /* what else could stand there: once it is begun */
             free(all.match[all.count--]);
@@ -202,7 +203,7 @@ static char **complete(const char *word, int begin, int end)
         all.count == 1 && all.match[1][0] ? all.match[1][strlen(all.match[1]) - 1] : '\0';
     if (last == '=' || last == '/')
         rl_completion_append_character = 0;
-    return finish(&all);
+    return candidates_finish(&all);
 }
 
 /* ---- where readline 7 to 8.3 crashes or hangs ---- */
@@ -331,7 +332,7 @@ void line_begin(struct session *session)
     rl_catch_signals = 0;
     rl_catch_sigwinch = 0;
     rl_change_environment = 0;
-    rl_attempted_completion_function = complete;
+    rl_attempted_completion_function = word_complete;
     rl_basic_word_break_characters = WORD_BREAKS;
     rl_completion_word_break_hook = word_breaks;
     rl_initialize();

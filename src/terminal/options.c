@@ -140,7 +140,7 @@ static bool wants_value(const struct option_row *row, const char *next)
 }
 
 /* value NULL: none was given. */
-static bool take(struct options *options, const struct option_row *row, const char *value)
+static bool option_take(struct options *options, const struct option_row *row, const char *value)
 {
     char *field = (char *)options + row->offset;
     switch (row->value) {
@@ -216,10 +216,11 @@ static bool read_option(struct options *options, const struct option_row *row, c
     if (given && !wants && row->value != VALUE_RESUME)
         return complain("no value goes with option", word);
     if (given || !wants)
-        return take(options, row, given);
+        return option_take(options, row, given);
     const char *value = *next;
     *next = NULL;
-    return value ? take(options, row, value) : complain("a value is missing after option", word);
+    return value ? option_take(options, row, value)
+                 : complain("a value is missing after option", word);
 }
 
 static bool read_long(struct options *options, const char *word, const char **next)
@@ -244,7 +245,7 @@ static bool read_letters(struct options *options, const char *word, const char *
             return complain("unknown option", word);
         if (rows[i].value != VALUE_NONE)
             return read_option(options, &rows[i], word, letter[1] ? letter + 1 : NULL, next);
-        ok = take(options, &rows[i], NULL);
+        ok = option_take(options, &rows[i], NULL);
     }
     return ok;
 }

@@ -427,7 +427,7 @@ static void hand_over(struct panes *panes)
 }
 
 /* What readline draws goes nowhere, also where there is no /dev/null. */
-static ssize_t drop(void *nowhere, const char *bytes, size_t count)
+static ssize_t ignore_output(void *nowhere, const char *bytes, size_t count)
 {
     (void)nowhere;
     (void)bytes;
@@ -439,7 +439,7 @@ void panes_run(struct front_program *program)
     struct session *session = program->session;
     struct panes panes = {.program = program, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front before = session->front;
-    FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = drop});
+    FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
     program->next = FRONT_END;
     line_begin(session); /* before ncurses: both look the terminal up */
     panes.color = before.color;

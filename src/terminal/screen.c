@@ -25,7 +25,7 @@ const char *screen_capability(const char *name)
 
 static struct buffer gathered; /* tputs has no context */
 
-static int gather(int c)
+static int character_gather(int c)
 {
     buffer_char(&gathered, (char)c);
     return c;
@@ -43,11 +43,11 @@ static void arm_crash(void)
     static const char *const names[] = {"BD", "sgr0", "op", "cnorm", "rmcup"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         if (*screen_capability(names[i])) {
-            tputs(screen_capability(names[i]), 1, gather);
+            tputs(screen_capability(names[i]), 1, character_gather);
         }
     }
     if (!*screen_capability("rmcup")) { /* no second screen: below what is shown now */
-        tputs(tiparm(screen_capability("cup"), 998, 0), 1, gather);
+        tputs(tiparm(screen_capability("cup"), 998, 0), 1, character_gather);
     }
     buffer_put(&gathered, TEXT("\r\n"));
     crash_arm(gathered.failed ? TEXT("\r\n") : buffer_text(&gathered));

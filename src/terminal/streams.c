@@ -47,7 +47,7 @@ bool streams_flush(struct streams *streams)
 }
 
 /* Panes or a screenshot may follow at any time: they show the last lines of what was said. */
-static void keep(struct streams *streams, struct text text)
+static void shown_text_keep(struct streams *streams, struct text text)
 {
     if (streams->log) {
         log_add(streams->log, text);
@@ -57,7 +57,7 @@ static void keep(struct streams *streams, struct text text)
 static bool out(void *context, struct text text)
 {
     struct streams *streams = context;
-    keep(streams, text);
+    shown_text_keep(streams, text);
     if (streams->split && split_takes(streams->split, text))
         return true;
     buffer_put(&streams->out, text);
@@ -69,7 +69,7 @@ static bool out(void *context, struct text text)
 static bool err(void *context, struct text text)
 {
     struct streams *streams = context;
-    keep(streams, text);
+    shown_text_keep(streams, text);
     if (streams->holding && isatty(STDERR_FILENO)) { /* in its place among the results */
         buffer_put(&streams->out, text);
         return true;

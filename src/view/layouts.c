@@ -77,7 +77,7 @@ static int choose_panes(const struct session *session, const enum plot_kind *wan
     return n;
 }
 
-static bool holds(const enum plot_kind *pane, int count, enum plot_kind wanted)
+static bool panes_include(const enum plot_kind *pane, int count, enum plot_kind wanted)
 {
     for (int i = 0; i < count; i++)
         if (pane[i] == wanted)
@@ -149,8 +149,8 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         return 1;
     }
     /* The focused one stands in the first place if the layout does not have it. */
-    if (plot_offered(session, view_focus(view)) && !holds(left, lefts, view_focus(view)) &&
-        !holds(right, rights, view_focus(view)))
+    if (plot_offered(session, view_focus(view)) && !panes_include(left, lefts, view_focus(view)) &&
+        !panes_include(right, rights, view_focus(view)))
         *(lefts ? left : right) = view_focus(view);
     if (!lefts || !rights) {
         int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, placed);

@@ -40,7 +40,7 @@ static void extend(struct extent *extent, double value)
  * zero an oscillation gets as much room below as above. What varies by rounding only is left as it
  * is.
  */
-static void settle(struct axis *axis, struct extent extent, int rows)
+static void axis_settle(struct axis *axis, struct extent extent, int rows)
 {
     if (extent.low < 0 && extent.high > 0 &&
         fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
@@ -152,12 +152,12 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
         extend(&extent, 0);
     if (first)
         extend_expected(session, figure, placed->pane, true, &extent);
-    settle(y, extent, placed->at.height);
+    axis_settle(y, extent, placed->at.height);
     if (!plot_is_plane(placed->pane))
         return;
     if (first)
         extend_expected(session, figure, placed->pane, false, &across);
-    settle(x, across, placed->at.height);
+    axis_settle(x, across, placed->at.height);
     if (figure->equal && (!x->fixed || !y->fixed)) { /* at rest */
         double margin = 0.1 * fmax(fabs(across.low), fabs(across.high));
         x->fixed = y->fixed = margin > 0 && isfinite(margin);

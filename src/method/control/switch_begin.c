@@ -146,8 +146,8 @@ static bool let_go(const struct step *step, struct switches_state *state,
  * Branches that do not hold at the start of a step, because their guards are at 0 there and fall,
  * are changed for the next ones, then for sliding between. False: none of them holds.
  */
-static bool settle(struct step *step, struct switches_state *state, double by,
-                   struct sliding *sliding, struct system *frozen)
+static bool branches_settle(struct step *step, struct switches_state *state, double by,
+                            struct sliding *sliding, struct system *frozen)
 {
     const int count = step->system->switches;
     bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES] = {false};
@@ -250,7 +250,7 @@ bool switch_begin(struct step *step, struct switches_state *state, double by,
     if (state->piled)
         pile_up(step, state, by);
     else if (state->begins)
-        fine = settle(step, state, by, sliding, frozen);
+        fine = branches_settle(step, state, by, sliding, frozen);
     if (!fine || !freeze(step, state, sliding, frozen)) {
         state->known = false;
         state->slid = state->across++ == 0 && state->slides == 0 ? step->t : state->slid;

@@ -13,7 +13,7 @@ enum { MOST = LIMIT_VARIABLES };
 #include "method/step/step_body.h"
 
 /* The compiler need not think of nothing at all. */
-static inline int size_of(const struct system *system)
+static inline int system_variables(const struct system *system)
 {
     if (system->n < 1)
         __builtin_unreachable();
@@ -124,15 +124,15 @@ static int64_t any_rk(const struct method *method, const struct march *march)
     const struct system *system = march->step->system;
     struct whole whole;
     whole_take(&whole, system);
-    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks(),
+    return picked_march(method, system_variables(system), stride_of(system->n), combine_blocks(),
                         whole_slope, &whole, march);
 }
 
 static enum step_status any_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
-    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks(), any_slope,
-                       system, step);
+    return picked_step(method, system_variables(system), stride_of(system->n), combine_blocks(),
+                       any_slope, system, step);
 }
 
 static int64_t any_split(const struct method *method, const struct march *march)

@@ -153,7 +153,7 @@ static void count(struct cvode *c, struct cost *cost)
     c->counted = now;
 }
 
-static enum step_status status_of(int flag, bool moved, bool wild)
+static enum step_status cvode_status(int flag, bool moved, bool wild)
 {
     const bool done = flag == CV_SUCCESS || flag == CV_TSTOP_RETURN;
     if (done && moved)
@@ -178,11 +178,11 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double from
     if (flag == CV_SUCCESS)
         flag = CVode(c->memory, towards, c->y, t, CV_ONE_STEP);
     count(c, cost);
-    return status_of(flag, *t != from, c->wild);
+    return cvode_status(flag, *t != from, c->wild);
 }
 
 /* What every step ends with: the state if it is one. */
-static enum step_status take(struct cvode *c, struct step *step)
+static enum step_status cvode_take_state(struct cvode *c, struct step *step)
 {
     if (step->error) {
         CVodeGetEstLocalErrors(c->memory, c->min);
@@ -209,7 +209,7 @@ enum step_status cvode_adapt(const struct method *method, struct step *step,
     if (status == STEP_OK)
         status = one_step(c, &step->cost, step->t, t_end, &t);
     if (status == STEP_OK)
-        status = take(c, step);
+        status = cvode_take_state(c, step);
     step->warm = status == STEP_OK;
     if (status != STEP_OK)
         return status;
@@ -235,7 +235,7 @@ enum step_status cvode_step(const struct method *method, struct step *step)
         if (status != STEP_OK)
             return status;
     }
-    return take(c, step);
+    return cvode_take_state(c, step);
 }
 
 /* The polynomial through its memory (Nordsieck's array), which is where its next step starts from.

@@ -44,7 +44,7 @@ struct before {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
 
-static void keep(const struct step *step, struct before *before)
+static void history_store(const struct step *step, struct before *before)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     memcpy(before->y, step->y, size);
@@ -74,7 +74,7 @@ static enum step_status substeps(const struct method *one_step, struct step *one
     for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
         const double fraction = fmin(length, 1 - done);
         struct before before;
-        keep(one, &before);
+        history_store(one, &before);
         one->t = t + done * h;
         one->h = fraction * h;
         one->warm = false;
@@ -102,7 +102,7 @@ static enum step_status start(const struct method *method, struct step *step, do
     one.again = false;             /* it has evaluated nothing yet */
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
-    keep(&one, &before);
+    history_store(&one, &before);
     enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
     if (status != STEP_OK) { /* in as many steps there is nothing better */
         take_back(&one, &before);

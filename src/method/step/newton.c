@@ -114,8 +114,8 @@ static enum step_status approach(const struct newton *equations, struct step *st
 
 /* What increments are measured by, where the solution beside z is larger than anything before: in
  * the first steps of what starts from nothing. */
-static void weigh(int stages, int n, const double *y, const double *z, const double *weight,
-                  double *now)
+static void increments_weigh(int stages, int n, const double *y, const double *z,
+                             const double *weight, double *now)
 {
     for (int i = 0; i < n; i++) {
         now[i] = weight[i];
@@ -140,7 +140,7 @@ static bool contract(const struct newton *equations, struct step *step, int n, d
         newton_increment(tableau, step, n, workspace, workspace->rest);
         for (int i = 0; i < stages * n; i++)
             z[i] += workspace->rest[i];
-        weigh(stages, n, y, z, weight, now);
+        increments_weigh(stages, n, y, z, weight, now);
         const double size = newton_size(stages, n, now, workspace->rest);
         if (!isfinite(size) || (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE))
             return false;

@@ -16,8 +16,8 @@ static void acceleration(struct step *step, double t, const double *z, double *k
 }
 
 /* q + c h v + h^2 sum_j w_j k_j */
-static void advance(const struct step *step, double c, const double *w, int count, double *z,
-                    double *low)
+static void nystrom_position(const struct step *step, double c, const double *w, int count,
+                             double *z, double *low)
 {
     int d = step->system->n / 2;
     double h = step->h;
@@ -42,11 +42,11 @@ enum step_status nystrom_step(const struct method *method, struct step *step)
         acceleration(step, step->t, step->y, k);
     for (int s = 1; s < stages; s++) {
         bool end = nystrom->fsal && s == stages - 1; /* the last row of a equals b */
-        advance(step, nystrom->c[s], nystrom->a + s * (s - 1) / 2, s, z, end ? low : NULL);
+        nystrom_position(step, nystrom->c[s], nystrom->a + s * (s - 1) / 2, s, z, end ? low : NULL);
         acceleration(step, step->t + nystrom->c[s] * h, z, k + s * d);
     }
     if (!nystrom->fsal)
-        advance(step, 1, nystrom->b, stages, z, low);
+        nystrom_position(step, 1, nystrom->b, stages, z, low);
     for (int i = 0; i < d; i++)
         step_add(&z[d + i], low ? &low[d + i] : NULL,
                  h * weighted_sum(nystrom->d, stages, k, d, i));

@@ -32,7 +32,7 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *after)
         slope[i] = later != earlier ? (after[i] - slope[i]) / (later - earlier) : 0;
 }
 
-static void slope_of(const void *system, double t, const double *y, double *dydt)
+static void rosenbrock_slope(const void *system, double t, const double *y, double *dydt)
 {
     system_derivative(system, t, y, dydt);
 }
@@ -104,7 +104,7 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
-    const struct rosenbrock_forces of = {slope_of, jacobian_of, step->system,
+    const struct rosenbrock_forces of = {rosenbrock_slope, jacobian_of, step->system,
                                          !step->system->autonomous};
     const int n = step->system->n;
     return n == 1   ? rosenbrock_small_step(1, rosenbrock, &of, step)

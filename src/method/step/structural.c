@@ -54,8 +54,8 @@ static bool factor(const struct structural *s, struct step *step, double t, doub
 
 /* Largest of the state's increments that belong to this one of the acceleration, in natural sizes;
  * NaN if one is. */
-static double size_of(const struct step *step, double by_position, double by_velocity,
-                      const double *move)
+static double move_size(const struct step *step, double by_position, double by_velocity,
+                        const double *move)
 {
     int n = step->system->n, d = n / 2;
     double largest = 0;
@@ -79,7 +79,7 @@ struct increment {
 };
 
 /* The share 1 - alpha_f of the way from y to `to` */
-static void between(const struct increment *increment, const double *to, double *at)
+static void structural_midpoint(const struct increment *increment, const double *to, double *at)
 {
     for (int i = 0; i < increment->system->n; i++)
         at[i] = increment->y[i] + (1 - increment->structural->alpha_f) * (to[i] - increment->y[i]);
@@ -99,7 +99,7 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     double to[LIMIT_VARIABLES], at[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
         to[i] = y[i] + z[i];
-    between(all, to, at);
+    structural_midpoint(all, to, at);
     system_acceleration(all->system, t + equations->tableau->c[0] * h, at, force);
     step->cost.evals++;
     for (int i = 0; i < d; i++) {
@@ -115,7 +115,7 @@ static void increment_jacobian(const void *forces, double t, const double *to, d
     const struct structural *s = all->structural;
     const int n = all->system->n, d = n / 2;
     double at[LIMIT_VARIABLES] = {0};
-    between(all, to, at);
+    structural_midpoint(all, to, at);
     system_jacobian(all->system, t, at, jacobian);
     for (int i = 0; i < d; i++)
         for (int j = 0; j < n; j++) {
@@ -125,8 +125,8 @@ static void increment_jacobian(const void *forces, double t, const double *to, d
 }
 
 /* As newton_follow(); a+ by the force there. */
-static bool follow(const struct structural *s, struct step *step, double tau, const double *a,
-                   double *ahead, double *z, double *at, double *work)
+static bool structural_follow(const struct structural *s, struct step *step, double tau,
+                              const double *a, double *ahead, double *z, double *at, double *work)
 {
     const int n = step->system->n;
     const double fraction = 1 - s->alpha_f;
@@ -192,7 +192,7 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
             z[i] += by_position * move[i];
             z[d + i] += by_velocity * move[i];
         }
-        double size = size_of(step, by_position, by_velocity, move);
+        double size = move_size(step, by_position, by_velocity, move);
         if (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE)
             *near = false;
         if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 ||
@@ -212,15 +212,16 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
 
 /* The solution that belongs to y: where the iteration may have found another one, it is followed
  * from h = 0. */
-static enum step_status solve(const struct structural *s, struct step *step, double tau,
-                              const double *a, double *ahead, double *z)
+static enum step_status structural_solve(const struct structural *s, struct step *step, double tau,
+                                         const double *a, double *ahead, double *z)
 {
     const int n = step->system->n;
     bool near;
     const enum step_status status = iterate(s, step, tau, a, ahead, z, &near);
     if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
         return status;
-    return follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK : status;
+    return structural_follow(s, step, tau, a, ahead, z, z + n, z + 2 * n + n * n) ? STEP_OK
+                                                                                  : status;
 }
 
 static enum step_status structural_step(const struct structural *s, struct step *step)
@@ -232,7 +233,7 @@ static enum step_status structural_step(const struct structural *s, struct step 
         system_acceleration(step->system, step->t, y, a);
         step->cost.evals++;
     }
-    enum step_status status = solve(s, step, s->theta * h, a, ahead, z);
+    enum step_status status = structural_solve(s, step, s->theta * h, a, ahead, z);
     if (status != STEP_OK)
         return status;
     if (s->theta != 1)

@@ -83,7 +83,7 @@ static struct shown_value with_unit(double value, const struct unit *unit)
     return with_unit_name(value, unit ? unit->row.name : "");
 }
 
-static void say(const struct calibration *c, struct reply *reply)
+static void calibration_reply(const struct calibration *c, struct reply *reply)
 {
     struct buffer text = {0};
     calibration_put(c, &text);
@@ -107,11 +107,12 @@ static void say(const struct calibration *c, struct reply *reply)
 }
 
 /* For what is collected now, and from now on. */
-static void keep(struct session *session, const struct calibration *c, struct reply *reply)
+static void calibration_keep(struct session *session, const struct calibration *c,
+                             struct reply *reply)
 {
     session->setup.calibration = *c;
     session_changed(session);
-    say(c, reply);
+    calibration_reply(c, reply);
 }
 
 static bool from_raw(struct session *session, const struct raw raw[2], const double truth[2],
@@ -135,7 +136,7 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
                           raw[i].unit ? raw[i].unit->row.name : "");
     if (!calibration_make(value, units, &c, error))
         return false;
-    keep(session, &c, reply);
+    calibration_keep(session, &c, reply);
     return true;
 }
 
@@ -242,13 +243,13 @@ HANDLER(calibrate)
         struct calibration none;
         memset(&none, 0, sizeof none);
         none.decided = true;
-        keep(session, &none, reply);
+        calibration_keep(session, &none, reply);
         return true;
     }
     if (has_argument(args, "take"))
         return take_point(session, reply, error);
     if (!name->count) {
-        say(&session->setup.calibration, reply);
+        calibration_reply(&session->setup.calibration, reply);
         return true;
     }
     const struct recording *recording = session_recording(session);
@@ -268,7 +269,7 @@ HANDLER(calibrate)
     struct calibration c;
     if (!calibration_make(value, unit, &c, error))
         return false;
-    keep(session, &c, reply);
+    calibration_keep(session, &c, reply);
     return true;
 }
 
@@ -304,7 +305,7 @@ HANDLER(zero)
     c.decided = true;
     reply_line(reply, "zero is where it reads %s: the mean of the last %.3g s, scatter %.2g",
                with_unit(mean, raw.unit).text, last, raw.scatter);
-    keep(session, &c, reply);
+    calibration_keep(session, &c, reply);
     return true;
 }
 #endif

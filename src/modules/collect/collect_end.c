@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *status_of(const struct collection *c)
+static const char *collection_status(const struct collection *c)
 {
     if (c->look.lines == 0 && c->there == 0)
         return "silent";
@@ -54,7 +54,7 @@ static void reply_collected(const struct collection *c, const struct recording *
     reply_real(reply, "rate", recording->rate);
     reply_real(reply, "jitter", known->clock == CLOCK_DEVICE ? NAN : known->jitter);
     reply_string(reply, "clock", clocks[known->clock]);
-    reply_string(reply, "status", status_of(c));
+    reply_string(reply, "status", collection_status(c));
     reply_string(reply, "file", c->path);
     reply_end(reply);
 }
@@ -74,7 +74,8 @@ static void say_end(const struct collection *c, const struct recording *recordin
         if (counts[i].count > 0)
             buffer_format(&others, ", %zu %s", counts[i].count, counts[i].what);
     reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples%s (%s)", c->from_shown,
-               c->to_shown, known->lines, known->samples, buffer_view(&others), status_of(c));
+               c->to_shown, known->lines, known->samples, buffer_view(&others),
+               collection_status(c));
     buffer_free(&others);
     if (c->look.end == FEED_UNPLUGGED)
         reply_warning(c->reply, "%s is gone%s%s: 'collect continue' goes on when it is back",

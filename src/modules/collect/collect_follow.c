@@ -41,7 +41,7 @@ static void begin_showing(struct collection *c, struct recording *recording)
 }
 
 /* Adds what has come to what is shown, or takes its place where the columns have become others. */
-static void show(struct collection *c, struct recording *more)
+static void collection_show(struct collection *c, struct recording *more)
 {
     int place = collect_own_place(c->session);
     bool other = false;
@@ -106,7 +106,7 @@ static void look_at_recording(struct collection *c)
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
                    c->trigger.name.at, c->trigger.t);
     if (shows)
-        show(c, recording);
+        collection_show(c, recording);
     else
         recording_destroy(recording);
 }

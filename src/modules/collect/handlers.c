@@ -174,7 +174,8 @@ static const char *shown(const struct arguments *args, const char *path)
     return copy;
 }
 
-static bool collect(struct collection *c, const struct arguments *args, struct error *error)
+static bool collection_start(struct collection *c, const struct arguments *args,
+                             struct error *error)
 {
     struct session *session = c->session;
     const struct feed_access *feed = session->front.feed;
@@ -350,7 +351,7 @@ HANDLER(collect)
                                                        : c.calibration;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
     return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&
-                          collect(&c, anew ? again : args, error)
+                          collection_start(&c, anew ? again : args, error)
                     : error_memory(error);
 }
 

@@ -194,8 +194,8 @@ static bool put_picture(struct buffer *out, const struct session *session,
 
 /* ---- the table ---- */
 
-static void put_table(struct buffer *out, const struct stability *rows, int count,
-                      struct arena *arena)
+static void stability_table_put(struct buffer *out, const struct stability *rows, int count,
+                                struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2};
     columns_text(&stability_columns, rows, (size_t)count, true, &table);
@@ -242,7 +242,7 @@ static void put_study(const struct session *session, const struct arguments *arg
                       const struct stability *rows, int count, bool pictured,
                       const struct buffer *absent, struct buffer *text)
 {
-    put_table(text, rows, count, args->arena);
+    stability_table_put(text, rows, count, args->arena);
     buffer_put(text, buffer_text(absent));
     for (int i = 0; i < count && (count == 1 || asks_full(args)); i++) {
         buffer_format(text, "%s:\n", rows[i].by.method->row.name);

@@ -122,7 +122,7 @@ void document_close(struct document *document, enum block block)
 }
 
 /* Own words with signs, into the buffers that are there. */
-static void say(struct document *document, struct text words, bool tex)
+static void document_words_put(struct document *document, struct text words, bool tex)
 {
     struct buffer text = {0};
     for (size_t i = 0; i < words.len; i++)
@@ -145,7 +145,7 @@ void document_say(struct document *document, const char *format, ...)
     va_start(args, format);
     buffer_vformat(&words, format, args);
     va_end(args);
-    say(document, buffer_text(&words), true);
+    document_words_put(document, buffer_text(&words), true);
     document->md.failed |= words.failed;
     buffer_free(&words);
 }
@@ -155,7 +155,7 @@ void document_measured(struct document *document, struct measured value, enum qu
 {
     struct buffer words = {0};
     buffer_measured(&words, value, quantity, digits);
-    say(document, buffer_text(&words), false);
+    document_words_put(document, buffer_text(&words), false);
     buffer_siunitx(&document->tex, buffer_text(&words));
     document->md.failed |= words.failed;
     buffer_free(&words);

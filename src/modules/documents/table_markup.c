@@ -91,7 +91,7 @@ static const struct markup latex = {.begin = "% \\usepackage{siunitx}\n",
 
 /* ---- the walk ---- */
 
-static void put(struct buffer *out, const char *words)
+static void words_put(struct buffer *out, const char *words)
 {
     buffer_put(out, text_of(words));
 }
@@ -108,90 +108,92 @@ static void put_escaped(struct buffer *out, const struct markup *as, const char 
 static void put_key(struct buffer *out, const struct markup *as, const struct table_key *key)
 {
     const char *const of[] = {key->key, key->value};
-    put(out, as->key);
+    words_put(out, as->key);
     for (int i = 0; i < 2; i++) {
         if (as->bare_keys)
             safe_text(out, text_of(of[i]), false);
         else
             put_escaped(out, as, of[i]);
-        put(out, i ? as->key_end : as->key_between);
+        words_put(out, i ? as->key_end : as->key_between);
     }
 }
 
 static void put_alignment(struct buffer *out, const struct markup *as, const struct table *table)
 {
     for (int i = 0; i < table->columns; i++)
-        put(out, as->aligned[table->column[i].value != NULL]);
-    put(out, as->aligned[2]);
+        words_put(out, as->aligned[table->column[i].value != NULL]);
+    words_put(out, as->aligned[2]);
 }
 
-static void put_heading(struct buffer *out, const struct markup *as, const struct table *table)
+static void markup_heading_put(struct buffer *out, const struct markup *as,
+                               const struct table *table)
 {
-    put(out, as->table);
+    words_put(out, as->table);
     if (as->table)
         put_alignment(out, as, table);
-    put(out, as->row);
+    words_put(out, as->row);
     for (int i = 0; i < table->columns; i++) {
         const struct table_column *column = &table->column[i];
-        put(out, i ? as->between : NULL);
-        put(out, as->head);
+        words_put(out, i ? as->between : NULL);
+        words_put(out, as->head);
         put_escaped(out, as, column->name);
         if (column->unit && column->unit[0]) {
-            put(out, as->unit);
+            words_put(out, as->unit);
             put_escaped(out, as, column->unit);
-            put(out, as->unit_end);
+            words_put(out, as->unit_end);
         }
-        put(out, as->head_end);
+        words_put(out, as->head_end);
     }
-    put(out, as->heading_end);
+    words_put(out, as->heading_end);
     if (!as->table)
         put_alignment(out, as, table);
 }
 
-static void put_row(struct buffer *out, const struct markup *as, const struct table *table,
-                    size_t row)
+static void markup_row_put(struct buffer *out, const struct markup *as, const struct table *table,
+                           size_t row)
 {
-    put(out, as->row);
+    words_put(out, as->row);
     for (int i = 0; i < table->columns; i++) {
         const struct table_column *column = &table->column[i];
-        put(out, i ? as->between : NULL);
-        put(out, column->value ? as->number : as->text);
+        words_put(out, i ? as->between : NULL);
+        words_put(out, column->value ? as->number : as->text);
         if (!column->value)
             put_escaped(out, as, column->text[row]);
         else if (!isnan(column->value[row]))
             as->real(out, column->value[row]);
-        put(out, as->cell_end);
+        words_put(out, as->cell_end);
     }
-    put(out, as->row_end);
+    words_put(out, as->row_end);
 }
 
-static void put_table(const struct table *table, const struct markup *as, struct outlet *sink)
+static void markup_table_put(const struct table *table, const struct markup *as,
+                             struct outlet *sink)
 {
     struct buffer *out = sink->text;
-    put(out, as->begin);
-    put(out, table->keys ? as->keys : NULL);
+    words_put(out, as->begin);
+    words_put(out, table->keys ? as->keys : NULL);
     for (int i = 0; i < table->keys; i++)
         put_key(out, as, &table->key[i]);
-    put(out, table->keys ? as->keys_end : NULL);
-    put_heading(out, as, table);
+    words_put(out, table->keys ? as->keys_end : NULL);
+    markup_heading_put(out, as, table);
     for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
-        put_row(out, as, table, row);
+        markup_row_put(out, as, table, row);
         outlet_pass(sink, OUTLET_CHUNK);
     }
-    put(out, as->end);
+    words_put(out, as->end);
 }
 
 void documents_markdown(const struct table *table, struct outlet *to)
 {
-    put_table(table, &markdown, to);
+    markup_table_put(table, &markdown, to);
 }
 
 void documents_html(const struct table *table, struct outlet *to)
 {
-    put_table(table, &html, to);
+    markup_table_put(table, &html, to);
 }
 
 void documents_latex(const struct table *table, struct outlet *to)
 {
-    put_table(table, &latex, to);
+    markup_table_put(table, &latex, to);
 }

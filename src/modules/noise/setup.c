@@ -14,7 +14,7 @@ static const double bytes_max = 512.0 * 1024 * 1024;
 static const double boltzmann_constant = 1.380649e-23;
 
 /* Returns the value of a key, NAN where it was not given. */
-static double value_of(const struct arguments *args, const char *name)
+static double setup_value(const struct arguments *args, const char *name)
 {
     const struct argument_value *given = argument_value(args, name);
     return given->count ? given->item[0].value.value : NAN;
@@ -22,7 +22,7 @@ static double value_of(const struct arguments *args, const char *name)
 
 int64_t noise_integer(const struct arguments *args, const char *name, int64_t natural)
 {
-    const double value = value_of(args, name);
+    const double value = setup_value(args, name);
     return isnan(value) ? natural : (int64_t)value;
 }
 
@@ -30,11 +30,11 @@ static bool read_request(const struct arguments *args, struct noise_request *req
                          struct error *error)
 {
     const struct argument_value *noise = argument_value(args, "noise");
-    *request = (struct noise_request){.energy = value_of(args, "kT"),
-                                      .gamma = value_of(args, "gamma"),
+    *request = (struct noise_request){.energy = setup_value(args, "kT"),
+                                      .gamma = setup_value(args, "gamma"),
                                       .strengths = noise->count};
     if (has_argument(args, "temperature"))
-        request->energy = boltzmann_constant * value_of(args, "temperature");
+        request->energy = boltzmann_constant * setup_value(args, "temperature");
     if (isnan(request->energy) && noise->count == 0) {
         error_set(error, ERROR_COMMAND, "how strong is the noise?");
         return error_hint(error, "kT=2mJ, temperature=300 (in kelvin) or noise=0.1");
@@ -65,8 +65,9 @@ const struct noise_setup *noise_setup_read(struct session *session, const struct
     for (int i = 0; i < args->command->arguments; i++)
         if (text_is(text_of(args->command->argument[i].name), "method") && has(args, i))
             setup->method = noise_method_at((size_t)args->value[i].item[0].index);
-    setup->span = has_argument(args, "DURATION") ? value_of(args, "DURATION") : settings->duration;
-    setup->dt = has_argument(args, "dt") ? value_of(args, "dt") : settings->dt;
+    setup->span =
+        has_argument(args, "DURATION") ? setup_value(args, "DURATION") : settings->duration;
+    setup->dt = has_argument(args, "dt") ? setup_value(args, "dt") : settings->dt;
     setup->seed = (uint64_t)noise_integer(args, "seed", 1);
     return setup;
 }

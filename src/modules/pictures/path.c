@@ -308,7 +308,7 @@ struct follower {
     bool begun, full; /* something was drawn since the pen was put down; too much */
 };
 
-static void follow(void *out, double x, double y, bool begins)
+static void path_follow(void *out, double x, double y, bool begins)
 {
     struct follower *f = out;
     const double x0 = f->at[0], y0 = f->at[1];
@@ -359,7 +359,7 @@ bool path_of_line(const struct curve *curve, const struct plot_area *area,
         const bool ok = grains_init(&grains, area, grids[i].density, &arena);
         if (ok)
             trace_curve(curve, area, grids[i].tolerance, fmin(grids[i].density, PATH_COLUMNS),
-                        follow, &f);
+                        path_follow, &f);
         arena_reset(&arena);
         if (!ok || cancelled(curve->cancel))
             return false;

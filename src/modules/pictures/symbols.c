@@ -60,7 +60,7 @@ static size_t exponent_of(struct text text, struct text *power, bool *negative)
     return 1 + len;
 }
 
-static size_t put_number(struct buffer *out, struct text text)
+static size_t symbol_number_put(struct buffer *out, struct text text)
 {
     size_t len = digits_of(text, false);
     struct text power;
@@ -89,7 +89,7 @@ static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
     const char before = i ? text.at[i - 1] : ' ';
     const bool apart = strchr(" ([,;:/=", before) != NULL;
     if (is_digit(rest.at[0]) && !is_letter(before))
-        return put_number(out, rest);
+        return symbol_number_put(out, rest);
     if (rest.at[0] == '-' && apart &&
         (rest.len > 1 && (is_digit(rest.at[1]) || rest.at[1] == ' '))) {
         buffer_codepoint(out, CHAR_MINUS);
@@ -137,7 +137,7 @@ static uint32_t greek(struct text name)
 }
 
 /* A word of letters and the digits after it. Returns its length. */
-static size_t put_name(struct buffer *out, struct text rest)
+static size_t symbol_name_put(struct buffer *out, struct text rest)
 {
     size_t letters = 0;
     while (letters < rest.len && is_letter(rest.at[letters]))
@@ -166,7 +166,7 @@ void put_name_symbols(struct buffer *out, struct text name)
             is_letter(rest.at[0]) &&
             (i == 0 || (name.at[i - 1] != '_' && (unsigned char)name.at[i - 1] < 128));
         const size_t power = rest.at[0] == '^' ? digits_of(rest_of(rest, 1), true) : 0;
-        size_t used = word ? put_name(out, rest) : put_arithmetic(out, name, i);
+        size_t used = word ? symbol_name_put(out, rest) : put_arithmetic(out, name, i);
         if (!used && power) {
             put_superscript(out, (struct text){rest.at + 1, power});
             used = 1 + power;

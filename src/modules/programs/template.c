@@ -81,7 +81,7 @@ static struct text next_line(const char **rest)
 }
 
 /* Returns true if a word's text is not empty, or if the formulas call the function of that name. */
-static bool holds(struct scene_program *p, struct text word)
+static bool word_holds(struct scene_program *p, struct text word)
 {
     struct buffer text = {0}, *out = p->out;
     char name[LIMIT_SYMBOL + 1] = {0};
@@ -106,7 +106,7 @@ static bool all_hold(struct scene_program *p, struct text words)
     while (all && text_split(&words, ' ', &word)) {
         const bool no = word.len > 0 && word.at[0] == '!';
         if (word.len > 0)
-            all = holds(p, (struct text){word.at + no, word.len - no}) != no;
+            all = word_holds(p, (struct text){word.at + no, word.len - no}) != no;
     }
     return all;
 }

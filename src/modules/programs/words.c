@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *unit_of(const struct scene_program *p, int i)
+static const char *variable_unit(const struct scene_program *p, int i)
 {
     return quantity_unit(p->written.system.model->variable[i].quantity);
 }
@@ -68,7 +68,7 @@ static void put_variables(struct scene_program *p)
         buffer_format(p->out, "%s%s", i ? ", " : "", p->written.name[1 + i]);
 }
 
-static void put_heading(struct scene_program *p)
+static void program_heading_put(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_format(p->out, "%s%s", i ? "," : "", p->written.name[i]);
@@ -82,12 +82,12 @@ static void put_format(struct scene_program *p)
 
 static void put_label(struct scene_program *p)
 {
-    const char *unit = unit_of(p, 0);
+    const char *unit = variable_unit(p, 0);
     buffer_format(p->out, "%s%s%s%s", p->written.name[1], unit[0] ? " [" : "", unit,
                   unit[0] ? "]" : "");
 }
 
-static void put_start(struct scene_program *p)
+static void program_start_put(struct scene_program *p)
 {
     for (int i = 0; i < program_n(p); i++) {
         buffer_put(p->out, !i ? TEXT("") : p->dialect == DIALECT_OCTAVE ? TEXT("; ") : TEXT(", "));
@@ -107,7 +107,7 @@ static void put_unpack(struct scene_program *p)
             continue;
         buffer_format(p->out, "%s    const double %s = state[%d];", count++ ? "\n" : "",
                       program_state(p, i), i);
-        put_comment(p, unit_of(p, i), "");
+        put_comment(p, variable_unit(p, i), "");
     }
     if (c && !program_reads(p, 0))
         buffer_format(p->out, "%s    (void)t; /* nothing depends on the time */",
@@ -264,7 +264,7 @@ static const char *solver(const struct scene_program *p)
 }
 
 /* Appends a word that is a condition or a number. */
-static bool put_value(struct scene_program *p, struct text word)
+static bool program_value_put(struct scene_program *p, struct text word)
 {
     const double t0 = p->written.system.t0, t_end = t0 + p->duration, dt = p->settings.dt;
     const struct oscillator *o = &p->written.system.oscillator;
@@ -329,7 +329,7 @@ static bool put_value(struct scene_program *p, struct text word)
     return text_is(word, "steps");
 }
 
-static bool put_text(struct scene_program *p, struct text word)
+static bool program_text_put(struct scene_program *p, struct text word)
 {
     const bool partial = !p->plan.adaptive && p->plan.partial != 0;
     const struct {
@@ -356,13 +356,22 @@ bool program_word(struct scene_program *p, struct text word)
     static const struct {
         const char *name;
         void (*put)(struct scene_program *p);
-    } words[] = {
-        {"title", put_title},       {"constants", put_constants}, {"variables", put_variables},
-        {"heading", put_heading},   {"format", put_format},       {"label", put_label},
-        {"start", put_start},       {"unpack", put_unpack},       {"imports", put_imports},
-        {"absolute", put_absolute}, {"sizes", put_sizes},         {"nodes", put_nodes},
-        {"matrix", put_matrix},     {"weights", put_weights},     {"weights_low", put_weights_low}};
-    if (put_text(p, word) || put_value(p, word))
+    } words[] = {{"title", put_title},
+                 {"constants", put_constants},
+                 {"variables", put_variables},
+                 {"heading", program_heading_put},
+                 {"format", put_format},
+                 {"label", put_label},
+                 {"start", program_start_put},
+                 {"unpack", put_unpack},
+                 {"imports", put_imports},
+                 {"absolute", put_absolute},
+                 {"sizes", put_sizes},
+                 {"nodes", put_nodes},
+                 {"matrix", put_matrix},
+                 {"weights", put_weights},
+                 {"weights_low", put_weights_low}};
+    if (program_text_put(p, word) || program_value_put(p, word))
         return true;
     for (size_t i = 0; i < COUNT_OF(words); i++)
         if (text_is(word, words[i].name)) {

@@ -165,7 +165,7 @@ static bool compare_file(void *context, const char *name, struct text again, str
 
 /* ---- the session, run again ---- */
 
-static bool drop(void *context, struct text text)
+static bool ignore_text(void *context, struct text text)
 {
     (void)context;
     (void)text;
@@ -196,7 +196,7 @@ static bool run_again(struct check *check, struct session *session)
         reply_error(check->reply, &error, NULL, (struct text){NULL, 0});
     } else {
         const bool fails = memmem(script.data, script.len, "hooke --keep-going", 18) != NULL;
-        reply_init(&silent, (struct sink){drop, keep_error, check});
+        reply_init(&silent, (struct sink){ignore_text, keep_error, check});
         session->options.checking = check->folder;
         session->options.keep_going = true;
         script_file(session, buffer_view(&path), NULL, &silent);

@@ -53,7 +53,7 @@ static bool find_values(const struct table *table, struct values *values)
     return values->name && values->of && values->source && values->value && values->uncertainty;
 }
 
-static double time_of(const struct values *values, size_t row)
+static double checked_time(const struct values *values, size_t row)
 {
     return values->t && isfinite(values->t[row]) ? values->t[row] : -HUGE_VAL;
 }
@@ -61,8 +61,8 @@ static double time_of(const struct values *values, size_t row)
 static bool same_key(const struct values *a, size_t i, const struct values *b, size_t j)
 {
     return strcmp(a->name[i], b->name[j]) == 0 && strcmp(a->of[i], b->of[j]) == 0 &&
-           strcmp(a->source[i], b->source[j]) == 0 && !(time_of(a, i) < time_of(b, j)) &&
-           !(time_of(a, i) > time_of(b, j));
+           strcmp(a->source[i], b->source[j]) == 0 && !(checked_time(a, i) < checked_time(b, j)) &&
+           !(checked_time(a, i) > checked_time(b, j));
 }
 
 /* What is named alike is counted: the row of `b` that is as many-th there as row i is in `a`. */
@@ -196,7 +196,7 @@ static bool same_column(const struct table_column *a, const struct table_column 
            strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") == 0 && !a->value == !b->value;
 }
 
-static void put_cell(const struct table_column *column, size_t row, struct buffer *text)
+static void checked_cell_put(const struct table_column *column, size_t row, struct buffer *text)
 {
     if (column->value)
         buffer_format(text, "%.9g", column->value[row]);
@@ -211,9 +211,9 @@ static void tell_data(struct check *check, const char *file, const struct table 
     const struct table_column *column = &handed->column[found->column];
     struct buffer detail = {0};
     buffer_format(&detail, "%s of row %zu is ", column->name, found->row + 1);
-    put_cell(column, found->row, &detail);
+    checked_cell_put(column, found->row, &detail);
     buffer_put(&detail, TEXT(", the session gives "));
-    put_cell(&again->column[found->column], found->row, &detail);
+    checked_cell_put(&again->column[found->column], found->row, &detail);
     if (found->count > 1)
         buffer_format(&detail, "; %zu numbers differ, this one most", found->count);
     check_differs(check, file, "it is not the data that the session gives", buffer_text(&detail));

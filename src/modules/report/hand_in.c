@@ -103,8 +103,8 @@ static void say_missing(void *context, const char *what, const char *type)
     buffer_free(&text);
 }
 
-static void tell(const struct report *report, const struct item *folder, const char *path,
-                 struct reply *reply)
+static void hand_in_reply(const struct report *report, const struct item *folder, const char *path,
+                          struct reply *reply)
 {
     struct buffer shown = {0};
     safe_text(&shown, folder->text, false);
@@ -156,7 +156,7 @@ HANDLER(report)
     ok = ok && folder_commit(&folder, error);
     document_free(&report->document);
     if (ok)
-        tell(report, item, path, reply);
+        hand_in_reply(report, item, path, reply);
     else if (!error->where.at)
         error->where = item->text;
     return ok;

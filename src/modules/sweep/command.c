@@ -48,8 +48,8 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
     return check_above_0(axis, name, error);
 }
 
-static bool read_number(struct parser *parser, const char *what, int64_t *number,
-                        struct error *error)
+static bool count_read(struct parser *parser, const char *what, int64_t *number,
+                       struct error *error)
 {
     struct item item = {0};
     if (!parse_integer(parser, what, false, &item, error))
@@ -113,7 +113,7 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
             error, "it has --threads N, --shard I/N, --resume FILE, --dry-run, --full and --force");
     }
     struct item shown = {0};
-    if (!read_number(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
+    if (!count_read(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
         return false;
     if (threads > PARALLEL_THREADS_MAX)
         return error_at(error, all, "at most %d threads", PARALLEL_THREADS_MAX);

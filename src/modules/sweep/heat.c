@@ -91,7 +91,7 @@ static void label(double value, double factor, char out[LABEL_SIZE])
     buffer_free(&text);
 }
 
-static void put_name(struct buffer *out, const char *name, const char *unit)
+static void heat_name_put(struct buffer *out, const char *name, const char *unit)
 {
     buffer_put(out, text_of(name));
     if (unit && *unit)
@@ -164,11 +164,11 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
     const int available = height - 3 - LEGEND_LINES;
     const int rows = cells_for(heat->y.count, available > 1 ? available : 1);
     bool gaps = false;
-    put_name(out, heat->title, heat->unit);
+    heat_name_put(out, heat->title, heat->unit);
     buffer_put(out, TEXT(" over "));
-    put_name(out, heat->x.label, heat->x.unit);
+    heat_name_put(out, heat->x.label, heat->x.unit);
     buffer_put(out, TEXT(" (right) and "));
-    put_name(out, heat->y.label, heat->y.unit);
+    heat_name_put(out, heat->y.label, heat->y.unit);
     buffer_put(out, TEXT(" (up)\n"));
     for (int line = rows - 1; line >= 0; line--) {
         int first, end, below = -1;

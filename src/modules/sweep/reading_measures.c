@@ -135,7 +135,7 @@ struct formula_reader {
     struct error *error;
 };
 
-static bool is_word(char c)
+static bool is_word_char(char c)
 {
     return isalnum((unsigned char)c) || c == '_' || c == '\'';
 }
@@ -144,7 +144,7 @@ static bool is_plain(struct text text)
 {
     bool plain = text.len > 0 && !isdigit((unsigned char)text.at[0]);
     for (size_t i = 0; i < text.len; i++)
-        plain &= is_word(text.at[i]);
+        plain &= is_word_char(text.at[i]);
     return plain;
 }
 
@@ -211,7 +211,7 @@ static bool find_reductions(struct formula_reader *r)
     const struct text text = r->text;
     for (size_t i = 0; i < text.len; i++) {
         size_t end = i;
-        while (end < text.len && is_word(text.at[end]))
+        while (end < text.len && is_word_char(text.at[end]))
             end++;
         if (end == i)
             continue;

@@ -384,7 +384,7 @@ static bool prepare(struct growing_file *g, const struct arguments *args, struct
 }
 
 /* What is whole is left alone. */
-static bool complete(struct growing_file *g, bool force, struct error *error)
+static bool growing_file_complete(struct growing_file *g, bool force, struct error *error)
 {
     if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
         return true;
@@ -446,7 +446,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
     bool ok = request->axes > 0 || is_there(g.file.path) ||
               (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
                error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
-    ok = ok && prepare(&g, args, error) && complete(&g, options->force, error);
+    ok = ok && prepare(&g, args, error) && growing_file_complete(&g, options->force, error);
     report_fraction(&session->front, 2);
     if (ok)
         reply_file(&g, clock_seconds(begin), reply);

@@ -11,7 +11,7 @@ enum {
     THIN_BLOCKS = 2048    /* of a curve with more points the extremes of each block are drawn */
 };
 
-static double value_at(const struct swept *swept, int64_t i, int m)
+static double swept_cell_value(const struct swept *swept, int64_t i, int m)
 {
     return swept_value(swept, i, 0, m);
 }
@@ -23,15 +23,15 @@ struct sweep_column {
     const struct unit *unit;
 };
 
-static void put_number(struct text_table *table, const struct sweep_column *column, double value,
-                       int digits)
+static void sweep_number_put(struct text_table *table, const struct sweep_column *column,
+                             double value, int digits)
 {
     const double shown = value / (column->unit ? column->unit->factor : 1) + 0.0;
     cell_text(table, isfinite(value) ? SHOWN_SHORT(shown, digits) : "-");
 }
 
 /* The unit is one in which most values say something: that of the largest. */
-static struct sweep_column column_of(const struct swept *swept, int index)
+static struct sweep_column sweep_column_of(const struct swept *swept, int index)
 {
     const struct sweep *sweep = swept->sweep;
     const int measure = index - sweep->axes;
@@ -53,8 +53,8 @@ static struct sweep_column column_of(const struct swept *swept, int index)
 }
 
 /* Every so many points, so that the table can be read. */
-static void put_table(const struct session *session, const struct swept *swept, struct arena *arena,
-                      struct buffer *text)
+static void sweep_table_put(const struct session *session, const struct swept *swept,
+                            struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const int64_t every = (sweep->count + TABLE_ROWS - 1) / TABLE_ROWS;
@@ -66,7 +66,7 @@ static void put_table(const struct session *session, const struct swept *swept, 
     struct text_table table = {
         .arena = arena, .columns = columns + failures, .gap = 3, .max = width};
     for (int c = 0; c < columns; c++) {
-        column[c] = column_of(swept, c);
+        column[c] = sweep_column_of(swept, c);
         const char *unit = swept_unit_name(column[c].unit, column[c].quantity);
         cell_format(&table, *unit ? "%s [%s]" : "%s", column[c].name, unit);
     }
@@ -74,10 +74,10 @@ static void put_table(const struct session *session, const struct swept *swept, 
         cell_text(&table, "status");
     for (int64_t i = 0; i < sweep->count; i += every) {
         for (int c = 0; c < columns; c++)
-            put_number(&table, &column[c],
-                       c < sweep->axes ? swept_position(sweep, c, i)
-                                       : value_at(swept, i, c - sweep->axes),
-                       session->setup.settings.digits);
+            sweep_number_put(&table, &column[c],
+                             c < sweep->axes ? swept_position(sweep, c, i)
+                                             : swept_cell_value(swept, i, c - sweep->axes),
+                             session->setup.settings.digits);
         if (failures)
             cell_text(&table, sweep_status_name(sweep->status[i]));
     }
@@ -92,16 +92,16 @@ static void put_table(const struct session *session, const struct swept *swept, 
 
 /* Takes the first, lowest, highest and last of each `each` neighbours, which look the same. Returns
  * how many points these are. */
-static size_t thin(const struct swept *swept, int measure, int64_t each, double *x, double *y)
+static size_t curve_thin(const struct swept *swept, int measure, int64_t each, double *x, double *y)
 {
     const struct sweep *sweep = swept->sweep;
     size_t kept = 0;
     for (int64_t begin = 0; begin < sweep->count; begin += each) {
         const int64_t end = begin + each < sweep->count ? begin + each : sweep->count;
         int64_t low = begin, high = begin;
-        double lowest = value_at(swept, begin, measure), highest = lowest;
+        double lowest = swept_cell_value(swept, begin, measure), highest = lowest;
         for (int64_t i = begin + 1; i < end; i++) {
-            const double value = value_at(swept, i, measure);
+            const double value = swept_cell_value(swept, i, measure);
             if (value < lowest || isnan(lowest))
                 lowest = value, low = i;
             if (value > highest || isnan(highest))
@@ -111,7 +111,7 @@ static size_t thin(const struct swept *swept, int measure, int64_t each, double 
         for (size_t k = 0; k < COUNT_OF(point); k++)
             if (k == 0 || point[k] > point[k - 1]) {
                 x[kept] = swept_position(sweep, 0, point[k]);
-                y[kept++] = value_at(swept, point[k], measure);
+                y[kept++] = swept_cell_value(swept, point[k], measure);
             }
     }
     return kept;
@@ -131,9 +131,10 @@ static void put_curve(const struct session *session, const struct swept *swept, 
     if (n < 3 || !x || !y)
         return;
     swept_range(swept, measure, &low, &high);
-    const struct sweep_column across = column_of(swept, 0), up = column_of(swept, 1 + measure);
+    const struct sweep_column across = sweep_column_of(swept, 0),
+                              up = sweep_column_of(swept, 1 + measure);
     const struct curve curve = {
-        .x = x, .y = y, .n = thin(swept, measure, many ? each : 1, x, y), .thinned = many};
+        .x = x, .y = y, .n = curve_thin(swept, measure, many ? each : 1, x, y), .thinned = many};
     const struct figure figure = {.title = "sweep",
                                   .x = {.label = across.name,
                                         .unit = swept_unit_name(across.unit, across.quantity),
@@ -152,21 +153,21 @@ static void put_curve(const struct session *session, const struct swept *swept, 
 static void put_map(const struct session *session, const struct swept *swept, int measure,
                     int height, struct arena *arena, struct buffer *text)
 {
-    const struct sweep_column column = column_of(swept, 2 + measure);
+    const struct sweep_column column = sweep_column_of(swept, 2 + measure);
     const bool attractor = swept->measure[measure].kind == SWEEP_ATTRACTOR;
     swept_map(session, swept,
               (struct heat){.title = column.name,
                             .unit = swept_unit_name(column.unit, column.quantity),
                             .factor = column.unit ? column.unit->factor : 1,
                             .letters = attractor ? "*012345678+" : NULL},
-              value_at, measure, height, arena, text);
+              swept_cell_value, measure, height, arena, text);
 }
 
 static bool has_values(const struct swept *swept, int measure)
 {
     bool some = false;
     for (int64_t i = 0; i < swept->sweep->count && !some; i++)
-        some = isfinite(value_at(swept, i, measure));
+        some = isfinite(swept_cell_value(swept, i, measure));
     return some;
 }
 
@@ -323,7 +324,7 @@ static void put_short(const struct session *session, const struct swept *swept, 
     struct buffer table = {0}, remarks = {0};
     put_remarks(swept, &remarks);
     if (sweep->axes == 1)
-        put_table(session, swept, arena, &table);
+        sweep_table_put(session, swept, arena, &table);
     /* a line that is wider than the screen takes two, and what is left out takes one */
     int room = rows - text_lines(&remarks) - 2;
     const bool tabled =
@@ -358,7 +359,7 @@ void sweep_text(const struct session *session, const struct swept *swept, int ro
         return;
     }
     if (swept->sweep->axes == 1)
-        put_table(session, swept, arena, text);
+        sweep_table_put(session, swept, arena, text);
     put_figures(session, swept, swept->sweep->measures, height - 4, arena, text);
     put_remarks(swept, text);
 }

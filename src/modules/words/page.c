@@ -34,7 +34,7 @@ static double curve_at(const struct curve *curve, double x)
     return curve->y[high - 1] + part * (curve->y[high] - curve->y[high - 1]);
 }
 
-static void put_cell(struct text text, int width, struct buffer *out)
+static void page_cell_put(struct text text, int width, struct buffer *out)
 {
     for (int i = text_width(text); i < width; i++)
         buffer_char(out, ' ');
@@ -56,21 +56,21 @@ static int put_heading(const char *name, const struct axis *axis, int room, stru
                   axis->unit ? axis->unit : "");
     const int width = column_width(&text) <= room ? column_width(&text) : 0;
     if (width)
-        put_cell(buffer_text(&text), width, out);
+        page_cell_put(buffer_text(&text), width, out);
     buffer_free(&text);
     return width;
 }
 
-static void put_number(double value, const struct axis *axis, int width, struct buffer *out)
+static void page_number_put(double value, const struct axis *axis, int width, struct buffer *out)
 {
     struct buffer text = {0};
     const double shown = value / (axis->factor > 0 ? axis->factor : 1);
     buffer_format(&text, " %.5g", shown == 0 ? 0 : shown);
-    put_cell(isnan(value) ? TEXT(" -") : buffer_text(&text), width, out);
+    page_cell_put(isnan(value) ? TEXT(" -") : buffer_text(&text), width, out);
     buffer_free(&text);
 }
 
-static void put_table(const struct figure *figure, int room, struct buffer *out)
+static void page_table_put(const struct figure *figure, int room, struct buffer *out)
 {
     double from = HUGE_VAL, to = -HUGE_VAL;
     int columns = 0, wide[CURVES_MAX + 1];
@@ -105,11 +105,11 @@ static void put_table(const struct figure *figure, int room, struct buffer *out)
         const double x = row + 1 == CURVE_ROWS ? to
                          : figure->x.log       ? from * pow(to / from, part)
                                                : from + part * (to - from);
-        put_number(x, &figure->x, wide[0], out);
+        page_number_put(x, &figure->x, wide[0], out);
         for (int i = 0; i < columns; i++) {
             const struct curve *curve = &figure->curve[i];
-            put_number(curve->n ? curve_at(curve, x) : NAN, curve_axis(figure, curve, true),
-                       wide[i + 1], out);
+            page_number_put(curve->n ? curve_at(curve, x) : NAN, curve_axis(figure, curve, true),
+                            wide[i + 1], out);
         }
         buffer_char(out, '\n');
     }
@@ -121,7 +121,7 @@ bool words_print(const struct figure *figure, int width, struct buffer *out)
     const bool ok = describe_figure(figure, &text);
     buffer_folded(out, buffer_text(&text), width);
     buffer_char(out, '\n');
-    put_table(figure, width, out);
+    page_table_put(figure, width, out);
     buffer_free(&text);
     return ok && !out->failed;
 }

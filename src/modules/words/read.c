@@ -36,8 +36,8 @@ static bool axis_shows(const struct axis *axis, double value, bool window)
            (!window || !axis->fixed || (value >= axis->from && value <= axis->to));
 }
 
-static bool is_shown(const struct figure *figure, const struct axis *x, const struct axis *y,
-                     const struct curve *curve, size_t i)
+static bool curve_is_shown(const struct figure *figure, const struct axis *x, const struct axis *y,
+                           const struct curve *curve, size_t i)
 {
     return isfinite(curve->x[i]) && axis_shows(x, curve->x[i], !figure->plane) &&
            axis_shows(y, curve->y[i], false);
@@ -60,7 +60,7 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
     if (!at || !both)
         return false;
     for (size_t i = 0; n < points->n && curve_goes_on(curve, i); i++)
-        if (is_shown(figure, x, y, curve, i))
+        if (curve_is_shown(figure, x, y, curve, i))
             at[n++] = (struct curve_point){curve->x[i], curve->y[i]};
     if (sorted)
         qsort(at, n, sizeof *at, by_x);
@@ -75,14 +75,14 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
 }
 
 /* What a window of time leaves out is no gap. */
-static bool gather(const struct figure *figure, const struct curve *curve, struct arena *arena,
-                   struct points *points, struct curve_reading *reading)
+static bool points_gather(const struct figure *figure, const struct curve *curve,
+                          struct arena *arena, struct points *points, struct curve_reading *reading)
 {
     const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
     bool ascending = true;
     size_t n = 0, i = 0;
     for (; curve_goes_on(curve, i); i++) {
-        if (is_shown(figure, x, y, curve, i)) {
+        if (curve_is_shown(figure, x, y, curve, i)) {
             const struct curve_point at = {curve->x[i], curve->y[i]};
             ascending &= n == 0 || at.x > reading->end.x;
             reading->start = n++ == 0 ? at : reading->start;
@@ -234,7 +234,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
                                       .distance = {NAN, NAN},
                                       .hole = {NAN, NAN},
                                       .widest = {NAN, NAN}};
-    if (!reading->label || !gather(figure, curve, arena, points, reading))
+    if (!reading->label || !points_gather(figure, curve, arena, points, reading))
         return false;
     read_band(curve, reading);
     if (points->n == 0)
@@ -277,7 +277,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
 
 /* ---- curves beside each other ---- */
 
-static double value_at(const struct points *p, double x)
+static double points_value(const struct points *p, double x)
 {
     size_t low = 0, high = p->n;
     if (p->n == 0 || !(x >= p->x[0] && x <= p->x[p->n - 1]))
@@ -304,7 +304,7 @@ static struct curve_distance distance_between(const struct points *from, const s
     double sum = 0; /* of squares, in units of the largest */
     size_t n = 0;
     for (size_t i = 0; points_go_on(here, i); i++) {
-        const double off = fabs(here->y[i] - value_at(there, here->x[i]));
+        const double off = fabs(here->y[i] - points_value(there, here->x[i]));
         if (!isfinite(off))
             continue;
         if (!(off <= distance.largest)) {

@@ -16,7 +16,7 @@ static double angle(const struct frame *f, struct curve_point p)
     return atan2((p.y - f->centre.y) / f->half.y, (p.x - f->centre.x) / f->half.x);
 }
 
-static double distance(const struct frame *f, struct curve_point p)
+static double frame_distance(const struct frame *f, struct curve_point p)
 {
     /* in units of x */
     return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
@@ -36,8 +36,8 @@ static double turns_about(const struct frame *f, const struct points *p, double 
             turned += step;
             if (fabs(turned) >= whole && before < whole) {
                 const double part = (whole - before) / fabs(step);
-                *last = (1 - part) * distance(f, point_at(p, i - 1)) +
-                        part * distance(f, point_at(p, i));
+                *last = (1 - part) * frame_distance(f, point_at(p, i - 1)) +
+                        part * frame_distance(f, point_at(p, i));
             }
         }
         sum = turned;
@@ -72,6 +72,6 @@ void read_winding(const struct points *points, bool equal, struct curve_reading 
     reading->course = COURSE_WINDS;
     reading->about_origin = use_origin;
     reading->about = frame->centre;
-    reading->distance[0] = distance(frame, point_at(points, 0));
+    reading->distance[0] = frame_distance(frame, point_at(points, 0));
     reading->distance[1] = far[use_origin];
 }

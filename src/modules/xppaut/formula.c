@@ -31,7 +31,7 @@ struct ode_writing {
 
 typedef const struct ode_node *node;
 
-static bool put(struct ode_writing *w, node of, const struct scope *scope, int may);
+static bool formula_put(struct ode_writing *w, node of, const struct scope *scope, int may);
 
 /* before, name, after */
 static bool fail(struct ode_writing *w, const char *before, struct text name, const char *after)
@@ -40,7 +40,7 @@ static bool fail(struct ode_writing *w, const char *before, struct text name, co
                      (int)(name.len < 60 ? name.len : 60), name.at, after);
 }
 
-static bool put_text(struct ode_writing *w, const char *text)
+static bool ode_text_put(struct ode_writing *w, const char *text)
 {
     buffer_put(w->out, text_of(text));
     if (w->out->len > LONGEST)
@@ -78,20 +78,20 @@ static const struct scope *sum_around(const struct scope *scope)
     return scope;
 }
 
-static bool put_number(struct ode_writing *w, double number);
+static bool ode_number_put(struct ode_writing *w, double number);
 
 /* A parameter, or what follows from those before it, as a number or a formula of them. */
-static bool put_value(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
+static bool ode_value_put(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     struct ode *ode = w->reader->ode;
     if (symbol->kind == ODE_PARAM) {
         w->reader->of->table->reads = true;
-        return put_number(w, symbol->value);
+        return ode_number_put(w, symbol->value);
     }
     if (symbol->kind != ODE_DERIVED)
         return fail(w, "a table has '", name, "', which changes");
     const node body = ode_parse(ode->arena, symbol->line, symbol->text, ode->error);
-    return body && put(w, body, NULL, ATOM);
+    return body && formula_put(w, body, NULL, ATOM);
 }
 
 static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
@@ -102,38 +102,39 @@ static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, s
     if (symbol->kind >= ODE_FUNCTION)
         return fail(w, "", name, " is a function");
     if (w->numbers)
-        return put_value(w, symbol, name);
+        return ode_value_put(w, symbol, name);
     if (of && of->kind == ODE_DERIVED && symbol->kind != ODE_PARAM && symbol->kind != ODE_DERIVED)
         return fail(w, "'", name, "' is no parameter: it changes");
     if (of && of->kind == symbol->kind && of->index <= symbol->index)
         return fail(w, "'", name, "' comes later: XPPAUT takes its value of the step before");
-    return put_text(w, symbol->as);
+    return ode_text_put(w, symbol->as);
 }
 
-static bool put_name(struct ode_writing *w, struct text name, const struct scope *scope, int may)
+static bool ode_name_put(struct ode_writing *w, struct text name, const struct scope *scope,
+                         int may)
 {
     const struct scope *where;
     const node argument = argument_named(scope, name, &where);
     if (argument)
-        return put(w, argument, where, may);
+        return formula_put(w, argument, where, may);
     if (text_is(name, "t") || text_is(name, "pi"))
-        return put_text(w, text_is(name, "t") ? "t" : "pi");
+        return ode_text_put(w, text_is(name, "t") ? "t" : "pi");
     return put_symbol(w, ode_find(w->reader->ode, name), name);
 }
 
 /* ---- numbers ---- */
 
-static bool put_number(struct ode_writing *w, double number)
+static bool ode_number_put(struct ode_writing *w, double number)
 {
     char text[REAL_TEXT_SIZE];
     real_format(number, text);
     return number < 0 || (number == 0 && text[0] == '-')
-               ? put_text(w, "(") && put_text(w, text) && put_text(w, ")")
-               : put_text(w, text);
+               ? ode_text_put(w, "(") && ode_text_put(w, text) && ode_text_put(w, ")")
+               : ode_text_put(w, text);
 }
 
 /* Of what is made of numbers and of indices only. */
-static bool value_of(node of, const struct scope *scope, int depth, double *value)
+static bool ode_node_value(node of, const struct scope *scope, int depth, double *value)
 {
     const struct scope *where = sum_around(scope);
     double a, b;
@@ -144,14 +145,14 @@ static bool value_of(node of, const struct scope *scope, int depth, double *valu
     else if (of->kind == NODE_NUMBER)
         *value = of->number;
     else if (of->kind == NODE_SIGN && of->op == '-' &&
-             value_of(of->argument[0], scope, depth + 1, &a))
+             ode_node_value(of->argument[0], scope, depth + 1, &a))
         *value = -a;
     else if (of->kind == NODE_NAME) {
         const node argument = argument_named(scope, of->name, &where);
-        return argument && value_of(argument, where, depth + 1, value);
+        return argument && ode_node_value(argument, where, depth + 1, value);
     } else if (of->kind == NODE_JOIN && strchr("+-*/", of->op) &&
-               value_of(of->argument[0], scope, depth + 1, &a) &&
-               value_of(of->argument[1], scope, depth + 1, &b))
+               ode_node_value(of->argument[0], scope, depth + 1, &a) &&
+               ode_node_value(of->argument[1], scope, depth + 1, &b))
         *value = of->op == '+' ? a + b : of->op == '-' ? a - b : of->op == '*' ? a * b : a / b;
     else
         return false;
@@ -170,15 +171,16 @@ static bool is_logical(node of)
 static bool put_truth(struct ode_writing *w, node of, const struct scope *scope)
 {
     if (is_logical(of))
-        return put(w, of, scope, ATOM);
-    return put_text(w, "abs(sign(") && put(w, of, scope, ANY) && put_text(w, "))");
+        return formula_put(w, of, scope, ATOM);
+    return ode_text_put(w, "abs(sign(") && formula_put(w, of, scope, ANY) && ode_text_put(w, "))");
 }
 
 static bool put_compared(struct ode_writing *w, node of, const struct scope *scope,
                          const char *sign)
 {
-    return put_text(w, "(") && put(w, of->argument[0], scope, TERM) && put_text(w, sign) &&
-           put(w, of->argument[1], scope, TERM) && put_text(w, ")");
+    return ode_text_put(w, "(") && formula_put(w, of->argument[0], scope, TERM) &&
+           ode_text_put(w, sign) && formula_put(w, of->argument[1], scope, TERM) &&
+           ode_text_put(w, ")");
 }
 
 static bool put_logical(struct ode_writing *w, node of, const struct scope *scope)
@@ -190,32 +192,33 @@ static bool put_logical(struct ode_writing *w, node of, const struct scope *scop
     case '>':
         return put_compared(w, of, scope, of->equal ? " >= " : " > ");
     case '&':
-        return put_text(w, "(") && put_truth(w, a[0], scope) && put_text(w, "*") &&
-               put_truth(w, a[1], scope) && put_text(w, ")");
+        return ode_text_put(w, "(") && put_truth(w, a[0], scope) && ode_text_put(w, "*") &&
+               put_truth(w, a[1], scope) && ode_text_put(w, ")");
     case '|':
-        return put_text(w, "max(") && put_truth(w, a[0], scope) && put_text(w, ", ") &&
-               put_truth(w, a[1], scope) && put_text(w, ")");
+        return ode_text_put(w, "max(") && put_truth(w, a[0], scope) && ode_text_put(w, ", ") &&
+               put_truth(w, a[1], scope) && ode_text_put(w, ")");
     case '=':
-        return put_text(w, "(") && put_compared(w, of, scope, " <= ") && put_text(w, "*") &&
-               put_compared(w, of, scope, " >= ") && put_text(w, ")");
+        return ode_text_put(w, "(") && put_compared(w, of, scope, " <= ") && ode_text_put(w, "*") &&
+               put_compared(w, of, scope, " >= ") && ode_text_put(w, ")");
     default: /* '!' */
-        return put_text(w, "(1 - ") &&
-               (of->kind == NODE_SIGN ? put_truth(w, a[0], scope)
-                                      : put_compared(w, of, scope, " <= ") && put_text(w, "*") &&
-                                            put_compared(w, of, scope, " >= ")) &&
-               put_text(w, ")");
+        return ode_text_put(w, "(1 - ") &&
+               (of->kind == NODE_SIGN
+                    ? put_truth(w, a[0], scope)
+                    : put_compared(w, of, scope, " <= ") && ode_text_put(w, "*") &&
+                          put_compared(w, of, scope, " >= ")) &&
+               ode_text_put(w, ")");
     }
 }
 
 static bool put_choice(struct ode_writing *w, node of, const struct scope *scope)
 {
     const node *a = of->argument;
-    return put_text(w, "if(") &&
-           (is_logical(a[0])
-                ? put(w, a[0], scope, ANY)
-                : put_text(w, "abs(") && put(w, a[0], scope, ANY) && put_text(w, ")")) &&
-           put_text(w, ", ") && put(w, a[1], scope, ANY) && put_text(w, ", ") &&
-           put(w, a[2], scope, ANY) && put_text(w, ")");
+    return ode_text_put(w, "if(") &&
+           (is_logical(a[0]) ? formula_put(w, a[0], scope, ANY)
+                             : ode_text_put(w, "abs(") && formula_put(w, a[0], scope, ANY) &&
+                                   ode_text_put(w, ")")) &&
+           ode_text_put(w, ", ") && formula_put(w, a[1], scope, ANY) && ode_text_put(w, ", ") &&
+           formula_put(w, a[2], scope, ANY) && ode_text_put(w, ")");
 }
 
 /* ---- calls ---- */
@@ -255,16 +258,19 @@ static bool put_mod(struct ode_writing *w, node of, const struct scope *scope)
 {
     const node *a = of->argument;
     double b;
-    if (value_of(a[1], scope, 0, &b) ? b > 0 : a[1]->kind == NODE_NAME && text_is(a[1]->name, "pi"))
-        return put_text(w, "mod(") && put(w, a[0], scope, ANY) && put_text(w, ", ") &&
-               put(w, a[1], scope, ANY) && put_text(w, ")");
-    if (!put_text(w, "(sign(") || !put(w, a[0], scope, ANY) || !put_text(w, ")*mod(abs(") ||
-        !put(w, a[0], scope, ANY) || !put_text(w, "), abs(") || !put(w, a[1], scope, ANY) ||
-        !put_text(w, ")) + "))
+    if (ode_node_value(a[1], scope, 0, &b) ? b > 0
+                                           : a[1]->kind == NODE_NAME && text_is(a[1]->name, "pi"))
+        return ode_text_put(w, "mod(") && formula_put(w, a[0], scope, ANY) &&
+               ode_text_put(w, ", ") && formula_put(w, a[1], scope, ANY) && ode_text_put(w, ")");
+    if (!ode_text_put(w, "(sign(") || !formula_put(w, a[0], scope, ANY) ||
+        !ode_text_put(w, ")*mod(abs(") || !formula_put(w, a[0], scope, ANY) ||
+        !ode_text_put(w, "), abs(") || !formula_put(w, a[1], scope, ANY) ||
+        !ode_text_put(w, ")) + "))
         return false;
-    return put(w, a[1], scope, ATOM) && put_text(w, "*(sign(") && put(w, a[0], scope, ANY) &&
-           put_text(w, ")*mod(abs(") && put(w, a[0], scope, ANY) && put_text(w, "), abs(") &&
-           put(w, a[1], scope, ANY) && put_text(w, ")) < 0))");
+    return formula_put(w, a[1], scope, ATOM) && ode_text_put(w, "*(sign(") &&
+           formula_put(w, a[0], scope, ANY) && ode_text_put(w, ")*mod(abs(") &&
+           formula_put(w, a[0], scope, ANY) && ode_text_put(w, "), abs(") &&
+           formula_put(w, a[1], scope, ANY) && ode_text_put(w, ")) < 0))");
 }
 
 /* The quantity so many places behind another one. */
@@ -275,7 +281,7 @@ static bool put_shift(struct ode_writing *w, node of, const struct scope *scope)
     const struct ode_symbol *from = of->arguments == 2 && of->argument[0]->kind == NODE_NAME
                                         ? ode_find(ode, of->argument[0]->name)
                                         : NULL;
-    if (!from || !value_of(of->argument[1], scope, 0, &by))
+    if (!from || !ode_node_value(of->argument[1], scope, 0, &by))
         return fail(w, "", of->name, "() takes a name and a number of places");
     for (int i = 0; i < ode->symbols; i++)
         if (ode->symbol[i].kind == from->kind && from->kind < ODE_FUNCTION &&
@@ -294,7 +300,7 @@ static bool put_function(struct ode_writing *w, node of, struct ode_symbol *func
     if (!function->body)
         function->body = ode_parse(ode->arena, function->line, function->text, ode->error);
     const struct scope inner = {.outer = scope, .function = function, .argument = of->argument};
-    return function->body && put(w, function->body, &inner, may);
+    return function->body && formula_put(w, function->body, &inner, may);
 }
 
 /* A table or a network, written out. */
@@ -306,12 +312,12 @@ static bool put_places(struct ode_writing *w, node of, struct ode_symbol *symbol
         return fail(w, "", of->name, "() is called with another number of arguments");
     if (symbol->kind == ODE_TABLE) {
         const node sum = ode_table_at(w->reader->ode, symbol, of->argument[0]);
-        return sum && put(w, sum, scope, may);
+        return sum && formula_put(w, sum, scope, may);
     }
-    if (!value_of(of->argument[0], scope, 0, &place))
+    if (!ode_node_value(of->argument[0], scope, 0, &place))
         return fail(w, "the place in '", symbol->name, "' has to be a number");
     const node sum = ode_net_at(w->reader->ode, symbol, place);
-    return sum && put(w, sum, NULL, may);
+    return sum && formula_put(w, sum, NULL, may);
 }
 
 static bool put_call(struct ode_writing *w, node of, const struct scope *scope, int may)
@@ -332,33 +338,34 @@ static bool put_call(struct ode_writing *w, node of, const struct scope *scope, 
         return refuse_call(w, of->name);
     if (builtin->arguments != of->arguments)
         return fail(w, "", of->name, "() is called with another number of arguments");
-    if (!put_text(w, builtin->as) || !put_text(w, "("))
+    if (!ode_text_put(w, builtin->as) || !ode_text_put(w, "("))
         return false;
     for (int i = 0; i < of->arguments; i++)
-        if ((i > 0 && !put_text(w, ", ")) || !put(w, of->argument[i], scope, ANY))
+        if ((i > 0 && !ode_text_put(w, ", ")) || !formula_put(w, of->argument[i], scope, ANY))
             return false;
-    return put_text(w, ")");
+    return ode_text_put(w, ")");
 }
 
 static bool put_sum(struct ode_writing *w, node of, const struct scope *scope)
 {
     double from, to;
     struct scope inner = {.outer = scope};
-    if (!value_of(of->argument[0], scope, 0, &from) || !value_of(of->argument[1], scope, 0, &to))
+    if (!ode_node_value(of->argument[0], scope, 0, &from) ||
+        !ode_node_value(of->argument[1], scope, 0, &to))
         return fail(w, "the ends of a sum have to be numbers", TEXT(""), "");
     from = floor(from);
     to = floor(to);
     if (!(to - from < TERMS))
         return fail(w, "a sum of too many terms", TEXT(""), "");
     if (!(from <= to))
-        return put_text(w, "0");
-    if (!put_text(w, "("))
+        return ode_text_put(w, "0");
+    if (!ode_text_put(w, "("))
         return false;
     for (inner.index = from; inner.index <= to; inner.index++)
-        if ((inner.index > from && !put_text(w, " + ")) ||
-            !put(w, of->argument[2], &inner, inner.index > from ? FACTOR : TERM))
+        if ((inner.index > from && !ode_text_put(w, " + ")) ||
+            !formula_put(w, of->argument[2], &inner, inner.index > from ? FACTOR : TERM))
             return false;
-    return put_text(w, ")");
+    return ode_text_put(w, ")");
 }
 
 /* ---- operations ---- */
@@ -372,7 +379,8 @@ static bool is_link(node of, bool sum)
 static bool put_link(struct ode_writing *w, node of, const struct scope *scope)
 {
     const char *sign = of->op == '+' ? " + " : of->op == '-' ? " - " : of->op == '*' ? "*" : "/";
-    return put_text(w, sign) && put(w, of->argument[1], scope, is_link(of, true) ? FACTOR : POWER);
+    return ode_text_put(w, sign) &&
+           formula_put(w, of->argument[1], scope, is_link(of, true) ? FACTOR : POWER);
 }
 
 /* A chain without nesting: it may have thousands of links. */
@@ -390,19 +398,19 @@ static bool put_chain(struct ode_writing *w, node of, const struct scope *scope,
     first = of;
     for (size_t i = links; i > 0; first = first->argument[0])
         link[--i] = first;
-    if ((may > own && !put_text(w, "(")) || !put(w, first, scope, own))
+    if ((may > own && !ode_text_put(w, "(")) || !formula_put(w, first, scope, own))
         return false;
     for (size_t i = 0; i < links; i++)
         if (!put_link(w, link[i], scope))
             return false;
-    return may <= own || put_text(w, ")");
+    return may <= own || ode_text_put(w, ")");
 }
 
 static bool put_power(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
-    return (may <= POWER || put_text(w, "(")) && put(w, of->argument[0], scope, ATOM) &&
-           put_text(w, "^") && put(w, of->argument[1], scope, ATOM) &&
-           (may <= POWER || put_text(w, ")"));
+    return (may <= POWER || ode_text_put(w, "(")) && formula_put(w, of->argument[0], scope, ATOM) &&
+           ode_text_put(w, "^") && formula_put(w, of->argument[1], scope, ATOM) &&
+           (may <= POWER || ode_text_put(w, ")"));
 }
 
 static bool put_kind(struct ode_writing *w, node of, const struct scope *scope, int may)
@@ -410,11 +418,12 @@ static bool put_kind(struct ode_writing *w, node of, const struct scope *scope, 
     const struct scope *around = sum_around(scope);
     switch (of->kind) {
     case NODE_NUMBER:
-        return put_number(w, of->number);
+        return ode_number_put(w, of->number);
     case NODE_INDEX:
-        return around ? put_number(w, around->index) : fail(w, "i' outside of a sum", TEXT(""), "");
+        return around ? ode_number_put(w, around->index)
+                      : fail(w, "i' outside of a sum", TEXT(""), "");
     case NODE_NAME:
-        return put_name(w, of->name, scope, may);
+        return ode_name_put(w, of->name, scope, may);
     case NODE_CALL:
         return put_call(w, of, scope, may);
     case NODE_IF:
@@ -429,11 +438,11 @@ static bool put_kind(struct ode_writing *w, node of, const struct scope *scope, 
         return put_logical(w, of, scope);
     if (of->kind == NODE_JOIN)
         return of->op == '^' ? put_power(w, of, scope, may) : put_chain(w, of, scope, may);
-    return (may <= TERM || put_text(w, "(")) && put_text(w, "-") &&
-           put(w, of->argument[0], scope, ATOM) && (may <= TERM || put_text(w, ")"));
+    return (may <= TERM || ode_text_put(w, "(")) && ode_text_put(w, "-") &&
+           formula_put(w, of->argument[0], scope, ATOM) && (may <= TERM || ode_text_put(w, ")"));
 }
 
-static bool put(struct ode_writing *w, node of, const struct scope *scope, int may)
+static bool formula_put(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     if (++w->depth > DEEPEST)
         return fail(w, "functions that call each other, or too many of them", TEXT(""), "");
@@ -447,7 +456,7 @@ bool ode_formula(const struct ode_reader *reader, struct text text, struct buffe
     struct ode_writing w = {.reader = reader, .out = out};
     struct ode *ode = reader->ode;
     const node whole = ode_parse(ode->arena, reader->line, text, ode->error);
-    if (!whole || !put(&w, whole, NULL, ANY))
+    if (!whole || !formula_put(&w, whole, NULL, ANY))
         return false;
     return !out->failed || error_memory(ode->error);
 }
@@ -461,5 +470,5 @@ bool ode_formula_at(struct ode *ode, const struct ode_symbol *of, const struct o
     const struct scope scope = {.function = &time, .argument = argument};
     const struct ode_reader reader = {ode, of, of->line};
     struct ode_writing w = {.reader = &reader, .out = out, .numbers = true};
-    return put(&w, whole, &scope, ANY) && (!out->failed || error_memory(ode->error));
+    return formula_put(&w, whole, &scope, ANY) && (!out->failed || error_memory(ode->error));
 }

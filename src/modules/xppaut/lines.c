@@ -24,7 +24,7 @@ bool ode_error(struct error *error, int line, const char *format, ...)
     return false;
 }
 
-static bool add_line(struct ode_lines *r, struct text text, int number)
+static bool ode_line_add(struct ode_lines *r, struct text text, int number)
 {
     text = text_trim(text);
     if (text.len == 0)
@@ -62,7 +62,7 @@ static long whole(struct text text)
     return negative ? -value : value;
 }
 
-static const char *find(struct text text, char c)
+static const char *text_find(struct text text, char c)
 {
     return text.len > 0 ? memchr(text.at, c, text.len) : NULL;
 }
@@ -104,7 +104,7 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
     bool fine = true;
     for (size_t i = 0; fine && i < line.len; i++) {
         const char *end = line.at[i] == '[' && !is_kernel(line, i)
-                              ? find((struct text){line.at + i, line.len - i}, ']')
+                              ? text_find((struct text){line.at + i, line.len - i}, ']')
                               : NULL;
         if (line.at[i] == '[' && !is_kernel(line, i) && !end) {
             fine = ode_error(r->error, number, "a ']' is missing");
@@ -120,8 +120,8 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
             i = (size_t)(end - line.at);
         }
     }
-    fine =
-        fine && (!out.failed || error_memory(r->error)) && add_line(r, buffer_text(&out), number);
+    fine = fine && (!out.failed || error_memory(r->error)) &&
+           ode_line_add(r, buffer_text(&out), number);
     buffer_free(&out);
     return fine;
 }
@@ -130,9 +130,9 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
 static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
 {
     for (const char *at = line.at;
-         (at = find((struct text){at, line.len - (size_t)(at - line.at)}, '['));) {
+         (at = text_find((struct text){at, line.len - (size_t)(at - line.at)}, '['));) {
         *begin = ++at;
-        *end = find((struct text){at, line.len - (size_t)(at - line.at)}, ']');
+        *end = text_find((struct text){at, line.len - (size_t)(at - line.at)}, ']');
         if (!*end)
             return false;
         for (const char *dots = at; dots + 1 < *end; dots++)
@@ -150,7 +150,7 @@ static bool add_array(struct ode_lines *r, struct text line, int number)
     const char *begin, *end;
     long from, to;
     if (line.at[0] == '@' || !range_of(line, &begin, &end, &from, &to))
-        return line.at[0] == '@' ? add_line(r, line, number)
+        return line.at[0] == '@' ? ode_line_add(r, line, number)
                                  : write_out(r, line, number, NULL, NULL, NULL);
     const long step = from <= to ? 1 : -1;
     for (long j = from;; j += step) {
@@ -189,7 +189,7 @@ static bool take_line(struct text *rest, int *number, struct buffer *line)
     bool more = true, any = false;
     while (more && text_split(rest, '\n', &part)) {
         ++*number;
-        const char *mark = find(part, '\\');
+        const char *mark = text_find(part, '\\');
         more = mark != NULL;
         buffer_put(line, more ? (struct text){part.at, (size_t)(mark - part.at)} : part);
         any = true;
@@ -236,7 +236,7 @@ static bool take_whole(struct ode_lines *r, struct group *group, struct text lin
         return add_group(r, whole_group.head, whole_group.lines.line, whole_group.lines.count,
                          whole_group.number);
     }
-    return group->number ? add_line(&group->lines, line, number) : add_array(r, line, number);
+    return group->number ? ode_line_add(&group->lines, line, number) : add_array(r, line, number);
 }
 
 bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, int *count,

@@ -101,8 +101,8 @@ static struct ode_node *number_of(struct ode *ode, double number)
 }
 
 /* a op b, or max(a, b) */
-static const struct ode_node *join(struct ode *ode, char op, const struct ode_node *a,
-                                   const struct ode_node *b)
+static const struct ode_node *net_node_join(struct ode *ode, char op, const struct ode_node *a,
+                                            const struct ode_node *b)
 {
     struct ode_node *made = a && b ? number_of(ode, 0) : NULL;
     const struct ode_node **both = made ? arena_array(ode->arena, 2, sizeof *both) : NULL;
@@ -126,10 +126,10 @@ static const struct ode_node *join(struct ode *ode, char op, const struct ode_no
 static const struct ode_node *beyond(struct ode *ode, double factor, const struct ode_node *at,
                                      double x, bool bends)
 {
-    const struct ode_node *above = join(ode, '-', at, number_of(ode, x));
+    const struct ode_node *above = net_node_join(ode, '-', at, number_of(ode, x));
     if (bends)
-        above = join(ode, 'm', above, number_of(ode, 0));
-    return join(ode, '*', number_of(ode, factor), above);
+        above = net_node_join(ode, 'm', above, number_of(ode, 0));
+    return net_node_join(ode, '*', number_of(ode, factor), above);
 }
 
 /* Its value at the first point, its first slope, and by how much the slope changes at the others.
@@ -141,12 +141,12 @@ const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
     if (!find_values(ode, symbol))
         return NULL;
     const double *y = table->value, dx = point_of(table, 1) - table->from;
-    const struct ode_node *sum = join(ode, '+', number_of(ode, y[0]),
-                                      beyond(ode, (y[1] - y[0]) / dx, at, table->from, false));
+    const struct ode_node *sum = net_node_join(
+        ode, '+', number_of(ode, y[0]), beyond(ode, (y[1] - y[0]) / dx, at, table->from, false));
     for (int i = 1; i + 1 < table->points && sum; i++) {
         const double bend = ((y[i + 1] - y[i]) - (y[i] - y[i - 1])) / dx;
         if (bend != 0)
-            sum = join(ode, '+', sum, beyond(ode, bend, at, point_of(table, i), true));
+            sum = net_node_join(ode, '+', sum, beyond(ode, bend, at, point_of(table, i), true));
     }
     return sum;
 }
@@ -241,8 +241,8 @@ const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, do
         if (k < 0 || weight == 0)
             continue;
         const struct ode_node *const term =
-            join(ode, '*', number_of(ode, weight), behind(ode, first, k));
-        sum = sum ? join(ode, '+', sum, term) : term;
+            net_node_join(ode, '*', number_of(ode, weight), behind(ode, first, k));
+        sum = sum ? net_node_join(ode, '+', sum, term) : term;
         if (!sum)
             return NULL;
     }

@@ -53,7 +53,8 @@ static struct ode_node *make(struct ode_parser *p, enum ode_node_kind kind, int 
     return made;
 }
 
-static node join(struct ode_parser *p, enum ode_node_kind kind, char op, bool equal, node a, node b)
+static node ode_node_join(struct ode_parser *p, enum ode_node_kind kind, char op, bool equal,
+                          node a, node b)
 {
     struct ode_node *made = a && b ? make(p, kind, 2) : NULL;
     if (!made)
@@ -82,7 +83,7 @@ static char peek(struct ode_parser *p)
     return p->at < p->text.len ? p->text.at[p->at] : '\0';
 }
 
-static bool take(struct ode_parser *p, const char *word)
+static bool ode_word_take(struct ode_parser *p, const char *word)
 {
     peek(p);
     const struct text rest = {p->text.at + p->at, p->text.len - p->at};
@@ -105,10 +106,10 @@ static bool is_digit(char c)
 /* "(" sum ")" */
 static node in_parentheses(struct ode_parser *p)
 {
-    if (!take(p, "("))
+    if (!ode_word_take(p, "("))
         return fail(p, "a '(' is missing");
     const node inside = sum(p);
-    if (inside && !take(p, ")"))
+    if (inside && !ode_word_take(p, ")"))
         return fail(p, "a ')' is missing");
     return inside;
 }
@@ -116,10 +117,10 @@ static node in_parentheses(struct ode_parser *p)
 static node choice(struct ode_parser *p)
 {
     const node condition = in_parentheses(p);
-    if (condition && !take(p, "then"))
+    if (condition && !ode_word_take(p, "then"))
         return fail(p, "'then' is missing");
     const node yes = condition ? in_parentheses(p) : NULL;
-    if (yes && !take(p, "else"))
+    if (yes && !ode_word_take(p, "else"))
         return fail(p, "'else' is missing");
     const node no = yes ? in_parentheses(p) : NULL;
     struct ode_node *made = no ? make(p, NODE_IF, 3) : NULL;
@@ -136,7 +137,7 @@ static struct ode_node *call(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];
     int count = 0;
-    take(p, "(");
+    ode_word_take(p, "(");
     do {
         if (count == ODE_ARGUMENTS) {
             fail(p, "too many arguments");
@@ -144,8 +145,8 @@ static struct ode_node *call(struct ode_parser *p, struct text name)
         }
         if (!(argument[count++] = sum(p)))
             return NULL;
-    } while (take(p, ","));
-    if (!take(p, ")")) {
+    } while (ode_word_take(p, ","));
+    if (!ode_word_take(p, ")")) {
         fail(p, "a ')' is missing");
         return NULL;
     }
@@ -162,7 +163,7 @@ static node series(struct ode_parser *p, struct text name)
     struct ode_node *ends = call(p, name);
     if (!ends)
         return NULL;
-    if (ends->arguments != 2 || !take(p, "of"))
+    if (ends->arguments != 2 || !ode_word_take(p, "of"))
         return fail(p, "a sum is sum(from,to)of(formula)");
     const node of = in_parentheses(p);
     struct ode_node *made = of ? make(p, NODE_SUM, 3) : NULL;
@@ -233,9 +234,9 @@ static node power(struct ode_parser *p)
                      {"==", '=', false}, {"!=", '!', false}, {"<", '<', false}, {">", '>', false}};
     node left = atom(p);
     for (size_t i = 0; left && i < COUNT_OF(operators); i++) {
-        if (!take(p, operators[i].sign))
+        if (!ode_word_take(p, operators[i].sign))
             continue;
-        left = join(p, NODE_JOIN, operators[i].op, operators[i].equal, left, atom(p));
+        left = ode_node_join(p, NODE_JOIN, operators[i].op, operators[i].equal, left, atom(p));
         i = (size_t)-1;
     }
     return left;
@@ -259,14 +260,14 @@ static node factor(struct ode_parser *p)
 
 static node product(struct ode_parser *p, bool first)
 {
-    node left = first && take(p, "-") ? sign(p, '-', factor(p)) : factor(p);
+    node left = first && ode_word_take(p, "-") ? sign(p, '-', factor(p)) : factor(p);
     while (left) {
         const char op = peek(p);
         const bool doubled = p->at + 1 < p->text.len && p->text.at[p->at + 1] == '*';
         if (op != '/' && op != '&' && (op != '*' || doubled))
             break;
         p->at++;
-        left = join(p, NODE_JOIN, op, false, left, factor(p));
+        left = ode_node_join(p, NODE_JOIN, op, false, left, factor(p));
     }
     return left;
 }
@@ -281,7 +282,7 @@ static node sum(struct ode_parser *p)
         if (op != '+' && op != '-' && op != '|')
             break;
         p->at++;
-        left = join(p, NODE_JOIN, op, false, left, product(p, false));
+        left = ode_node_join(p, NODE_JOIN, op, false, left, product(p, false));
     }
     p->depth--;
     return left;

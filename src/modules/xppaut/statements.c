@@ -67,8 +67,8 @@ static bool is_name(struct text name)
     return name.len > 0;
 }
 
-static struct ode_symbol *add(struct ode_statements *s, enum ode_kind kind, int line,
-                              struct text name, struct text text)
+static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind kind, int line,
+                                         struct text name, struct text text)
 {
     struct ode *ode = &s->ode;
     if (kind != ODE_AUX && !is_name(name)) {
@@ -101,7 +101,7 @@ static bool take_params(struct ode_statements *s, int line, struct text rest)
 {
     struct text name, value;
     while (ode_pair(&rest, &name, &value)) {
-        struct ode_symbol *symbol = add(s, ODE_PARAM, line, name, TEXT(""));
+        struct ode_symbol *symbol = ode_symbol_add(s, ODE_PARAM, line, name, TEXT(""));
         if (!symbol ||
             (value.len > 0 && !ode_number(line, name, value, &symbol->value, s->ode.error)))
             return false;
@@ -136,14 +136,15 @@ static bool take_aux(struct ode_statements *s, int line, struct text rest)
     const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
     if (!equals)
         return ode_error(s->ode.error, line, "an auxiliary quantity is aux NAME=FORMULA");
-    return add(s, ODE_AUX, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
-               from(rest, (size_t)(equals + 1 - rest.at)));
+    return ode_symbol_add(s, ODE_AUX, line,
+                          text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
+                          from(rest, (size_t)(equals + 1 - rest.at)));
 }
 
 static bool take_table(struct ode_statements *s, int line, struct text rest)
 {
     const struct text name = peek_word(rest, "%");
-    struct ode_symbol *symbol = add(s, ODE_TABLE, line, name, from(rest, name.len));
+    struct ode_symbol *symbol = ode_symbol_add(s, ODE_TABLE, line, name, from(rest, name.len));
     return symbol && ode_table_read(&s->ode, symbol);
 }
 
@@ -152,9 +153,9 @@ static bool take_special(struct ode_statements *s, int line, struct text rest)
     const char *equals = rest.len > 0 ? memchr(rest.at, '=', rest.len) : NULL;
     if (!equals)
         return ode_error(s->ode.error, line, "a network is special NAME=conv(...)");
-    struct ode_symbol *symbol =
-        add(s, ODE_NET, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
-            from(rest, (size_t)(equals + 1 - rest.at)));
+    struct ode_symbol *symbol = ode_symbol_add(
+        s, ODE_NET, line, text_trim((struct text){rest.at, (size_t)(equals - rest.at)}),
+        from(rest, (size_t)(equals + 1 - rest.at)));
     return symbol && ode_net_read(&s->ode, symbol);
 }
 
@@ -217,7 +218,7 @@ static const struct word {
     {"options", 2, NULL, "its settings are in another file (options): they have to stand here"},
 };
 
-static bool take_word(struct ode_statements *s, const struct ode_line *line, size_t end)
+static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *line, size_t end)
 {
     const struct text word = {line->text.at, end}, rest = from(line->text, end);
     for (size_t i = 0; i < COUNT_OF(words); i++) {
@@ -231,7 +232,7 @@ static bool take_word(struct ode_statements *s, const struct ode_line *line, siz
 
 /* ---- statements that begin with a name ---- */
 
-static bool holds(struct text text, const char *word)
+static bool text_holds(struct text text, const char *word)
 {
     const size_t len = strlen(word);
     for (size_t i = 0; i + len <= text.len; i++)
@@ -253,7 +254,7 @@ static bool take_function(struct ode_statements *s, int line, struct text name, 
                           struct text text)
 {
     struct text argument;
-    struct ode_symbol *function = add(s, ODE_FUNCTION, line, name, text);
+    struct ode_symbol *function = ode_symbol_add(s, ODE_FUNCTION, line, name, text);
     if (!function)
         return false;
     while (text_split(&inside, ',', &argument)) {
@@ -280,7 +281,7 @@ static bool take_call(struct ode_statements *s, const struct ode_line *line, siz
                          "maps are not for scenes, in which time is continuous");
     if (is_inside(inside, "0"))
         return take_initial(s, line->number, name, right);
-    if (is_inside(inside, "t") && (holds(right, "int{") || holds(right, "int[")))
+    if (is_inside(inside, "t") && (text_holds(right, "int{") || text_holds(right, "int[")))
         return ode_error(s->ode.error, line->number,
                          "integral equations (Volterra) are not for scenes");
     return take_function(s, line->number, name, inside, right);
@@ -292,8 +293,8 @@ static bool take_right(struct ode_statements *s, const struct ode_line *line, en
     const char *equals = memchr(line->text.at + at, '=', line->text.len - at);
     if (!equals)
         return ode_error(s->ode.error, line->number, "a '=' is missing");
-    return add(s, kind, line->number, text_trim(name),
-               from(line->text, (size_t)(equals + 1 - line->text.at)));
+    return ode_symbol_add(s, kind, line->number, text_trim(name),
+                          from(line->text, (size_t)(equals + 1 - line->text.at)));
 }
 
 static bool take_settings(struct ode_statements *s, const struct ode_line *line)
@@ -313,7 +314,7 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     return true;
 }
 
-static bool take(struct ode_statements *s, const struct ode_line *line)
+static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
 {
     const struct text text = line->text;
     size_t end = 0;
@@ -342,7 +343,7 @@ static bool take(struct ode_statements *s, const struct ode_line *line)
     case '(':
         return take_call(s, line, end);
     default:
-        return take_word(s, line, end);
+        return ode_keyword_take(s, line, end);
     }
 }
 
@@ -358,7 +359,7 @@ bool ode_statements(struct ode_statements *s, struct error *error)
     for (int i = 0; i < s->lines; i++) {
         if (i % ODE_LOOK == ODE_LOOK - 1 && ode_stopped(&s->ode))
             return false;
-        if (!take(s, &s->line[i]))
+        if (!ode_line_take(s, &s->line[i]))
             return false;
     }
     return true;

@@ -127,8 +127,8 @@ static bool add_events(struct session *session, const struct arguments *args,
 }
 
 /* The caller takes the set-up back where it fails. */
-static bool take(struct session *session, const struct arguments *args, struct text file,
-                 const struct ode_scene *from, struct error *error)
+static bool ode_scene_take(struct session *session, const struct arguments *args, struct text file,
+                           const struct ode_scene *from, struct error *error)
 {
     struct setup *setup = &session->setup;
     struct system *system = arena_alloc(args->arena, sizeof *system);
@@ -247,7 +247,7 @@ static bool load(struct session *session, const struct arguments *args, struct t
     if (fine && !ode_read(buffer_text(&content), &options, args->arena, &from, error))
         fine = in_file(file, error);
     buffer_free(&content);
-    if (fine && !take(session, args, file, &from, error)) {
+    if (fine && !ode_scene_take(session, args, file, &from, error)) {
         session->setup = *before;
         fine = in_file(file, error);
     }

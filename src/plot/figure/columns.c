@@ -70,8 +70,8 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 
 /* ---- at events ---- */
 
-static bool value_at(const struct run *run, const struct chosen_column *column, size_t i,
-                     double *out, struct error *error)
+static bool column_value(const struct run *run, const struct chosen_column *column, size_t i,
+                         double *out, struct error *error)
 {
     const struct event_record *record = run_event_record(run, i);
     const struct sample sample = {
@@ -108,9 +108,9 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 record->t < d->window[0] || record->t > d->window[1])
                 continue;
             double up = 0;
-            if (!value_at(run, plot_is_plane(request->kind) ? &d->against : &time, i, &x[seen],
-                          d->error) ||
-                !value_at(run, &d->column[c], i, &up, d->error))
+            if (!column_value(run, plot_is_plane(request->kind) ? &d->against : &time, i, &x[seen],
+                              d->error) ||
+                !column_value(run, &d->column[c], i, &up, d->error))
                 return false;
             seen++;
             if (!request->next || seen > 1) /* of a return map each is the next of the one before */

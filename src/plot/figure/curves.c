@@ -47,7 +47,7 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
 }
 
 /* Puts a row in its place among n ascending ones, once. Returns how many there are then. */
-static size_t put_row(size_t *row, size_t n, size_t next)
+static size_t row_insert(size_t *row, size_t n, size_t next)
 {
     size_t index = n;
     while (index > 0 && row[index - 1] > next)
@@ -86,7 +86,7 @@ static size_t choose_of_shared(const struct run *run, size_t from, size_t to, si
     }
     size_t n = 0;
     for (int i = 0; i < extremes + 2; i++)
-        n = put_row(out, n, at[i]);
+        n = row_insert(out, n, at[i]);
     return n;
 }
 
@@ -105,7 +105,7 @@ static bool choose_extremes(const struct run *run, const struct row_request *req
     for (size_t from = first, to; from < end; from = to) {
         size_t *row = rows->row + rows->n, n = 0;
         to = from + each < end ? from + each : end;
-        n = put_row(row, put_row(row, n, from), to - 1);
+        n = row_insert(row, row_insert(row, n, from), to - 1);
         for (int v = request->first; v < request->first + request->count; v++) {
             size_t low = from, high = from;
             double least = trace_state(run->trace, from)[v], most_value = least;
@@ -119,7 +119,7 @@ static bool choose_extremes(const struct run *run, const struct row_request *req
                     high = i;
                 }
             }
-            n = put_row(row, put_row(row, n, low), high);
+            n = row_insert(row, row_insert(row, n, low), high);
         }
         rows->n += n;
     }

@@ -162,7 +162,7 @@ static bool emit_typed(struct compiler *c, struct op value, struct text typed)
     return units_of_value(c, typed, dimension);
 }
 
-static bool read_number(struct compiler *c)
+static bool number_operand_read(struct compiler *c)
 {
     double value;
     size_t used;
@@ -291,7 +291,7 @@ static bool read_operand(struct compiler *c, bool *complete)
     char next = peek(c, 0);
     *complete = is_digit(next) || next == '.';
     if (*complete)
-        return read_number(c);
+        return number_operand_read(c);
     if (is_letter(next)) {
         size_t depth = c->depth;
         bool fine = read_word(c);

@@ -8,7 +8,7 @@
 /* Zeros below a stack: the most values that one operation takes, so that none reads before it. */
 #define STACK_BOTTOM 3
 
-static inline double *apply(const struct op *op, double *top)
+static inline double *operation_value(const struct op *op, double *top)
 {
     switch (op->kind) {
     case OP_NUMBER: /* values: the caller's business */
@@ -62,7 +62,7 @@ static inline double *apply(const struct op *op, double *top)
 
 double *op_apply(const struct op *op, double *top)
 {
-    return apply(op, top);
+    return operation_value(op, top);
 }
 
 double expr_value(const struct expr *expr, const struct expr_scope *scope)
@@ -74,7 +74,7 @@ double expr_value(const struct expr *expr, const struct expr_scope *scope)
         else if (op->kind == OP_NAME)
             *top++ = scope->load(scope->context, op->slot);
         else
-            top = apply(op, top);
+            top = operation_value(op, top);
     }
     return top[-1]; /* the one value that is left */
 }

@@ -86,7 +86,7 @@ static double nonzero(double value)
 }
 
 /* 0 times infinity is 0: an infinite bound stands for numbers without end. */
-static double times(double a, double b)
+static double bound_product(double a, double b)
 {
     return a == 0 || b == 0 ? 0 : nonzero(a * b);
 }
@@ -97,8 +97,8 @@ struct interval interval_mul(struct interval a, struct interval b)
         return interval_none;
     if (exact(a) || exact(b))
         return interval_point(0);
-    const double p = times(a.lo, b.lo), q = times(a.lo, b.hi), r = times(a.hi, b.lo),
-                 s = times(a.hi, b.hi);
+    const double p = bound_product(a.lo, b.lo), q = bound_product(a.lo, b.hi),
+                 r = bound_product(a.hi, b.lo), s = bound_product(a.hi, b.hi);
     const double pq = p < q ? p : q, rs = r < s ? r : s, max_pq = p < q ? q : p,
                  max_rs = r < s ? s : r;
     return rounded(pq < rs ? pq : rs, max_pq < max_rs ? max_rs : max_pq);

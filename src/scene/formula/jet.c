@@ -29,7 +29,7 @@ struct jet jet_sub(struct jet a, struct jet b)
     return jet_add(a, jet_neg(b));
 }
 
-static bool is_number(const struct jet *a)
+static bool jet_is_number(const struct jet *a)
 {
     return a->slope.lo == 0 && a->slope.hi == 0 && a->bend.lo == 0 && a->bend.hi == 0;
 }
@@ -43,8 +43,8 @@ static struct jet scaled(struct interval factor, const struct jet *a)
 /* (a b)'' = a'' b + 2 a' b' + a b'' */
 struct jet jet_mul(struct jet a, struct jet b)
 {
-    if (is_number(&a) || is_number(&b))
-        return is_number(&a) ? scaled(a.value, &b) : scaled(b.value, &a);
+    if (jet_is_number(&a) || jet_is_number(&b))
+        return jet_is_number(&a) ? scaled(a.value, &b) : scaled(b.value, &a);
     const struct interval both = interval_mul(a.slope, b.slope);
     return (struct jet){
         interval_mul(a.value, b.value),
@@ -178,7 +178,7 @@ static struct jet to_number(struct jet x, double n)
 /* In general exp(n log x), for which x has to be above 0. */
 static struct jet to_power(struct jet x, struct jet n)
 {
-    const bool fixed = is_number(&n) && n.value.lo == n.value.hi;
+    const bool fixed = jet_is_number(&n) && n.value.lo == n.value.hi;
     if (fixed && power_is_short(n.value.lo))
         return to_number(x, n.value.lo);
     if (interval_empty(x.value) && interval_has(n.value, 0))

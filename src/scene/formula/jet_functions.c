@@ -15,7 +15,7 @@ static struct interval one(void)
     return interval_point(1);
 }
 
-static struct interval times(double factor, struct interval a)
+static struct interval interval_scaled(double factor, struct interval a)
 {
     return interval_mul(interval_point(factor), a);
 }
@@ -91,7 +91,7 @@ static struct interval_jet series_tan(struct interval x)
     if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
         return somewhere(interval_all);
     const struct interval f = rising(fixed_tan, x), first = interval_add(one(), interval_square(f));
-    return (struct interval_jet){f, first, times(2, interval_mul(f, first))};
+    return (struct interval_jet){f, first, interval_scaled(2, interval_mul(f, first))};
 }
 
 /* 1/sqrt(1 - x^2), x/(1 - x^2)^(3/2) */
@@ -122,7 +122,7 @@ static struct interval_jet series_atan(struct interval x)
 {
     const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
     return (struct interval_jet){rising(fixed_atan, x), first,
-                                 times(-2, interval_mul(x, interval_square(first)))};
+                                 interval_scaled(-2, interval_mul(x, interval_square(first)))};
 }
 
 /* ---- exponential ---- */
@@ -149,7 +149,7 @@ static struct interval_jet series_tanh(struct interval x)
 {
     const struct interval f = rising(fixed_tanh, x),
                           first = interval_div(one(), interval_square(cosh_of(x)));
-    return (struct interval_jet){f, first, times(-2, interval_mul(f, first))};
+    return (struct interval_jet){f, first, interval_scaled(-2, interval_mul(f, first))};
 }
 
 static struct interval_jet series_exp(struct interval x)
@@ -193,15 +193,15 @@ static struct interval_jet series_sqrt(struct interval x)
     if (!whole || !(x.lo > 0))
         return somewhere(f);
     const struct interval first = interval_div(interval_point(0.5), f);
-    return (struct interval_jet){f, first, times(-0.5, interval_div(first, x))};
+    return (struct interval_jet){f, first, interval_scaled(-0.5, interval_div(first, x))};
 }
 
 static struct interval_jet series_cbrt(struct interval x)
 {
     const struct interval f = rising(fixed_cbrt, x);
-    const struct interval first = interval_div(one(), times(3, interval_square(f)));
+    const struct interval first = interval_div(one(), interval_scaled(3, interval_square(f)));
     return (struct interval_jet){
-        f, first, interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
+        f, first, interval_div(interval_scaled(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
 }
 
 /* ---- corners and jumps ---- */

@@ -102,7 +102,7 @@ static struct jet hull(struct outer a)
     return (struct jet){a.has_gap ? interval_all : a.of, interval_all, interval_all};
 }
 
-static struct outer apply(const struct op *op, const struct outer *x)
+static struct outer outer_of_operation(const struct op *op, const struct outer *x)
 {
     switch (op->kind) {
     case OP_NUMBER:
@@ -149,7 +149,7 @@ struct outer expr_outer(const struct expr *expr, const struct jet *jet)
             continue;
         }
         top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
-        *top = apply(op, top);
+        *top = outer_of_operation(op, top);
         top++;
     }
     return stack[0];

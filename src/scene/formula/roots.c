@@ -25,7 +25,7 @@ static int sign_of(double value)
     return (value > 0) - (value < 0);
 }
 
-static double value_at(const struct root_search *roots, double x)
+static double root_value(const struct root_search *roots, double x)
 {
     return roots->value(roots->context, x);
 }
@@ -116,8 +116,8 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
     const double max = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * max / bend;
     double a = fmax(s->a, *x - off), b = fmin(s->b, *x + off);
     double p = a + GOLDEN_SECTION * (b - a), q = b - GOLDEN_SECTION * (b - a);
-    double fp = roots->sign * value_at(roots, p), fq = roots->sign * value_at(roots, q);
-    if (roots->sign * value_at(roots, *x) > max * max / bend)
+    double fp = roots->sign * root_value(roots, p), fq = roots->sign * root_value(roots, q);
+    if (roots->sign * root_value(roots, *x) > max * max / bend)
         return false;
     for (int i = 0; i < 100 && p > a && q > p && b > q && b - a > roots->min; i++) {
         *x = fp < fq ? p : q;
@@ -128,13 +128,13 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
             q = p;
             fq = fp;
             p = a + GOLDEN_SECTION * (b - a);
-            fp = roots->sign * value_at(roots, p);
+            fp = roots->sign * root_value(roots, p);
         } else {
             a = p;
             p = q;
             fp = fq;
             q = b - GOLDEN_SECTION * (b - a);
-            fq = roots->sign * value_at(roots, q);
+            fq = roots->sign * root_value(roots, q);
         }
     }
     return false;
@@ -150,7 +150,7 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
            gb = roots->sign * slope_at(roots, b);
     *x = ga >= 0 ? a : b;
     if (ga >= 0 || gb <= 0)
-        return roots->sign * value_at(roots, *x) < 0;
+        return roots->sign * root_value(roots, *x) < 0;
     for (int i = 0; i < 100 && b - a > roots->min; i++) {
         double at = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
         if (!(at > a && at < b))
@@ -158,7 +158,7 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
         if (!(at > a && at < b))
             break;
         *x = at;
-        const double f = roots->sign * value_at(roots, at), g = roots->sign * slope_at(roots, at);
+        const double f = roots->sign * root_value(roots, at), g = roots->sign * slope_at(roots, at);
         if (f < 0)
             return true;
         if (!roots->touches && f > fabs(g) * (b - a) &&
@@ -194,7 +194,7 @@ static bool leaves_zero(struct root_search *roots, const struct root_interval *s
     roots->sign = before;
     if (!dips)
         return false;
-    const double fx = value_at(roots, x);
+    const double fx = root_value(roots, x);
     pass(roots, &(struct root_interval){s->a, x, 0, fx});
     pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
     return true;
@@ -223,13 +223,13 @@ static void bent(struct root_search *roots, const struct root_interval *s,
         touch(roots, x);
         return;
     }
-    const double fx = value_at(roots, x);
+    const double fx = root_value(roots, x);
     pass(roots, &(struct root_interval){s->a, x, s->fa, fx});
     pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
 }
 
 /* The bounds of the value that follow from its ends and its slope, too. */
-static struct interval value_of(const struct jet *jet, const struct root_interval *s)
+static struct interval value_bounds(const struct jet *jet, const struct root_interval *s)
 {
     struct interval value = jet->value;
     const double w = s->b - s->a, down = -jet->slope.lo, up = jet->slope.hi;
@@ -310,7 +310,7 @@ static bool decided(struct root_search *roots, const struct root_interval *s,
 {
     const struct jet jet = roots->bounds(roots->context, s->a, s->b);
     roots->used++;
-    const struct interval value = value_of(&jet, s);
+    const struct interval value = value_bounds(&jet, s);
     const bool empty = interval_empty(jet.value), one = value.lo > roots->near ||
                                                         value.hi < -roots->near ||
                                                         jet.slope.lo >= 0 || jet.slope.hi <= 0;
@@ -347,7 +347,7 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
             add_undecided(&undecided, &(struct root_interval){s.a, b, s.fa, fb});
             break;
         }
-        const double fm = value_at(roots, middle);
+        const double fm = root_value(roots, middle);
         roots->nonzero = roots->nonzero || fm != 0;
         stack[depth++] = (struct root_interval){middle, s.b, fm, s.fb};
         stack[depth++] = (struct root_interval){s.a, middle, s.fa, fm};

@@ -99,7 +99,7 @@ static bool refuse_pair(struct error *error, const char *verb, const struct type
 }
 
 /* Emits a conversion of the last value between cycles and radians. */
-static bool turn(struct compiler *c, int turns)
+static bool turns_emit(struct compiler *c, int turns)
 {
     const struct typed_operand typed = c->operand[c->values - 1];
     const struct dimension bare = {.kind = DIMENSION_BARE};
@@ -114,13 +114,13 @@ static bool turn(struct compiler *c, int turns)
 }
 
 /* Two operands, of which b was emitted last, are added, compared or chosen from. */
-static bool add(struct compiler *c, const char *verb, const struct typed_operand *a,
-                const struct typed_operand *b, bool is_last, struct dimension *sum)
+static bool units_of_sum(struct compiler *c, const char *verb, const struct typed_operand *a,
+                         const struct typed_operand *b, bool is_last, struct dimension *sum)
 {
     int turns;
     if (!dimension_sum(&a->dimension, &b->dimension, sum, &turns) || (turns != 0 && !is_last))
         return refuse_pair(c->error, verb, a, b);
-    return turn(c, turns);
+    return turns_emit(c, turns);
 }
 
 /* A pure number or an angle is wanted; where no unit was typed anything may be. */
@@ -183,7 +183,7 @@ static bool call(struct compiler *c, const struct function *function, const stru
     if (rule == FUNCTION_POWER)
         return raise(c, a, made);
     if (rule == FUNCTION_CHOICE)
-        return add(c, "go together", &a[1], &a[2], true, made);
+        return units_of_sum(c, "go together", &a[1], &a[2], true, made);
     if (rule == FUNCTION_SQUARE_ROOT || rule == FUNCTION_CUBE_ROOT) {
         *made = dimension_power(&a[0].dimension, rule == FUNCTION_CUBE_ROOT ? 1.0 / 3 : 0.5);
         return true;
@@ -204,7 +204,7 @@ static bool call(struct compiler *c, const struct function *function, const stru
     for (size_t i = 1; i < arity; i++) {
         struct typed_operand so_far = a[0];
         so_far.dimension = alike;
-        if (!add(c, "go together", &so_far, &a[i], i + 1 == arity, &alike))
+        if (!units_of_sum(c, "go together", &so_far, &a[i], i + 1 == arity, &alike))
             return false;
     }
     alike.is_single = false;
@@ -226,7 +226,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
         break;
     case OP_ADD:
     case OP_SUB:
-        if (!add(c, "add", &a[0], &a[1], true, dimension))
+        if (!units_of_sum(c, "add", &a[0], &a[1], true, dimension))
             return false;
         break;
     case OP_MUL:
@@ -245,7 +245,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
             return false;
         break;
     default: /* comparisons; numbers and names are no operations */
-        if (!add(c, "compare", &a[0], &a[1], true, dimension))
+        if (!units_of_sum(c, "compare", &a[0], &a[1], true, dimension))
             return false;
         *dimension = number_of(a, arity);
     }

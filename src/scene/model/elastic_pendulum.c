@@ -116,7 +116,7 @@ static bool coherent(const double *param, struct error *error)
                      param[P_m]);
 }
 
-static void begin(const double *param, struct system *system)
+static void elastic_pendulum_scales(const double *param, struct system *system)
 {
     double r = param[P_length] + param[P_stretch0], s = fixed_sin(param[P_theta0]),
            c = fixed_cos(param[P_theta0]);
@@ -153,5 +153,5 @@ const struct model elastic_pendulum_model = {
     .terms = &term_table,
     .derived = &no_derived,
     .coherent = coherent,
-    .begin = begin,
+    .begin = elastic_pendulum_scales,
 };

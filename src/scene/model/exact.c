@@ -164,8 +164,8 @@ struct parts {
     node p, p_rate, drive; /* complex envelopes of the driven part; the drive at that time */
 };
 
-static struct parts solve(const struct oscillator *o, const struct roots *z, double t0,
-                          const double *start, double t)
+static struct parts oscillator_solve(const struct oscillator *o, const struct roots *z, double t0,
+                                     const double *start, double t)
 {
     const real q0 = (real)start[0], v0 = (real)start[1], begin = (real)t0,
                elapsed = (real)t - begin;
@@ -206,7 +206,7 @@ void oscillator_exact(const struct oscillator *o, double t0, const double *start
                       double *y, double *floor)
 {
     const struct roots z = roots_of(o);
-    const struct parts made = solve(o, &z, t0, start, t);
+    const struct parts made = oscillator_solve(o, &z, t0, start, t);
     y[0] = (double)(made.q + creall(made.p));
     y[1] = (double)(made.v + creall(made.p_rate));
     if (!floor)
@@ -303,7 +303,7 @@ void exact_table_at(struct exact_table *table, double t, double *y)
     const real elapsed = (real)t - (real)table->t;
     const double ratio = round((double)(elapsed / (real)table->h));
     if (!table->known || !(ratio >= 0 && ratio < table->count)) {
-        const struct parts made = solve(o, &table->roots, table->t0, table->start, t);
+        const struct parts made = oscillator_solve(o, &table->roots, table->t0, table->start, t);
         table->known = true;
         table->t = t;
         table->q = made.q + creall(made.p);
@@ -319,7 +319,7 @@ void exact_table_at(struct exact_table *table, double t, double *y)
         system_exact(table->system, table->t0, table->start, t, y, NULL);
         return;
     }
-    /* As solve() from the base, and to first order in the rounding of t. */
+    /* As oscillator_solve() from the base, and to first order in the rounding of t. */
     const struct flow *flow = &table->at[i].flow;
     const real w2 = table->roots.w2, gravity = (real)o->gravity;
     real q = table->q * flow->g + table->v * flow->h - gravity * table->at[i].response,

@@ -203,14 +203,14 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
 }
 
 /* The state, and the 1 below it, in units of d. */
-static void begin(int n, const double *start, const real *d, real *z)
+static void scaled_start(int n, const double *start, const real *d, real *z)
 {
     for (int i = 0; i < n; i++)
         z[i] = (real)start[i] / d[i];
     z[n] = 1 / d[n];
 }
 
-static void go(const struct matrix *e, real *z)
+static void linear_advance(const struct matrix *e, real *z)
 {
     real by[MATRIX_SIDE_MAX] = {0};
     for (int i = 0; i < e->n; i++)
@@ -231,8 +231,8 @@ void linear_exact(const struct system *system, double t0, const double *start, d
     balanced = x;
     balance(&balanced, d);
     exponential(&balanced, elapsed, &e, floor ? &integral : NULL);
-    begin(n, start, d, z);
-    go(&e, z);
+    scaled_start(n, start, d, z);
+    linear_advance(&e, z);
     for (int i = 0; i < n; i++) {
         z[i] *= d[i];
         y[i] = (double)z[i];
@@ -251,13 +251,13 @@ void linear_sizes(const struct system *system, double rate, double *max)
     double early[LIMIT_VARIABLES]; /* and sizes until then */
     coefficients(system, &x);
     balance(&x, d);
-    begin(n, system->start, d, z);
+    scaled_start(n, system->start, d, z);
     exponential(&x, (real)(rate > 0 ? 8 / rate : 1) / STEPS, &e, NULL);
     real first = 0;
     for (int stage = 0; stage < STAGES; stage++) {
         real last = 0;
         for (int step = 0; step < STEPS; step++) {
-            go(&e, z);
+            linear_advance(&e, z);
             for (int i = 0; i < n; i++)
                 last = fmaxl(last, fabsl(z[i]));
             for (int i = 0; i < n && (stage == 0 || last <= 4 * first);

@@ -45,7 +45,7 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("force term", terms);
 
-static void begin(const double *param, struct system *system)
+static void henon_heiles_scales(const double *param, struct system *system)
 {
     static const int index[] = {P_x0, P_y0, P_vx0, P_vy0};
     double size = 0;
@@ -73,5 +73,5 @@ const struct model henon_heiles_model = {
     .params = &param_table,
     .terms = &term_table,
     .derived = &no_derived,
-    .begin = begin,
+    .begin = henon_heiles_scales,
 };

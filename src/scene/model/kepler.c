@@ -81,7 +81,7 @@ static bool coherent(const double *param, struct error *error)
                      param[P_e]);
 }
 
-static void begin(const double *param, struct system *system)
+static void kepler_scales(const double *param, struct system *system)
 {
     double e = param[P_e], speed = sqrt(param[P_gm]);
     system->t0 = param[P_t0];
@@ -222,6 +222,6 @@ const struct model kepler_model = {
     .terms = &term_table,
     .derived = &derived_table,
     .coherent = coherent,
-    .begin = begin,
+    .begin = kepler_scales,
     .exact = exact,
 };

@@ -50,7 +50,7 @@ static const struct catalog term_table = CATALOG("term", terms);
 
 /* Between its spikes of up to 1e5 everything is near 1, and that is when the next one is decided.
  */
-static void begin(const double *param, struct system *system)
+static void orego_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];
     system->mass = 1;
@@ -71,5 +71,5 @@ const struct model orego_model = {
     .params = &param_table,
     .terms = &term_table,
     .derived = &no_derived,
-    .begin = begin,
+    .begin = orego_scales,
 };

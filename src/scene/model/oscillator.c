@@ -44,7 +44,7 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
     system->scale[1] = scale_clamp(speed);
 }
 
-static void begin(const double *param, struct system *system)
+static void oscillator_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];
     system->mass = param[P_m];
@@ -64,5 +64,5 @@ const struct model oscillator_model = {
     .terms = &term_catalog,
     .derived = &derived_catalog,
     .coherent = params_coherent,
-    .begin = begin,
+    .begin = oscillator_scales,
 };

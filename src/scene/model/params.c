@@ -13,7 +13,7 @@ static const struct param_row rows[] = {
 
 const struct catalog param_catalog = CATALOG("parameter", rows);
 
-static int index_of(const struct catalog *catalog, struct text name)
+static int parameter_index(const struct catalog *catalog, struct text name)
 {
     const struct row *found = catalog_find(catalog, name);
     return found ? catalog_index(catalog, found) : -1;
@@ -21,7 +21,7 @@ static int index_of(const struct catalog *catalog, struct text name)
 
 int param_index(const char *name)
 {
-    int index = index_of(&param_catalog, text_of(name));
+    int index = parameter_index(&param_catalog, text_of(name));
     assert(index >= 0);
     return index;
 }
@@ -38,7 +38,7 @@ const struct catalog *scene_derived(const struct scene *scene)
 
 int scene_param(const struct scene *scene, const char *name)
 {
-    return index_of(scene->model->params, text_of(name));
+    return parameter_index(scene->model->params, text_of(name));
 }
 
 const struct param_row *param_at(const struct scene *scene, int index)
@@ -49,7 +49,7 @@ const struct param_row *param_at(const struct scene *scene, int index)
 
 int scene_param_at(const struct scene *scene, struct text name)
 {
-    return index_of(scene->model->params, name);
+    return parameter_index(scene->model->params, name);
 }
 
 double param_value(const struct scene *scene, const char *name)

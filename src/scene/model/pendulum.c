@@ -159,7 +159,7 @@ static bool coherent(const double *param, struct error *error)
 
 /* A radian is a natural angle as soon as the swing is not small; the drive's answer is at most a
  * turn or so. */
-static void begin(const double *param, struct system *system)
+static void pendulum_scales(const double *param, struct system *system)
 {
     double rate = sqrt(fabs(param[P_g] / param[P_length])),
            drive = fabs(param[P_F0]) / (param[P_m] * param[P_length]);
@@ -188,5 +188,5 @@ const struct model pendulum_model = {
     .terms = &term_table,
     .derived = &derived_table,
     .coherent = coherent,
-    .begin = begin,
+    .begin = pendulum_scales,
 };

@@ -38,7 +38,7 @@ static const struct term_row terms[] = {
 };
 static const struct catalog term_table = CATALOG("term", terms);
 
-static void begin(const double *param, struct system *system)
+static void prothero_robinson_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];
     system->mass = 1;
@@ -70,6 +70,6 @@ const struct model prothero_robinson_model = {
     .params = &param_table,
     .terms = &term_table,
     .derived = &no_derived,
-    .begin = begin,
+    .begin = prothero_robinson_scales,
     .exact = exact,
 };

@@ -33,7 +33,7 @@ static const struct term_row terms[] = {
 static const struct catalog term_table = CATALOG("term", terms);
 
 /* B stays below sqrt(k1/k2), where it burns as fast as it is made. */
-static void begin(const double *param, struct system *system)
+static void robertson_scales(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];
     system->mass = 1;
@@ -54,5 +54,5 @@ const struct model robertson_model = {
     .params = &param_table,
     .terms = &term_table,
     .derived = &no_derived,
-    .begin = begin,
+    .begin = robertson_scales,
 };

@@ -8,7 +8,7 @@ struct term_scope {
     int first, term;
 };
 
-static bool find(const void *context, struct text name, int *slot)
+static bool coefficient_slot_find(const void *context, struct text name, int *slot)
 {
     static const char state[] = "tqv";
     const struct term_scope *scope = context;
@@ -43,7 +43,7 @@ static const struct expr *sum_of_terms(const struct system *system, unsigned mas
     for (int i = 0; i < system->terms; i++) {
         const struct term_row *row = system->term[i].row;
         const struct term_scope names = {first, i};
-        const struct expr_scope scope = {.context = &names, .find = find};
+        const struct expr_scope scope = {.context = &names, .find = coefficient_slot_find};
         size_t used;
         if (!is_wanted(row, mask, wanted))
             continue;

@@ -34,8 +34,8 @@ void typed_parts_destroy(struct typed_parts *parts)
     free(parts);
 }
 
-static struct typed_part *find(struct typed_part *from, const struct typed_part *end,
-                               uint64_t zeros)
+static struct typed_part *typed_part_find(struct typed_part *from, const struct typed_part *end,
+                                          uint64_t zeros)
 {
     while (from != end && from->zeros != zeros)
         from = from->next;
@@ -45,7 +45,8 @@ static struct typed_part *find(struct typed_part *from, const struct typed_part 
 static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, struct error *error)
 {
     struct typed_parts *parts = typed->parts;
-    struct typed_part *seen = atomic_load(&parts->first), *found = find(seen, NULL, zeros);
+    struct typed_part *seen = atomic_load(&parts->first),
+                      *found = typed_part_find(seen, NULL, zeros);
     if (found)
         return found;
     if (atomic_load(&parts->count) >= PARTS_MOST) {
@@ -58,7 +59,7 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
         return NULL;
     made->next = seen;
     while (!atomic_compare_exchange_weak(&parts->first, &made->next, made)) {
-        found = find(made->next, seen, zeros);
+        found = typed_part_find(made->next, seen, zeros);
         if (found) {
             typed_part_destroy(made);
             return found;
@@ -71,7 +72,7 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
 
 /* ---- binding ---- */
 
-static bool complete(const struct typed *typed, struct error *error)
+static bool typed_is_complete(const struct typed *typed, struct error *error)
 {
     if (!typed->base && typed->model.n == 0) {
         error_set(error, ERROR_COMMAND, "nothing moves: the scene has no variable");
@@ -112,7 +113,7 @@ static struct bound_term bind_term(const struct typed_term *term, const double *
 bool typed_bind(const struct typed *typed, const double *param, struct system *system,
                 struct error *error)
 {
-    if (!complete(typed, error))
+    if (!typed_is_complete(typed, error))
         return false;
     uint64_t zeros = 0;
     for (int i = 0; i < typed->reads; i++)

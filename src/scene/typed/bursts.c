@@ -75,7 +75,7 @@ static struct jet along(const struct way *way, int i, double a, double b)
         interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
 }
 
-static struct jet between(double from, double to, double a, double b)
+static struct jet parameter_jet(double from, double to, double a, double b)
 {
     const double at = from + (to - from) * a, end = from + (to - from) * b;
     return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from),
@@ -87,7 +87,7 @@ static void name_all(const struct way *way, double a, double b, struct jet *name
 {
     const struct typed *typed = way->typed;
     const int n = typed->model.n;
-    name[0] = between(way->t[0], way->t[1], a, b);
+    name[0] = parameter_jet(way->t[0], way->t[1], a, b);
     for (int i = 0; i < n; i++)
         name[1 + i] = along(way, i, a, b);
     for (int i = 0; i <= typed->reads; i++)
@@ -199,7 +199,8 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
 }
 
 /* Appends [a, b] as times, to the burst before where they meet. */
-static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int max)
+static int burst_append(const struct way *way, double a, double b, struct burst *burst, int count,
+                        int max)
 {
     const double from = way->t[0] + (way->t[1] - way->t[0]) * a,
                  to = way->t[0] + (way->t[1] - way->t[0]) * b;
@@ -239,7 +240,7 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
             continue;
         const bool seen = at.hidden <= BOUND_SLACK_FACTOR * at.seen;
         if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
-            count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
+            count = burst_append(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
         /* of a long stretch one sample may have met a burst by chance */
         if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, at.seen)))
             continue;

@@ -179,8 +179,8 @@ static struct affine_form number(double value)
     return (struct affine_form){.part = {[CONSTANT] = value}, .known = true};
 }
 
-static struct affine_form apply(const struct node *node, const struct affine_form *a,
-                                const struct affine_form *b, const struct affine_form *c)
+static struct affine_form affine_of_node(const struct node *node, const struct affine_form *a,
+                                         const struct affine_form *b, const struct affine_form *c)
 {
     static const double quarter = 1.57079632679489661923;
     const unsigned constant = BIT(CONSTANT);
@@ -231,13 +231,13 @@ static struct affine_form form_of(const struct program *program, const double *c
         else if (node->kind == NODE_NAME) /* the mass and what is read */
             form[i].part[CONSTANT] = c[x[0] - 2];
         else
-            form[i] = apply(node, &form[x[0]], arity > 1 ? &form[x[1]] : &one,
-                            arity > 2 ? &form[x[2]] : &one);
+            form[i] = affine_of_node(node, &form[x[0]], arity > 1 ? &form[x[1]] : &one,
+                                     arity > 2 ? &form[x[2]] : &one);
     }
     return form[program->result[0]];
 }
 
-static void add_line(const struct typed_term *term, const double *c, struct oscillator *o)
+static void linear_term_add(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const bool drag = term->row.flags & TERM_VELOCITY;
     const struct affine_form f = form_of(term->add, c);
@@ -289,7 +289,7 @@ void typed_recognise(const struct typed_term *term, const double *c, struct osci
 {
     const struct model *model = &term->typed->model;
     if (model->order == 2 && model->n == 2) {
-        add_line(term, c, o);
+        linear_term_add(term, c, o);
         return;
     }
     o->whole = false;

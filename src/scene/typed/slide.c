@@ -158,7 +158,7 @@ static void look_around(const struct sliding *s, double t, const double *y, stru
 }
 
 /* The x nearest to x that has by x = right; rows that depend on those before are left out. */
-static void solve(int count, double (*by)[LIMIT_SLIDING], const double *right, double *x)
+static void sliding_solve(int count, double (*by)[LIMIT_SLIDING], const double *right, double *x)
 {
     double q[LIMIT_SLIDING][LIMIT_SLIDING];
     for (int i = 0; i < count; i++) {
@@ -195,10 +195,10 @@ static void find_fractions(const struct sliding *s, double t, const double *y,
         fraction[i] = 0.5;
         right[i] = -around->rate[i];
     }
-    solve(s->count, around->by, right, fraction);
+    sliding_solve(s->count, around->by, right, fraction);
 }
 
-static void add(const double *c, double t, const double *y, double *a)
+static void sliding_add_rates(const double *c, double t, const double *y, double *a)
 {
     const struct sliding *s = sliding_of(c);
     const struct system *system = &s->side[0];
@@ -224,9 +224,9 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
         const double by = DIFFERENCE_STEP * fmax(system->scale[j], fabs(y[j]));
         double below[LIMIT_VARIABLES] = {0}, above[LIMIT_VARIABLES] = {0};
         at[j] = y[j] - by;
-        add(c, t, at, below);
+        sliding_add_rates(c, t, at, below);
         at[j] = y[j] + by;
-        add(c, t, at, above);
+        sliding_add_rates(c, t, at, above);
         at[j] = y[j];
         for (int i = 0; i < rows; i++)
             jac[i * n + j] += (above[i] - below[i]) / (2 * by);
@@ -235,7 +235,7 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
 
 static const struct term_row sliding_row = {
     .row = {"sliding", "", "along switches", "Filippov 1988", NULL},
-    .add = add,
+    .add = sliding_add_rates,
     .jacobian = jacobian};
 
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
@@ -327,7 +327,7 @@ static bool return_twice(const struct sliding *s, const struct around *around, d
     if (!off)
         return false;
     follow_jumps(s, around, t, y, direction);
-    solve(s->count, rows, right, by);
+    sliding_solve(s->count, rows, right, by);
     move(s, by, direction, y);
     return true;
 }
@@ -357,7 +357,7 @@ static void step_back(const struct sliding *s, struct around *around, double t, 
         look_off(s, t, y, around, miss);
     for (int k = 0; k < s->count; k++)
         miss[k] = around->second[k] ? -around->first[k] : miss[k];
-    solve(s->count, around->by, miss, by);
+    sliding_solve(s->count, around->by, miss, by);
     move(s, by, around->jump, y);
 }
 

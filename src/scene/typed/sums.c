@@ -35,7 +35,8 @@ const struct expr *typed_value(struct arena *arena, struct op op)
 }
 
 /* Behind what is there already. */
-static bool append(struct arena *arena, struct expr *to, const struct op *op, size_t count)
+static bool operations_append(struct arena *arena, struct expr *to, const struct op *op,
+                              size_t count)
 {
     if (to->count + count > to->capacity) {
         const size_t capacity = 2 * to->capacity + count;
@@ -58,8 +59,9 @@ const struct expr *typed_join(struct arena *arena, const struct expr *a, const s
 {
     const struct op last = {.kind = op};
     struct expr *made = arena_alloc(arena, sizeof *made);
-    if (made && append(arena, made, a->op, a->count) &&
-        (!b || append(arena, made, b->op, b->count)) && append(arena, made, &last, 1)) {
+    if (made && operations_append(arena, made, a->op, a->count) &&
+        (!b || operations_append(arena, made, b->op, b->count)) &&
+        operations_append(arena, made, &last, 1)) {
         if (!too_deep(made))
             return made;
         error_set(error, ERROR_COMMAND, "the forces together are nested deeper than %d levels",
@@ -172,7 +174,8 @@ static struct expr ending(const struct sorting *s, size_t at)
     return (struct expr){.op = s->expr->op + begin, .count = at + 1 - begin};
 }
 
-static bool put(const struct sorting *s, size_t at, const struct wrap *wrap, struct expr *group)
+static bool group_put(const struct sorting *s, size_t at, const struct wrap *wrap,
+                      struct expr *group)
 {
     static const struct op plus = {.kind = OP_ADD};
     const struct typed_sort *sort = s->sort;
@@ -183,8 +186,8 @@ static bool put(const struct sorting *s, size_t at, const struct wrap *wrap, str
     if (!made)
         return false;
     const bool first = group->count == 0;
-    if (append(sort->arena, group, made->op, made->count) &&
-        (first || append(sort->arena, group, &plus, 1)))
+    if (operations_append(sort->arena, group, made->op, made->count) &&
+        (first || operations_append(sort->arena, group, &plus, 1)))
         return true;
     return error_memory(sort->error);
 }
@@ -195,7 +198,7 @@ static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *w
 {
     for (int g = 0; g < GROUPS; g++)
         if (s->operand[at].groups == 1u << g)
-            return put(s, at, wrap, &group[g]);
+            return group_put(s, at, wrap, &group[g]);
     struct parting p;
     part(s, at, &p);
     const struct expr factor =

@@ -129,7 +129,7 @@ static bool copy_text(struct arena *arena, struct text *text)
 
 /* A model with room for one more line than those of `from`. What begins empty takes parameters
  * along that were typed before anything used them; from: NULL: there are none. */
-static struct typed *begin(const struct model *from, bool empty, struct error *error)
+static struct typed *typed_copy(const struct model *from, bool empty, struct error *error)
 {
     struct typed *typed = calloc(1, sizeof *typed);
     const int lines = !from || (empty && !has_params_only(from)) ? 0 : typed_lines(from);
@@ -154,7 +154,7 @@ static struct typed *begin(const struct model *from, bool empty, struct error *e
     return NULL;
 }
 
-static const struct model *keep(struct typed_models *models, struct typed *typed)
+static const struct model *typed_model_keep(struct typed_models *models, struct typed *typed)
 {
     typed->next = models->last;
     models->last = typed;
@@ -164,14 +164,14 @@ static const struct model *keep(struct typed_models *models, struct typed *typed
 
 /* Compiles it; what an error points to in the copy of `chosen` it then points to in the original.
  */
-static const struct model *finish(struct typed_models *models, struct typed *typed,
-                                  const struct typed_line *copy, const struct typed_line *chosen,
-                                  struct error *error)
+static const struct model *typed_lines_compile(struct typed_models *models, struct typed *typed,
+                                               const struct typed_line *copy,
+                                               const struct typed_line *chosen, struct error *error)
 {
     const bool fine = typed_compile(typed, error);
     typed->cancel = NULL;
     if (fine)
-        return keep(models, typed);
+        return typed_model_keep(models, typed);
     bool found = false;
     for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
         const struct text text = i == 0 ? copy->expr : copy->name,
@@ -196,17 +196,17 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
         error_at(error, name, "a name of more than %d letters", LIMIT_SYMBOL);
         return NULL;
     }
-    struct typed *typed = begin(NULL, true, error);
+    struct typed *typed = typed_copy(NULL, true, error);
     if (typed && name.len > 0)
         snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
-    return typed ? finish(models, typed, NULL, NULL, error) : NULL;
+    return typed ? typed_lines_compile(models, typed, NULL, NULL, error) : NULL;
 }
 
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error)
 {
-    struct typed *typed = begin(NULL, true, error);
+    struct typed *typed = typed_copy(NULL, true, error);
     if (!typed)
         return NULL;
     typed->cancel = cancel;
@@ -219,20 +219,20 @@ const struct model *typed_make(struct typed_models *models, struct text name,
         fine = copy_text(&typed->arena, &copy->name) && copy_text(&typed->arena, &copy->expr);
     }
     if (fine)
-        return finish(models, typed, NULL, NULL, error);
+        return typed_lines_compile(models, typed, NULL, NULL, error);
     destroy(typed);
     error_memory(error);
     return NULL;
 }
 
-static void drop(struct typed *typed, int i)
+static void typed_line_drop(struct typed *typed, int i)
 {
     memmove(&typed->line[i], &typed->line[i + 1],
             (size_t)(typed->lines - i - 1) * sizeof *typed->line);
     typed->lines--;
 }
 
-static int find_line(const struct typed *typed, enum typed_kind kind, struct text name)
+static int typed_line_find(const struct typed *typed, enum typed_kind kind, struct text name)
 {
     for (int i = 0; i < typed->lines; i++)
         if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))
@@ -243,7 +243,7 @@ static int find_line(const struct typed *typed, enum typed_kind kind, struct tex
 /* Returns true if the variable that a line of equations or of a velocity is about is declared. */
 static bool has_variable(const struct typed *typed, struct text name, struct error *error)
 {
-    if (find_line(typed, TYPED_VAR, name) >= 0)
+    if (typed_line_find(typed, TYPED_VAR, name) >= 0)
         return true;
     struct suggestion suggestion = {.wanted = name};
     for (int i = 0; i < typed->lines; i++)
@@ -257,7 +257,7 @@ static bool has_variable(const struct typed *typed, struct text name, struct err
 static bool is_coordinate(const struct typed *typed, struct text name, struct error *error)
 {
     const struct model *base = typed->base;
-    if (name.len == 0 || (!base && find_line(typed, TYPED_VAR, name) >= 0))
+    if (name.len == 0 || (!base && typed_line_find(typed, TYPED_VAR, name) >= 0))
         return true;
     for (int i = 0; base && i < base->n / 2; i++)
         if (text_is(name, base->variable[i].name))
@@ -288,7 +288,7 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
 {
     const bool moves = line->kind == TYPED_VAR || line->kind == TYPED_EQUATION;
     const bool begins = moves || (line->kind == TYPED_PARAM && typed_base_has(from, line->name));
-    struct typed *typed = begin(from, begins && typed_base(from), error);
+    struct typed *typed = typed_copy(from, begins && typed_base(from), error);
     if (!typed)
         return NULL;
     if (!fits(typed, line, error)) {
@@ -298,14 +298,14 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
         destroy(typed);
         return NULL;
     }
-    const int old = find_line(typed, line->kind, line->name),
-              potential = find_line(typed, TYPED_POTENTIAL, TEXT(""));
+    const int old = typed_line_find(typed, line->kind, line->name),
+              potential = typed_line_find(typed, TYPED_POTENTIAL, TEXT(""));
     int index = old >= 0 ? old : typed->lines++;
     typed->line[index] = *line;
     if (line->kind == TYPED_POTENTIAL)
         typed->line[index].name = TEXT("");
     if (line->kind == TYPED_FORCE && potential >= 0) { /* it was that of the forces before */
-        drop(typed, potential);
+        typed_line_drop(typed, potential);
         index -= potential < index;
     }
     struct typed_line *copy = &typed->line[index];
@@ -314,7 +314,7 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
         destroy(typed);
         return NULL;
     }
-    return finish(models, typed, copy, line, error);
+    return typed_lines_compile(models, typed, copy, line, error);
 }
 
 /* A line that is left and uses what is gone; NULL: another reason. */
@@ -330,9 +330,9 @@ static const struct typed_line *user_of(const struct typed *typed, const struct 
 
 static void drop_line(struct typed *typed, enum typed_kind kind, struct text name)
 {
-    const int index = find_line(typed, kind, name);
+    const int index = typed_line_find(typed, kind, name);
     if (index >= 0)
-        drop(typed, index);
+        typed_line_drop(typed, index);
 }
 
 /* What is left of the lines without it; a variable takes its equation and its initial velocity
@@ -363,10 +363,10 @@ static const struct model *finish_without(struct typed_models *models, struct ty
                                           enum typed_kind kind, struct text name,
                                           struct error *error)
 {
-    const int force = kind == TYPED_VAR ? find_line(typed, TYPED_FORCE, name) : -1;
+    const int force = kind == TYPED_VAR ? typed_line_find(typed, TYPED_FORCE, name) : -1;
     const struct typed_line *user = force >= 0 ? &typed->line[force] : NULL;
     if (!user && typed_compile(typed, error))
-        return keep(models, typed);
+        return typed_model_keep(models, typed);
     user = user ? user : user_of(typed, error);
     error->where = name.len > 0 ? name : (struct text){NULL, 0};
     if (user)
@@ -380,7 +380,7 @@ const struct model *typed_remove(struct typed_models *models, const struct model
 {
     static const char *const word[] = {"variable", "parameter", "equation",
                                        "force",    "potential", "observed quantity"};
-    if (!from->typed || find_line(from->typed, kind, name) < 0) {
+    if (!from->typed || typed_line_find(from->typed, kind, name) < 0) {
         error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind],
                   name.len > 0 ? " " : "", (int)name.len, name.at);
         if (name.len > 0)
@@ -389,7 +389,7 @@ const struct model *typed_remove(struct typed_models *models, const struct model
     }
     if (from->typed->lines == 1 && from->typed->base)
         return from->typed->base;
-    struct typed *typed = begin(from, false, error);
+    struct typed *typed = typed_copy(from, false, error);
     if (!typed)
         return NULL;
     drop_with(typed, kind, name);

@@ -21,7 +21,7 @@ static bool same_columns(const struct recording *a, const struct recording *b)
     return true;
 }
 
-static bool reserve(struct lengthening *growth, struct recording *recording, size_t rows)
+static bool rows_reserve(struct lengthening *growth, struct recording *recording, size_t rows)
 {
     if (rows <= growth->capacity)
         return true;
@@ -54,7 +54,7 @@ static void move_row(struct recording *to, const struct recording *from, size_t 
 }
 
 /* Every second row stays, where there are too many. */
-static void thin(struct lengthening *growth, struct recording *recording)
+static void rows_thin(struct lengthening *growth, struct recording *recording)
 {
     if (recording->rows <= GROWING_ROWS)
         return;
@@ -67,7 +67,7 @@ static void thin(struct lengthening *growth, struct recording *recording)
 }
 
 /* Where that line stands in what was read anew; `rows`: nowhere. */
-static size_t find_line(const struct recording *more, uint32_t line)
+static size_t row_of_line(const struct recording *more, uint32_t line)
 {
     size_t i = more->rows;
     while (i > 0 && more->line[i - 1] > line)
@@ -77,7 +77,7 @@ static size_t find_line(const struct recording *more, uint32_t line)
 
 void recording_join_clock(struct recording *more, uint32_t line, double t)
 {
-    const size_t row = find_line(more, line);
+    const size_t row = row_of_line(more, line);
     const double shift = row < more->rows ? t - more->t[row] : 0;
     if (shift == 0 || more->collected->clock != CLOCK_DEVICE)
         return;
@@ -122,12 +122,12 @@ bool growth_begin(struct lengthening *growth, struct recording *recording)
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other)
 {
-    const size_t newest = find_line(more, growth->line);
+    const size_t newest = row_of_line(more, growth->line);
     const bool known = newest < more->rows, arrivals = more->collected->clock != CLOCK_DEVICE;
     *other = !same_columns(recording, more);
     if (*other)
         return true;
-    if (!reserve(growth, recording, recording->rows + more->rows))
+    if (!rows_reserve(growth, recording, recording->rows + more->rows))
         return false;
     recording_join_clock(more, growth->line, growth->t);
     const double end = recording->t[recording->rows - 1];
@@ -145,6 +145,6 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
     growth->line = more->line[more->rows - 1];
     growth->t = more->t[more->rows - 1];
     tell_times(growth, recording, more, end);
-    thin(growth, recording);
+    rows_thin(growth, recording);
     return true;
 }

@@ -32,7 +32,7 @@ static bool find_speed(long baud, speed_t *speed, struct error *error)
                      baud);
 }
 
-static bool refuse(const char *path, const char *why, struct error *error)
+static bool device_refuse(const char *path, const char *why, struct error *error)
 {
     struct buffer safe = {0};
     safe_text(&safe, text_of(path), false);
@@ -65,7 +65,7 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     if (!find_speed(baud, &speed, error))
         return false;
     if (tcgetattr(device->fd, &device->before) != 0)
-        return refuse(path, strerror(errno), error);
+        return device_refuse(path, strerror(errno), error);
     modes = device->before;
     cfmakeraw(&modes);
     cfsetispeed(&modes, speed);
@@ -76,7 +76,7 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     crash_line(device->fd, &device->before);
     device->serial = true;
     if (tcsetattr(device->fd, TCSANOW, &modes) != 0)
-        return refuse(path, strerror(errno), error);
+        return device_refuse(path, strerror(errno), error);
     ioctl(device->fd, TIOCEXCL); /* others cannot open it meanwhile */
     return true;
 }
@@ -86,17 +86,17 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
 {
     struct stat st;
     if (fstat(device->fd, &st) != 0)
-        return refuse(path, strerror(errno), error);
+        return device_refuse(path, strerror(errno), error);
     if (S_ISDIR(st.st_mode))
-        return refuse(path,
-                      strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
-                                                        : "it is a directory",
-                      error);
+        return device_refuse(path,
+                             strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
+                                                               : "it is a directory",
+                             error);
     device->grows = S_ISREG(st.st_mode);
     if (safe && S_ISCHR(st.st_mode))
-        return refuse(path, "--safe opens no device", error);
+        return device_refuse(path, "--safe opens no device", error);
     if (!device->grows && strcmp(path, STANDARD_INPUT) != 0 && !file_lock(device->fd, false))
-        return refuse(path, "another program collects from it", error);
+        return device_refuse(path, "another program collects from it", error);
     return !isatty(device->fd) || make_raw(device, path, baud, error);
 }
 
@@ -110,12 +110,12 @@ bool device_open(struct device *device, const char *path, long baud, bool safe, 
     if (device->fd < 0) {
         const int number = errno;
         if (number == EBUSY)
-            return refuse(path, "another program collects from it", error);
-        refuse(path,
-               number == ENXIO ? "it is a socket, which socat makes a pipe: socat -u "
-                                 "UNIX-CONNECT:PATH - | hooke -c 'collect -'"
-                               : strerror(number),
-               error);
+            return device_refuse(path, "another program collects from it", error);
+        device_refuse(path,
+                      number == ENXIO ? "it is a socket, which socat makes a pipe: socat -u "
+                                        "UNIX-CONNECT:PATH - | hooke -c 'collect -'"
+                                      : strerror(number),
+                      error);
         if (number == EACCES)
             hint_group(path, error);
         return false;

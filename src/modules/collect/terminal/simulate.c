@@ -36,7 +36,7 @@ struct sensor {
     struct run *run;
 };
 
-static bool refuse(struct text word, const char *why)
+static bool word_refuse(struct text word, const char *why)
 {
     struct buffer safe = {0};
     safe_text(&safe, word, false);
@@ -89,8 +89,8 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
 {
     const char *mark = memchr(word.at, '=', word.len);
     if (!mark)
-        return refuse(word, "KEY=VALUE is wanted: rate= noise= seed= for= time= quirks=, or a "
-                            "parameter of the scene");
+        return word_refuse(word, "KEY=VALUE is wanted: rate= noise= seed= for= time= quirks=, or a "
+                                 "parameter of the scene");
     const struct text key = {word.at, (size_t)(mark - word.at)},
                       value = {mark + 1, word.len - key.len - 1};
     static const char *const stamps[] = {[STAMP_MS] = "ms", [STAMP_S] = "s", [STAMP_NONE] = "none"};
@@ -121,8 +121,8 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
     } else {
         return execute(session, "", word);
     }
-    return ok || refuse(word, "not a value of that (rate=100 noise=0.03cm seed=1 for=10s "
-                              "time=ms|s|none quirks=on|off silent=2s)");
+    return ok || word_refuse(word, "not a value of that (rate=100 noise=0.03cm seed=1 for=10s "
+                                   "time=ms|s|none quirks=on|off silent=2s)");
 }
 
 static double normal(uint64_t *state)
@@ -131,8 +131,8 @@ static double normal(uint64_t *state)
     return size * cos(2 * M_PI * random_fraction(state));
 }
 
-static bool begin(struct session *session, const char *const *word, int words,
-                  struct sensor *sensor)
+static bool simulation_begin(struct session *session, const char *const *word, int words,
+                             struct sensor *sensor)
 {
     struct error error = {0};
     if (!execute(session, "scene ", text_of(word[0])))
@@ -185,7 +185,7 @@ static void put_line(struct sensor *sensor, double t, double y, struct buffer *l
         line->data[(size_t)(random_fraction(&sensor->seed) * (double)(line->len - 2))] = '\xFF';
 }
 
-static void put_start(const struct sensor *sensor, struct buffer *text)
+static void simulated_start_put(const struct sensor *sensor, struct buffer *text)
 {
     static const char *const stamps[] = {
         [STAMP_MS] = "time (ms),", [STAMP_S] = "time (s),", [STAMP_NONE] = ""};
@@ -204,7 +204,7 @@ static bool send(struct sensor *sensor, int *failure)
     struct buffer line = {0};
     bool ok = true, open = wait_until(clock_ns() + (int64_t)(sensor->silent * 1e9));
     const int64_t start = clock_ns();
-    put_start(sensor, &line);
+    simulated_start_put(sensor, &line);
     open = open && write_all(STDOUT_FILENO, buffer_text(&line), failure);
     for (int64_t i = 0; open && ok && (double)i < sensor->length * sensor->rate; i++) {
         const double t = (double)i / sensor->rate;
@@ -227,7 +227,7 @@ int simulate_sensor(struct session *session, const char *const *word, int words,
 {
     (void)reply; /* the lines are on time, whatever is said */
     struct sensor sensor = {.rate = 100, .length = HUGE_VAL, .quirks = 1, .seed = 1};
-    if (!begin(session, word, words, &sensor))
+    if (!simulation_begin(session, word, words, &sensor))
         return ERROR_USAGE;
     int failure = 0;
     const bool ok = send(&sensor, &failure), is_lost = failure != 0 && failure != EPIPE;

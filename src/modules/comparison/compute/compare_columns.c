@@ -36,7 +36,7 @@ static double step_ns(const void *row)
     return timing_step_ns(&compared(row)->by.time, compared(row)->steps);
 }
 
-static const char *status_of(const void *row)
+static const char *comparison_status(const void *row)
 {
     return stop_name(compared(row)->stop);
 }
@@ -57,7 +57,7 @@ static bool has_data(const void *row)
     return compared(row)->data_heading[0] != '\0';
 }
 
-static bool is_timed(const void *row)
+static bool comparison_is_timed(const void *row)
 {
     return isfinite(compared(row)->by.time.minimum);
 }
@@ -151,9 +151,9 @@ static const struct result_column columns[] = {
      .index = 9, .heading = "time", .look = cell_seconds},
     {.name = "time_median", AT(by.time.median), .quantity = QUANTITY_TIME},
     {.name = "ns_per_step", .real = step_ns, .index = 10, .heading = "ns/step",
-     .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_timed},
+     .cell = step_time_cell, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = comparison_is_timed},
     {.name = "path", .kind = COLUMN_CHOICE, AT(by.path), .choices = &kernel_catalog},
-    {.name = "status", .kind = COLUMN_NAME, .text = status_of},
+    {.name = "status", .kind = COLUMN_NAME, .text = comparison_status},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(by.reference_stored),
      .flags = COLUMN_NO_FILE},
     {.name = "verdict", .kind = COLUMN_CHARS, AT(by.verdict), .flags = COLUMN_NO_FILE},

@@ -193,7 +193,7 @@ static void confirm(struct comparison *row, const struct prediction *prediction,
         buffer_format(out, " (exact: energy x %.4g)", prediction->exact);
 }
 
-static void judge(struct comparison *row)
+static void comparison_verdict(struct comparison *row)
 {
     const struct run *run = row->run;
     const double span = fabs(run->t - run->system.t0);
@@ -291,7 +291,7 @@ static bool compare_one(const struct compare_request *request, const struct meth
     row->energy_factor = row->ledger.factor;
     row->path = study_path(&row->run->system, choice->method, &row->run->settings);
     row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
-    judge(row);
+    comparison_verdict(row);
     return true;
 }
 

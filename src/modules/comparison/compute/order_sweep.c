@@ -323,7 +323,7 @@ static void forget_window(struct order *order)
 
 /* A window that is not `finest` above rounding, or has few points, may confirm the claim, but not
  * refute it. */
-static enum order_verdict judge(struct order *order, bool finest)
+static enum order_verdict order_judge(struct order *order, bool finest)
 {
     bool exact = order->points > 0;
     for (int i = 0; i < order->points; i++)
@@ -387,7 +387,7 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
         return false;
     const bool finest =
         choose_window(order, order->claimed >= FINE_SWEEP_ORDER ? FIT_POINTS + 1 : FIT_POINTS);
-    order->verdict = judge(order, finest);
+    order->verdict = order_judge(order, finest);
     return true;
 }
 

@@ -65,7 +65,7 @@ static bool has_phase(const void *row)
     return isfinite(point_of(row)->errors.phase);
 }
 
-static bool is_timed(const void *row)
+static bool point_is_timed(const void *row)
 {
     return isfinite(point_of(row)->time.minimum);
 }
@@ -152,9 +152,9 @@ static const struct result_column columns[] = {
      .index = 13, .heading = "time", .look = cell_seconds, .flags = COLUMN_IF_ANY},
     {.name = "time_median", AT(point.time.median), .quantity = QUANTITY_TIME,
      .index = 14, .heading = "median", .look = cell_seconds, .flags = COLUMN_IF_ANY | COLUMN_WIDE,
-     .any = is_timed},
+     .any = point_is_timed},
     {.name = "ns_per_step", .real = step_ns, .index = 15, .heading = "ns/step",
-     .look = step_time_cell, .flags = COLUMN_IF_ANY, .any = is_timed},
+     .look = step_time_cell, .flags = COLUMN_IF_ANY, .any = point_is_timed},
     {.name = "path", .kind = COLUMN_CHOICE, AT(point.path), .choices = &kernel_catalog},
     {.name = "time_spread", AT(point.time.spread), .flags = COLUMN_NO_FILE},
     {.name = "samples", .kind = COLUMN_INT, AT(point.time.samples), .flags = COLUMN_NO_FILE},

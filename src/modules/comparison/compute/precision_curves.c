@@ -118,7 +118,7 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
 
 /* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
  * much. */
-static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool wanted)
+static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver, bool wanted)
 {
     const struct cancel *cancel = sweep->request->cancel;
     if (solver->tol > 0 && !wanted) {
@@ -158,7 +158,7 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
         return false;
     const int64_t begin = clock_cpu_ns();
-    point->stop = solve(sweep, &solver, wanted);
+    point->stop = curve_solve(sweep, &solver, wanted);
     point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;

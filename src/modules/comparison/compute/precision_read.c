@@ -109,7 +109,7 @@ void precision_fit(struct precision *precision, int c)
 
 /* ---- the fastest for an error ---- */
 
-static double between(double a, double b, double part)
+static double interpolate_log(double a, double b, double part)
 {
     return a > 0 && b > 0 ? exp(log(a) + part * (log(b) - log(a))) : b;
 }
@@ -134,9 +134,10 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
             *cost = (struct precision_cost){
                 .curve = c,
                 .path = fine->path,
-                .evals = between((double)coarse->cost.evals, (double)fine->cost.evals, part),
-                .minimum = between(coarse->time.minimum, fine->time.minimum, part),
-                .median = between(coarse->time.median, fine->time.median, part),
+                .evals =
+                    interpolate_log((double)coarse->cost.evals, (double)fine->cost.evals, part),
+                .minimum = interpolate_log(coarse->time.minimum, fine->time.minimum, part),
+                .median = interpolate_log(coarse->time.median, fine->time.median, part),
                 .timed = timing_is_sound(&coarse->time) && timing_is_sound(&fine->time),
             };
             return true;

@@ -61,8 +61,8 @@ static bool same_scene(const struct scene *a, const struct scene *b)
            memcmp(a->atol, b->atol, sizeof a->atol) == 0;
 }
 
-static struct stored_reference *find(struct references *references, const struct scene *scene,
-                                     double span)
+static struct stored_reference *stored_reference_find(struct references *references,
+                                                      const struct scene *scene, double span)
 {
     for (size_t i = 0; references && i < REFERENCES_STORED; i++) {
         struct stored_reference *stored = &references->stored[i];
@@ -75,7 +75,7 @@ static struct stored_reference *find(struct references *references, const struct
 const struct reference *references_find(struct references *references, const struct scene *scene,
                                         double span)
 {
-    const struct stored_reference *stored = find(references, scene, span);
+    const struct stored_reference *stored = stored_reference_find(references, scene, span);
     return stored && stored->reference.y ? &stored->reference : NULL;
 }
 
@@ -90,8 +90,9 @@ static bool copy(const struct reference *from, struct reference *to)
 }
 
 /* In the place of the one that was used the longest time ago; without memory it is not kept. */
-static void keep(struct references *references, const struct scene *scene, double span,
-                 const struct reference *reference, const struct error *why)
+static void stored_reference_keep(struct references *references, const struct scene *scene,
+                                  double span, const struct reference *reference,
+                                  const struct error *why)
 {
     struct stored_reference *oldest = &references->stored[0];
     for (size_t i = 1; i < REFERENCES_STORED; i++)
@@ -111,7 +112,7 @@ bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error)
 {
-    struct stored_reference *stored = find(references, scene, span);
+    struct stored_reference *stored = stored_reference_find(references, scene, span);
     if (stored) {
         stored->used = ++references->uses;
         *reference = (struct reference){.singular = {.t = NAN}};
@@ -127,7 +128,7 @@ bool references_get(struct references *references, const struct scene *scene,
     }
     const bool ok = study_reference(system, span, cancel, reference, error);
     if (references && (ok || error->code == ERROR_NUMERICAL))
-        keep(references, scene, span, reference, ok ? NULL : error);
+        stored_reference_keep(references, scene, span, reference, ok ? NULL : error);
     return ok;
 }
 
@@ -142,7 +143,7 @@ bool references_again(struct references *references, const struct scene *scene,
     anew.again = true;
     reference_free(reference);
     *reference = anew;
-    struct stored_reference *stored = find(references, scene, span);
+    struct stored_reference *stored = stored_reference_find(references, scene, span);
     if (stored) {
         reference_free(&stored->reference);
         stored->used = copy(reference, &stored->reference) ? stored->used : 0;

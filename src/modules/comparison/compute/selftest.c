@@ -98,8 +98,8 @@ static bool swing(const struct method *method, struct system *system, enum drag 
     return bind("spring", unit, 3, system) && method_applies(method, system, drag, &ignored);
 }
 
-static bool advance(const struct method *method, const struct system *system, enum drag drag,
-                    double h, int steps, double *work, double *y)
+static bool selftest_steps(const struct method *method, const struct system *system, enum drag drag,
+                           double h, int steps, double *work, double *y)
 {
     struct step step = {.system = system, .drag = drag, .h = h, .y = y, .work = work};
     for (int i = 0; i < steps; i++)
@@ -121,7 +121,7 @@ static double area_factor(const struct method *method, const struct system *syst
             if (k == 0)
                 continue;
             y[column] += k * delta * system->scale[column];
-            if (!advance(method, system, drag, h, 1, work, y))
+            if (!selftest_steps(method, system, drag, h, 1, work, y))
                 return NAN;
             for (int r = 0; r < 2; r++)
                 jac[2 * r + column] += copysign(weight[abs(k) - 1], weight[abs(k) - 1] * k) * y[r] /
@@ -147,8 +147,8 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
     }
     if (method->flags & METHOD_SYMMETRIC) {
         double y[2] = {system.start[0], system.start[1]};
-        const bool there = advance(method, &system, drag, h, RETURN_STEPS, work, y);
-        const bool back = there && advance(method, &system, drag, -h, RETURN_STEPS, work, y);
+        const bool there = selftest_steps(method, &system, drag, h, RETURN_STEPS, work, y);
+        const bool back = there && selftest_steps(method, &system, drag, -h, RETURN_STEPS, work, y);
         const double away = fmax(fabs(y[0] - system.start[0]) / system.scale[0],
                                  fabs(y[1] - system.start[1]) / system.scale[1]);
         row->check[SELFTEST_REVERSAL].applies = true;

@@ -418,7 +418,7 @@ static bool run_scene(const struct system *system, const struct stability_reques
 
 /* What a scene does by itself is no fault of the method, nor is a rate that is right to
  * RATE_TOLERANCE. */
-static enum stability_verdict judge(const struct stability *s, const struct mode *mode)
+static enum stability_verdict stability_judge(const struct stability *s, const struct mode *mode)
 {
     const double growth = mode_growth(&s->by, mode, s->dt), rate = growth_rate(mode) * s->dt,
                  margin = rate > 0                      ? exp((1 + RATE_TOLERANCE) * rate)
@@ -433,7 +433,7 @@ static enum stability_verdict judge_all(const struct stability *s)
 {
     enum stability_verdict worst = STABILITY_STABLE;
     for (int i = 0; i < s->modes; i++) {
-        const enum stability_verdict verdict = judge(s, &s->mode[i]);
+        const enum stability_verdict verdict = stability_judge(s, &s->mode[i]);
         worst = verdict > worst ? verdict : worst;
     }
     return s->modes || !s->grows ? worst : STABILITY_UNSTABLE;

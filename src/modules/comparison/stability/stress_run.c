@@ -133,7 +133,7 @@ bool stress_case_at(size_t index, struct stress_case *out)
     return false;
 }
 
-static void collect(struct stress *stress)
+static void stress_totals(struct stress *stress)
 {
     while (stress->count < STRESS_MAX &&
            stress_case_at((size_t)stress->count, &stress->cases[stress->count]))
@@ -354,7 +354,7 @@ static void judge_stop(const struct stress_state *bench, const struct solver *so
     buffer_free(&why);
 }
 
-static void refuse(struct stress_row *row, const char *why)
+static void stress_row_refuse(struct stress_row *row, const char *why)
 {
     row->verdict = STRESS_REFUSED;
     snprintf(row->reason, sizeof row->reason, "%.230s", why);
@@ -380,18 +380,18 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
     row->verdict = STRESS_UNEXPLAINED;
     row->error = NAN;
     if (bench->refused[0]) {
-        refuse(row, bench->refused);
+        stress_row_refuse(row, bench->refused);
         return true;
     }
     if (!method_applies(row->method, &bench->system, &settings.drag, &error) ||
         !plan_make(&bench->system, row->method, &settings, bench->span, &plan, &error)) {
-        refuse(row, error.text);
+        stress_row_refuse(row, error.text);
         return true;
     }
     if (!adaptive && plan.steps > STEPS_MOST) {
         char why[80];
         snprintf(why, sizeof why, "out of budget: %.3g steps would be needed", plan.steps);
-        refuse(row, why);
+        stress_row_refuse(row, why);
         return true;
     }
     if (!solver_init(&solver, &bench->system, row->method, &settings, bench->span))
@@ -441,7 +441,7 @@ bool study_stress(const struct stress_scene *scene, struct text only,
     const int64_t begin = clock_ns();
     memset(stress, 0, sizeof *stress);
     if (!scene)
-        collect(stress);
+        stress_totals(stress);
     else if (!stress_scene_cases(stress, scene))
         return stress->count == STRESS_MAX
                    ? error_set(error, ERROR_COMMAND,

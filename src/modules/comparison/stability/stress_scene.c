@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-static struct stress_case *add(struct stress *stress, const struct stress_scene *of,
-                               const char *name, const struct buffer *brief)
+static struct stress_case *stress_case_add(struct stress *stress, const struct stress_scene *of,
+                                           const char *name, const struct buffer *brief)
 {
     if (stress->count == STRESS_MAX)
         return NULL;
@@ -31,7 +31,7 @@ static void add_steps(struct stress *stress, const struct stress_scene *of)
         buffer_format(&name, "dt x %s", SHOWN_SHORT(factors[i], 4));
         buffer_put(&brief, TEXT("of the method's limit, or of the fastest time constant"));
         struct stress_case *what =
-            name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
+            name.failed || brief.failed ? NULL : stress_case_add(stress, of, name.data, &brief);
         if (what) {
             what->change = STRESS_STEP;
             what->fixed = true;
@@ -57,7 +57,7 @@ static void add_param(struct stress *stress, const struct stress_scene *of, int 
         if (*row->unit)
             buffer_format(&brief, " %s", row->unit);
         struct stress_case *what =
-            name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
+            name.failed || brief.failed ? NULL : stress_case_add(stress, of, name.data, &brief);
         if (what) {
             what->change = STRESS_PARAM;
             what->param = index;
@@ -77,7 +77,8 @@ static void add_starts(struct stress *stress, const struct stress_scene *of)
     for (size_t i = 0; i < COUNT_OF(starts); i++) {
         struct buffer brief = {0};
         buffer_put(&brief, TEXT("initial values that are not 0, the first if all are"));
-        struct stress_case *what = brief.failed ? NULL : add(stress, of, starts[i].name, &brief);
+        struct stress_case *what =
+            brief.failed ? NULL : stress_case_add(stress, of, starts[i].name, &brief);
         if (what) {
             what->change = STRESS_START;
             what->value = starts[i].value;
@@ -92,7 +93,7 @@ bool stress_scene_cases(struct stress *stress, const struct stress_scene *of)
     struct buffer brief = {0};
     buffer_put(&brief, TEXT("nothing is changed"));
     if (!brief.failed)
-        add(stress, of, "as it is", &brief);
+        stress_case_add(stress, of, "as it is", &brief);
     buffer_free(&brief);
     add_steps(stress, of);
     for (int i = 0; i < params; i++)

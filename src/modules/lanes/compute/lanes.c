@@ -12,7 +12,7 @@ enum { ROOM_MAX = 1 << 18 /* [double] what is larger goes alone */ };
 
 /* ---- room ---- */
 
-static void take(struct lanes *lanes, double **where, size_t count)
+static void lanes_take_memory(struct lanes *lanes, double **where, size_t count)
 {
     *where = lanes->memory ? lanes->memory + lanes->used : NULL;
     lanes->used += (count + 7) / 8 * 8; /* aligned */
@@ -30,29 +30,30 @@ static void lay_out(struct lanes *lanes)
     const size_t n = (size_t)lanes->n, line = LANE_COUNT;
     const struct method *method = lanes->method;
     lanes->used = 0;
-    take(lanes, &lanes->input, (1 + n + (size_t)lanes->values) * line);
-    take(lanes, &lanes->spare, n * line);
+    lanes_take_memory(lanes, &lanes->input, (1 + n + (size_t)lanes->values) * line);
+    lanes_take_memory(lanes, &lanes->spare, n * line);
     lanes->state = lanes->memory ? lanes->input + line : NULL;
     if (method->splitting) {
         const size_t weights =
             lanes->way.drag == DRAG_EXACT ? (size_t)lanes->way.splitting->count : 0;
-        take(lanes, &lanes->pull, n / 2 * line);
-        take(lanes, &lanes->drags, n / 2 * line);
-        take(lanes, &lanes->half, 3 * line);
-        take(lanes, &lanes->frozen, weights * 2 * line);
+        lanes_take_memory(lanes, &lanes->pull, n / 2 * line);
+        lanes_take_memory(lanes, &lanes->drags, n / 2 * line);
+        lanes_take_memory(lanes, &lanes->half, 3 * line);
+        lanes_take_memory(lanes, &lanes->frozen, weights * 2 * line);
     } else {
-        take(lanes, &lanes->y, n * line);
-        take(lanes, &lanes->k, (size_t)(stages_of(method) + 1) * n * line);
-        take(lanes, &lanes->excess, n * line);
-        take(lanes, &lanes->min, n * line);
-        take(lanes, &lanes->given, n * line);
-        take(lanes, &lanes->scale, n * line);
-        take(lanes, &lanes->work, method_work_size(method, lanes->n));
+        lanes_take_memory(lanes, &lanes->y, n * line);
+        lanes_take_memory(lanes, &lanes->k, (size_t)(stages_of(method) + 1) * n * line);
+        lanes_take_memory(lanes, &lanes->excess, n * line);
+        lanes_take_memory(lanes, &lanes->min, n * line);
+        lanes_take_memory(lanes, &lanes->given, n * line);
+        lanes_take_memory(lanes, &lanes->scale, n * line);
+        lanes_take_memory(lanes, &lanes->work, method_work_size(method, lanes->n));
     }
     for (int i = 0; i < lanes->parts; i++)
-        take(lanes, &lanes->part[i].frame, program_frame_lanes(lanes->part[i].program));
+        lanes_take_memory(lanes, &lanes->part[i].frame,
+                          program_frame_lanes(lanes->part[i].program));
     if (lanes->slopes.program)
-        take(lanes, &lanes->slopes.frame, program_frame_lanes(lanes->slopes.program));
+        lanes_take_memory(lanes, &lanes->slopes.frame, program_frame_lanes(lanes->slopes.program));
 }
 
 static bool describe(struct lanes *lanes, const struct method *method, const struct system *system,
@@ -183,7 +184,7 @@ void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, 
 }
 
 /* Before the first step, when all lanes are set. */
-static void begin(struct lanes *lanes)
+static void lanes_prepare_steps(struct lanes *lanes)
 {
     const struct method *method = lanes->method;
     double own[LANE_COUNT];
@@ -206,7 +207,7 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
 {
     const struct method *method = lanes->method;
     if (!lanes->ready)
-        begin(lanes);
+        lanes_prepare_steps(lanes);
     if (lanes_march_shape(lanes, count, row))
         return;
     (method->tableau     ? lanes_march_rk

@@ -61,7 +61,7 @@ static void clip(struct surface *surface, const double box[4])
     on->api->clip(on->cairo);
 }
 
-static double advance(struct surface *surface, double size, const char *text)
+static double cairo_text_width(struct surface *surface, double size, const char *text)
 {
     const struct cairo_surface *on = (struct cairo_surface *)(void *)surface;
     cairo_text_extents_t extents = {0};
@@ -70,11 +70,11 @@ static double advance(struct surface *surface, double size, const char *text)
     return extents.x_advance;
 }
 
-static void put_text(struct surface *surface, const struct surface_text *text)
+static void cairo_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct cairo_surface *on = (struct cairo_surface *)(void *)surface;
     const struct cairo_api *api = on->api;
-    const double width = advance(surface, text->size, text->text);
+    const double width = cairo_text_width(surface, text->size, text->text);
     api->set_source_rgba(on->cairo, text->color[0], text->color[1], text->color[2], 1);
     api->new_path(on->cairo);
     api->save(on->cairo);
@@ -120,7 +120,7 @@ static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, in
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *out, struct error *error)
 {
-    static const struct surface_kind surface_kind = {paint, clip, put_text, advance};
+    static const struct surface_kind surface_kind = {paint, clip, cairo_text_put, cairo_text_width};
     cairo_surface_t *surface = make_surface(api, kind, width, height, out);
     struct cairo_surface on = {{.kind = &surface_kind}, api, api->create(surface)};
     if (kind != PICTURE_PDF)

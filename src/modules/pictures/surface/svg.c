@@ -170,13 +170,13 @@ static void clip(struct surface *surface, const double box[4])
 
 /* ---- text ---- */
 
-static double advance(struct surface *surface, double size, const char *text)
+static double svg_text_width(struct surface *surface, double size, const char *text)
 {
     (void)surface;
     return size * text_advance(text_of(text));
 }
 
-static void put_text(struct surface *surface, const struct surface_text *text)
+static void svg_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct svg_surface *svg = (struct svg_surface *)(void *)surface;
     struct buffer *out = svg->out;
@@ -206,7 +206,7 @@ static void put_text(struct surface *surface, const struct surface_text *text)
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
                struct buffer *out)
 {
-    static const struct surface_kind kind = {paint, clip, put_text, advance};
+    static const struct surface_kind kind = {paint, clip, svg_text_put, svg_text_width};
     *svg = (struct svg_surface){.surface.kind = &kind, .out = out, .font = font};
     buffer_put(out, TEXT("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""));
     put_hundredths(out, hundredths(width));

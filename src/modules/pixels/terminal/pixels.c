@@ -216,7 +216,8 @@ static bool put_sixel(const struct buffer *picture, const double page[2], struct
                        (int)(picture->len / stride), out);
 }
 
-static bool show(const struct figure *figure, int width, int height, struct error *error)
+static bool pixels_figure_show(const struct figure *figure, int width, int height,
+                               struct error *error)
 {
     struct buffer picture = {0}, code = {0}, out = {0};
     double page[2];
@@ -257,7 +258,7 @@ static bool pixels_show(const struct front *front, const struct figure *figure, 
                       : "there is no terminal that could show pixels");
         return error_hint(error, "'> FILE.png' writes a picture");
     }
-    return !figure || show(figure, width, height, error);
+    return !figure || pixels_figure_show(figure, width, height, error);
 }
 
 static void offer(struct front *front, struct streams *streams)

@@ -109,7 +109,7 @@ struct printer {
     struct piece stack[LIMIT_EXPR_DEPTH + 1];
 };
 
-static struct text keep(struct printer *p, struct buffer *buffer)
+static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
 {
     const char *text = buffer->failed ? NULL : arena_text(&p->arena, buffer_text(buffer));
     buffer_free(buffer);
@@ -144,7 +144,7 @@ static struct piece number_piece(struct printer *p, double value)
     const bool scaled =
         p->dialect == DIALECT_TEX && memchr(text.data ? text.data : "", '\\', text.len);
     const bool pi = value == 3.14159265358979323846;
-    return (struct piece){.text = keep(p, &text),
+    return (struct piece){.text = printed_text_keep(p, &text),
                           .binds = scaled && !pi ? PRODUCT : ATOM,
                           .negative = signbit(value) != 0,
                           .zero = value == 0 ? NUMBER_ZERO : NOT_ZERO,
@@ -166,8 +166,9 @@ static struct piece sum_of(struct printer *p, const struct piece *a, struct piec
     buffer_put(&text, b.negative ? TEXT(" - ") : TEXT(" + "));
     b.negative = false;
     put_piece(p, &text, &b, PRODUCT);
-    return (struct piece){
-        .text = keep(p, &text), .binds = SUM, .zero = a->zero < b.zero ? a->zero : b.zero};
+    return (struct piece){.text = printed_text_keep(p, &text),
+                          .binds = SUM,
+                          .zero = a->zero < b.zero ? a->zero : b.zero};
 }
 
 static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool over)
@@ -188,11 +189,12 @@ static struct piece product_of(struct printer *p, struct piece a, struct piece b
                                      : TEXT(" "));
         put_piece(p, &text, &b, tex ? PRODUCT : FACTOR);
     }
-    return (struct piece){
-        .text = keep(p, &text), .binds = tex && over ? FACTOR : PRODUCT, .negative = negative};
+    return (struct piece){.text = printed_text_keep(p, &text),
+                          .binds = tex && over ? FACTOR : PRODUCT,
+                          .negative = negative};
 }
 
-static bool is_word(struct text text)
+static bool text_is_word(struct text text)
 {
     for (size_t i = 0; i < text.len; i++)
         if (!is_name_char(text.at[i]))
@@ -211,7 +213,7 @@ static struct piece power_of(struct printer *p, const struct piece *x, const str
         buffer_put(&text, TEXT("sqrt("));
         put_piece(p, &text, x, SUM);
         buffer_char(&text, ')');
-    } else if (computes && brief && is_word(x->text) && !x->negative &&
+    } else if (computes && brief && text_is_word(x->text) && !x->negative &&
                (n->value == 2 || n->value == 3)) {
         for (int i = 0; i < (int)n->value; i++)
             buffer_format(&text, "%s%.*s", i ? "*" : "", (int)x->text.len, x->text.at);
@@ -230,7 +232,7 @@ static struct piece power_of(struct printer *p, const struct piece *x, const str
         buffer_put(&text, tex ? TEXT("}") : TEXT(""));
         binds = FACTOR;
     }
-    return (struct piece){.text = keep(p, &text), .binds = binds};
+    return (struct piece){.text = printed_text_keep(p, &text), .binds = binds};
 }
 
 static struct piece comparison_of(struct printer *p, enum op_kind kind, const struct piece *a,
@@ -251,7 +253,7 @@ static struct piece comparison_of(struct printer *p, enum op_kind kind, const st
     buffer_put(&text, text_of((p->dialect == DIALECT_TEX ? tex : sign)[kind]));
     put_piece(p, &text, b, SUM);
     buffer_char(&text, ')');
-    return (struct piece){.text = keep(p, &text), .binds = c ? FACTOR : ATOM};
+    return (struct piece){.text = printed_text_keep(p, &text), .binds = c ? FACTOR : ATOM};
 }
 
 /* Returns the form of a function, empty for a call by its own name. */
@@ -287,7 +289,7 @@ static struct piece call_of(struct printer *p, const struct function *function,
             put_piece(p, &text, &operand[form.at[++i] - '1'], COMPARISON);
         else
             buffer_char(&text, form.at[i]);
-    return (struct piece){.text = keep(p, &text), .binds = ATOM};
+    return (struct piece){.text = printed_text_keep(p, &text), .binds = ATOM};
 }
 
 static struct piece operation(struct printer *p, const struct op *op, const struct piece *operand)

@@ -22,7 +22,7 @@ static bool primed(const struct written *w, struct text name, int *slot)
     return false;
 }
 
-static bool find(const void *context, struct text name, int *slot)
+static bool written_slot_find(const void *context, struct text name, int *slot)
 {
     const struct written *w = context;
     if (primed(w, name, slot))
@@ -66,7 +66,7 @@ static bool make_names(struct written *w)
 
 static const struct expr *built_in(struct written *w, const char *text, struct error *error)
 {
-    const struct expr_scope scope = {.context = w, .find = find};
+    const struct expr_scope scope = {.context = w, .find = written_slot_find};
     size_t used;
     return expr_compile(text_of(text), &scope, &w->arena, &used, error);
 }
@@ -123,8 +123,8 @@ static bool has_numbers(const struct expr *expr)
     return true;
 }
 
-static bool add(struct written *w, const struct expr **sum, const struct expr *more,
-                struct error *error)
+static bool sum_add(struct written *w, const struct expr **sum, const struct expr *more,
+                    struct error *error)
 {
     if (!has_numbers(more))
         return error_set(error, ERROR_COMMAND, "the forces hold a number that is not finite");
@@ -162,8 +162,8 @@ static bool add_terms(struct written *w, bool as_typed, struct error *error)
             if (expr && term->row->flags & TERM_DRY && !as_typed) {
                 if (!take_dry(w, expr, error))
                     return false;
-            } else if (expr && (!add(w, &w->all[row], expr, error) ||
-                                !add(w, drags ? &w->drag[row] : &w->force[row], expr, error))) {
+            } else if (expr && (!sum_add(w, &w->all[row], expr, error) ||
+                                !sum_add(w, drags ? &w->drag[row] : &w->force[row], expr, error))) {
                 return false;
             }
         }
@@ -176,7 +176,7 @@ static bool add_split(struct written *w, struct error *error)
 {
     for (int row = 0; row < w->rows; row++) {
         w->split[row] = w->force[row];
-        if (w->drag[row] && !add(w, &w->split[row], w->drag[row], error))
+        if (w->drag[row] && !sum_add(w, &w->split[row], w->drag[row], error))
             return false;
     }
     return true;

@@ -54,7 +54,7 @@ static bool same_double(double a, double b)
 }
 
 /* What is not known is left out, and what was measured twice with the same result stands once. */
-static void add(struct report *report, struct report_value value)
+static void report_add_value(struct report *report, struct report_value value)
 {
     if (!isfinite(value.value.value))
         return;
@@ -88,10 +88,11 @@ static void add_measurement(struct report *report, const struct measurement *m)
     if (decay)
         value.name = "gamma";
     value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
-    add(report, value);
+    report_add_value(report, value);
     if (decay && !m->energy)
-        add(report, (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
-                                          "2/gamma, measured", NAN, m->statement, NULL});
+        report_add_value(report,
+                         (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
+                                               "2/gamma, measured", NAN, m->statement, NULL});
 }
 
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
@@ -120,11 +121,12 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
         {"rms of the residuals", rms, stored->quantity},
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
-        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, stored->of,
-                                          source, NAN, stored->statement, NULL});
+        report_add_value(report,
+                         (struct report_value){rows[i].name, rows[i].value, rows[i].quantity,
+                                               stored->of, source, NAN, stored->statement, NULL});
 }
 
-static void add_run(struct report *report, const struct run_slot *slot, const char *of)
+static void report_add_run(struct report *report, const struct run_slot *slot, const char *of)
 {
     const struct run *run = slot->run;
     struct ledger ledger;
@@ -135,14 +137,15 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
     run_errors(run, &errors);
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
         if (param_matters(scene, i) || param_is_start(scene, i))
-            add(report, (struct report_value){param_at(scene, i)->row.name,
-                                              {scene->value[i], scene->uncertainty[i]},
-                                              param_at(scene, i)->quantity,
-                                              of,
-                                              "parameter",
-                                              NAN,
-                                              slot->origin[i],
-                                              lab ? NULL : param_at(scene, i)->row.brief});
+            report_add_value(report,
+                             (struct report_value){param_at(scene, i)->row.name,
+                                                   {scene->value[i], scene->uncertainty[i]},
+                                                   param_at(scene, i)->quantity,
+                                                   of,
+                                                   "parameter",
+                                                   NAN,
+                                                   slot->origin[i],
+                                                   lab ? NULL : param_at(scene, i)->row.brief});
     const struct {
         const char *name;
         double value;
@@ -159,14 +162,14 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        add(report, (struct report_value){rows[i].name,
-                                          {rows[i].value, 0},
-                                          rows[i].quantity,
-                                          of,
-                                          rows[i].source,
-                                          NAN,
-                                          slot->statement,
-                                          NULL});
+        report_add_value(report, (struct report_value){rows[i].name,
+                                                       {rows[i].value, 0},
+                                                       rows[i].quantity,
+                                                       of,
+                                                       rows[i].source,
+                                                       NAN,
+                                                       slot->statement,
+                                                       NULL});
 }
 
 bool collect_values(struct report *report, struct error *error)
@@ -196,7 +199,7 @@ bool collect_values(struct report *report, struct error *error)
         const char *stored = arena_text(report->arena, text_of(of));
         if (!stored)
             return error_memory(error);
-        add_run(report, session->runs.slot[i], stored);
+        report_add_run(report, session->runs.slot[i], stored);
     }
     return true;
 }

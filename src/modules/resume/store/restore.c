@@ -26,14 +26,14 @@ void reader_note(struct reader *reader, const char *format, ...)
     buffer_free(&line);
 }
 
-static bool drop(void *context, struct text text)
+static bool ignore_text(void *context, struct text text)
 {
     (void)context;
     (void)text;
     return true;
 }
 
-static bool keep(void *context, struct text text)
+static bool restored_text_keep(void *context, struct text text)
 {
     buffer_put(context, text);
     return true;
@@ -46,7 +46,7 @@ bool reader_execute(struct reader *reader, struct text commands, struct error *e
     struct reply reply;
     struct text line;
     bool ok = true;
-    reply_init(&reply, (struct sink){drop, keep, &said});
+    reply_init(&reply, (struct sink){ignore_text, restored_text_keep, &said});
     while (ok && commands.len > 0 && text_split(&commands, '\n', &line)) {
         buffer_clear(&said);
         ok = command_exec(reader->session, line, &where, &reply);
@@ -262,7 +262,7 @@ static void read_view(struct reader *reader)
 }
 
 /* Places in lists that are as long as they could be made. */
-static void settle(struct session *session, int at, uint64_t run_id)
+static void session_run_order(struct session *session, int at, uint64_t run_id)
 {
     session->runs.current = at < 0 ? -1 : session->runs.count - 1;
     for (int i = 0; i < session->runs.count && at >= 0; i++)
@@ -306,7 +306,7 @@ static void read_all(struct reader *reader)
     if (field_find(reader->state, "runs", &ids) && at >= 0 &&
         ((size_t)at + 1) * sizeof current <= ids.len)
         memcpy(&current, ids.at + (size_t)at * sizeof current, sizeof current);
-    settle(session, at, current);
+    session_run_order(session, at, current);
     read_tables(reader);
     /* may execute commands: after a run that is damaged was taken out */
     for (size_t i = 0; module_list[i]; i++)

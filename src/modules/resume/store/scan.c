@@ -95,7 +95,7 @@ struct read_run *reader_run(struct reader *reader, uint64_t id)
     return NULL;
 }
 
-static struct read_run *run_of(struct reader *reader, uint64_t id)
+static struct read_run *read_run_of(struct reader *reader, uint64_t id)
 {
     struct read_run *run = reader_run(reader, id);
     if (run)
@@ -114,7 +114,7 @@ static bool take_rows(struct reader *reader, struct text content)
         return true;
     memcpy(&head, content.at, sizeof head);
     content = (struct text){content.at + sizeof head, content.len - sizeof head};
-    struct read_run *run = run_of(reader, head.id);
+    struct read_run *run = read_run_of(reader, head.id);
     if (!run || !reserve(&run->piece, run->pieces, &run->piece_capacity, sizeof *run->piece))
         return false;
     if (head.row_bytes == 0 || head.count > content.len / head.row_bytes ||
@@ -135,7 +135,7 @@ static bool take_run(struct reader *reader, struct text content)
     uint64_t id;
     if (!field_get(content, "id", &id, sizeof id))
         return true;
-    struct read_run *run = run_of(reader, id);
+    struct read_run *run = read_run_of(reader, id);
     if (run)
         run->content = content;
     return run != NULL;

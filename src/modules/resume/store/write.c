@@ -110,7 +110,7 @@ static struct stored_run *find_run(struct stored *stored, uint64_t id)
     return NULL;
 }
 
-static struct stored_run *add_run(struct stored *stored, uint64_t id)
+static struct stored_run *stored_run_add(struct stored *stored, uint64_t id)
 {
     if (stored->runs == stored->run_capacity) {
         const int capacity = stored->run_capacity ? 2 * stored->run_capacity : 16;
@@ -152,7 +152,7 @@ static bool put_rows(struct output *out, struct run *run, struct stored_run *of)
 static bool put_run(struct output *out, const struct run_slot *slot, bool left_out, bool going)
 {
     struct stored_run *of = find_run(out->stored, slot->id);
-    if (!of && !(of = add_run(out->stored, slot->id)))
+    if (!of && !(of = stored_run_add(out->stored, slot->id)))
         return error_memory(out->error);
     if (left_out) {
         of->rows = 0;

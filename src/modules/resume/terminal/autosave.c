@@ -30,7 +30,7 @@
 
 /* ---- bytes ---- */
 
-static bool put(int fd, struct text bytes, struct error *error)
+static bool bytes_write(int fd, struct text bytes, struct error *error)
 {
     int failure = 0;
     return write_all(fd, bytes, &failure) || error_set(error, ERROR_IO, "%s", strerror(failure));
@@ -38,7 +38,7 @@ static bool put(int fd, struct text bytes, struct error *error)
 
 static bool sink(void *context, struct text record, struct error *error)
 {
-    return put(*(const int *)context, record, error);
+    return bytes_write(*(const int *)context, record, error);
 }
 
 /* ---- onto the disk, beside the session ---- */
@@ -117,7 +117,7 @@ static bool open_new(struct autosave *autosave, struct buffer *hidden, struct er
         return error_set(error, ERROR_IO, "%s", strerror(errno));
     stored_free(&autosave->stored);
     autosave->whole = 0;
-    return put(autosave->fd, TEXT(STORE_HEADER), error);
+    return bytes_write(autosave->fd, TEXT(STORE_HEADER), error);
 }
 
 /* A name that nobody has, on a folder that several machines may share. */
@@ -147,7 +147,8 @@ static void close_file(struct autosave *autosave)
 
 /* What cannot be written whole is not there: the file ends where it did, or goes. A new one that is
  * stopped is not there either. */
-static bool append(struct autosave *autosave, const struct cancel *cancel, struct error *error)
+static bool autosave_append(struct autosave *autosave, const struct cancel *cancel,
+                            struct error *error)
 {
     struct buffer hidden = {0};
     const bool first = autosave->fd < 0;
@@ -192,7 +193,7 @@ static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
     fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
     fresh->from = lseek(autosave->fd, 0, SEEK_END);
     const struct store_sink to = {&fresh->fd, sink, cancel, 0};
-    if (fresh->fd < 0 || !put(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
+    if (fresh->fd < 0 || !bytes_write(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
         !session_store(autosave->session, &stored, &to, &ignored)) {
         fresh_drop(fresh);
         autosave->slack *= 2;
@@ -213,7 +214,7 @@ static bool fresh_take(struct autosave *autosave)
     struct error ignored;
     ssize_t got;
     while ((got = pread(autosave->fd, bytes, sizeof bytes, fresh->from)) > 0) {
-        if (!put(fresh->fd, (struct text){bytes, (size_t)got}, &ignored))
+        if (!bytes_write(fresh->fd, (struct text){bytes, (size_t)got}, &ignored))
             return false;
         fresh->from += got;
         fresh->bytes += (uint64_t)got;
@@ -373,7 +374,8 @@ static bool write_until(struct autosave *autosave, const struct cancel *cancel, 
     }
     const uint64_t changes = autosave->session->changes;
     const int left_out = autosave->stored.left_out;
-    const bool ok = append(autosave, cancel, &why), whole = ok && !autosave->stored.unfinished;
+    const bool ok = autosave_append(autosave, cancel, &why),
+               whole = ok && !autosave->stored.unfinished;
     if (whole) {
         autosave->saved = changes;
         autosave->unsynced = true;
@@ -425,7 +427,7 @@ static int64_t keep_due(void)
     return autosave_due(&own);
 }
 
-static bool keep(bool line, struct error *error)
+static bool autosave_line_keep(bool line, struct error *error)
 {
     return autosave_keep(&own, line, error);
 }
@@ -447,7 +449,7 @@ const struct terminal_part resume_terminal = {
             .begin = keep_begin,
             .end = keep_end,
             .due = keep_due,
-            .keep = keep,
+            .keep = autosave_line_keep,
             .write = keep_now,
             .is_name = is_kept_name,
             .resume = autosave_resume,

@@ -168,8 +168,8 @@ static bool spent(const struct solver *s)
 }
 
 /* One step more; with a grid, sampled. */
-static enum step_status advance(struct solver *s, struct controller *controller, double end,
-                                struct sampler *sampler)
+static enum step_status solver_step(struct solver *s, struct controller *controller, double end,
+                                    struct sampler *sampler)
 {
     double before[LIMIT_VARIABLES];
     const double from = s->step.t;
@@ -194,7 +194,7 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
             s->steps +=
                 method_adapt_many(&s->step, &controller, end, 64 - (s->steps & 63), NULL, &status);
         else
-            status = advance(s, &controller, end, sampler);
+            status = solver_step(s, &controller, end, sampler);
         if (status != STEP_OK)
             return solver_stop(status);
         if ((s->steps & 63) == 0 && (spent(s) || cancelled(cancel)))
@@ -246,7 +246,7 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
              : STOP_END;
     for (int64_t i = 0; i < steps && !bulk; i++) {
         s->step.t = t0 + (double)i * h;
-        const enum step_status status = advance(s, NULL, 0, sampler);
+        const enum step_status status = solver_step(s, NULL, 0, sampler);
         if (status != STEP_OK)
             return solver_stop(status);
         if ((i & 255) == 255 && (spent(s) || cancelled(cancel)))
@@ -257,7 +257,7 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     s->step.t = t0 + (double)steps * h;
     s->step.h = t0 + s->span - s->step.t;
     s->step.warm = false;
-    return solver_stop(advance(s, NULL, 0, sampler));
+    return solver_stop(solver_step(s, NULL, 0, sampler));
 }
 
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel)

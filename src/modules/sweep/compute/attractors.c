@@ -3,7 +3,8 @@
 #include "modules/sweep/compute/worker.h"
 
 /* The one with that number; a new one where it is none, if there is room. */
-static struct sweep_attractor *take(struct sweep_attractor *found, int *count, double number)
+static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *found, int *count,
+                                                    double number)
 {
     for (int k = 0; k < *count; k++)
         if (found[k].number == number)
@@ -23,7 +24,8 @@ int sweep_attractors(const struct sweep_request *request, const struct sweep *sw
     int count = 0;
     for (int64_t i = 0; i < sweep->count; i++) {
         const double number = sweep->value[i * sweep->measures + measure];
-        struct sweep_attractor *one = isnan(number) ? NULL : take(found, &count, number);
+        struct sweep_attractor *one =
+            isnan(number) ? NULL : sweep_attractor_take(found, &count, number);
         if (!one)
             continue;
         one->count++;

@@ -73,7 +73,8 @@ static const struct row rows[] = {
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
 
 /* What print knows of a run. */
-static bool find_column(const struct model *model, struct text name, struct sweep_measure *measure)
+static bool measured_column_find(const struct model *model, struct text name,
+                                 struct sweep_measure *measure)
 {
     measure->column = SWEEP_VARIABLE;
     for (measure->variable = 0; measure->variable < model->n; measure->variable++)
@@ -137,7 +138,7 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
         return true;
     }
     const bool watched = split_watched(name, &own, &of);
-    if (!find_column(model, of, measure))
+    if (!measured_column_find(model, of, measure))
         return unknown(model, of, watched, error);
     if (measure->column == SWEEP_OBSERVABLE && model->order != 2 &&
         measure->observable->needs & NEED_MECHANICS)

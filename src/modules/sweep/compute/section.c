@@ -65,7 +65,7 @@ static int own_slot(void *context, int slot)
 }
 
 /* With the parameters of the point. */
-static bool settle(struct sweep_worker *worker, struct crossings *crossings)
+static bool crossings_settle(struct sweep_worker *worker, struct crossings *crossings)
 {
     struct point_names names = {.scene = &worker->scene};
     const struct expr_scope scope = {.context = &names, .load = name_load};
@@ -106,7 +106,7 @@ bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *c
     }
     if (ok)
         crossings->run = run_create(&worker->scene, request->method, &settings, span, &error);
-    if (crossings->run && !section->strobe && !settle(worker, crossings)) {
+    if (crossings->run && !section->strobe && !crossings_settle(worker, crossings)) {
         error_memory(&error);
         run_destroy(crossings->run);
         crossings->run = NULL;
@@ -141,8 +141,8 @@ static int64_t events_of(const struct sweep_request *request, const struct run *
     return count;
 }
 
-static double value_at(const struct sweep_measure *measure, const struct system *system, double t,
-                       const double *y)
+static double measure_value(const struct sweep_measure *measure, const struct system *system,
+                            double t, const double *y)
 {
     if (measure->kind != SWEEP_OBSERVABLE)
         return sweep_measured(measure, system, t, y);
@@ -251,7 +251,7 @@ void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossin
             break;
         *value++ = t;
         for (int m = 0; m < request->measures; m++)
-            *value++ = value_at(&request->measure[m], system, t, y);
+            *value++ = measure_value(&request->measure[m], system, t, y);
     }
     values[0] = state ? repeats(crossings, state, k) : NAN;
     worker->failed |= !state;

@@ -55,7 +55,7 @@ static double load_state(const void *context, int slot)
     return state->at[(size_t)slot * LANE_COUNT + (size_t)state->lane];
 }
 
-static double value_of(const struct crossings *p, const double *row, int lane)
+static double lane_value(const struct crossings *p, const double *row, int lane)
 {
     const struct lane_state state = {row, lane};
     const struct expr_scope scope = {.context = &state, .load = load_state};
@@ -74,10 +74,10 @@ static bool is_linear(struct section *s, int n, int used)
         const struct crossings *p = &s->lane[lane];
         if (!expr_linear(p->left, slot, n) || (p->right && !expr_linear(p->right, slot, n)))
             return false;
-        s->offset[lane] = value_of(p, unit, lane);
+        s->offset[lane] = lane_value(p, unit, lane);
         for (int k = 0; k < n; k++) {
             unit[k * LANE_COUNT + lane] = 1;
-            s->slope[k][lane] = value_of(p, unit, lane) - s->offset[lane];
+            s->slope[k][lane] = lane_value(p, unit, lane) - s->offset[lane];
             unit[k * LANE_COUNT + lane] = 0;
         }
     }
@@ -89,7 +89,7 @@ static void fill_values(const struct section *s, bool linear, int n, int used, c
 {
     if (!linear) {
         for (int lane = 0; lane < used; lane++)
-            value[lane] = value_of(&s->lane[lane], row, lane);
+            value[lane] = lane_value(&s->lane[lane], row, lane);
         return;
     }
     for (int lane = 0; lane < used; lane++)

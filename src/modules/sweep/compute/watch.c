@@ -16,7 +16,7 @@ void watch_open(struct extremes *watch, double y)
 }
 
 /* Hairer, Norsett, Wanner 1993, eq. II.6.7 */
-static double between(double h, double y0, double v0, double y1, double v1, double theta)
+static double hermite_value(double h, double y0, double v0, double y1, double v1, double theta)
 {
     const double rise = y1 - y0, rest = 1 - theta;
     return rest * y0 + theta * y1 +
@@ -28,7 +28,7 @@ void watch_turn(struct extremes *watch, double t0, double y0, double v0, double 
 {
     if (v0 == v1) /* both 0 */
         return;
-    const double theta = v0 / (v0 - v1), h = t1 - t0, y = between(h, y0, v0, y1, v1, theta);
+    const double theta = v0 / (v0 - v1), h = t1 - t0, y = hermite_value(h, y0, v0, y1, v1, theta);
     if (signbit(v0)) {
         watch->bottom = y < watch->bottom ? y : watch->bottom;
         watch->low = y < watch->low ? y : watch->low;

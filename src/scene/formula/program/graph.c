@@ -155,19 +155,19 @@ int graph_known(struct graph *g, double value)
     return value == 0 && g->has_terms ? zero_node(g, ZERO_NAME, value) : graph_number(g, value);
 }
 
-static bool is_number(const struct graph *g, int i)
+static bool node_is_number(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NUMBER;
 }
 
 static bool is(const struct graph *g, int i, double number)
 {
-    return is_number(g, i) && g->node[i].number == number;
+    return node_is_number(g, i) && g->node[i].number == number;
 }
 
 static enum zero_mark mark_of(const struct graph *g, int i)
 {
-    return is_number(g, i) ? (enum zero_mark)g->node[i].operand[0] : ZERO_NUMBER;
+    return node_is_number(g, i) ? (enum zero_mark)g->node[i].operand[0] : ZERO_NUMBER;
 }
 
 static bool is_absent(const struct graph *g, int i)
@@ -229,7 +229,7 @@ static int simpler(struct graph *g, struct node node)
     const int a = node.operand[0], b = node.operand[1], c = node.operand[2];
     switch (node.kind) {
     case NODE_NEG:
-        if (g->binds && g->node[a].kind == NODE_MUL && is_number(g, g->node[a].operand[0]))
+        if (g->binds && g->node[a].kind == NODE_MUL && node_is_number(g, g->node[a].operand[0]))
             return graph_apply(g, NODE_MUL, graph_number(g, -g->node[g->node[a].operand[0]].number),
                                g->node[a].operand[1], 0);
         return negated(g, a);
@@ -262,7 +262,7 @@ static int simpler(struct graph *g, struct node node)
             (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
             const bool first = negated(g, a) >= 0;
             const int other = first ? b : a, inner = negated(g, first ? a : b);
-            if (is_number(g, other))
+            if (node_is_number(g, other))
                 return graph_apply(g, NODE_MUL, graph_number(g, -g->node[other].number), inner, 0);
             return graph_apply(g, NODE_NEG, graph_apply(g, NODE_MUL, inner, other, 0), 0, 0);
         }
@@ -272,15 +272,18 @@ static int simpler(struct graph *g, struct node node)
             return zero_node(g, ZERO_TERM, 0);
         if (is(g, b, 1))
             return a;
-        if (is_number(g, b) && inverts(g->node[b].number))
+        if (node_is_number(g, b) && inverts(g->node[b].number))
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
         return -1;
     case NODE_IF:
-        return is_number(g, a) ? isnan(g->node[a].number) ? a : g->node[a].number > 0 ? b : c : -1;
+        return node_is_number(g, a) ? isnan(g->node[a].number) ? a
+                                      : g->node[a].number > 0  ? b
+                                                               : c
+                                    : -1;
     case NODE_ONE:
         return -1;
     case NODE_TWO:
-        if (node.two != function_power || !is_number(g, b))
+        if (node.two != function_power || !node_is_number(g, b))
             return -1;
         if (is(g, b, 0) || is(g, b, 1))
             return is(g, b, 1) ? a : graph_number(g, 1);
@@ -299,7 +302,7 @@ static int make(struct graph *g, struct node node)
     int numbers = 0;
     for (int k = 0; k < arity; k++) {
         value[k] = g->node[node.operand[k]].number;
-        numbers += is_number(g, node.operand[k]);
+        numbers += node_is_number(g, node.operand[k]);
     }
     if (numbers == arity) {
         const double result = node_value(node.kind, &node, value[0], value[1], value[2]);
@@ -312,7 +315,7 @@ static int make(struct graph *g, struct node node)
     /* Their operands may change places: a number to the front. */
     const int first = node.operand[0], second = node.operand[1];
     if ((node.kind == NODE_ADD || node.kind == NODE_MUL) &&
-        (is_number(g, second) || (first > second && !is_number(g, first)))) {
+        (node_is_number(g, second) || (first > second && !node_is_number(g, first)))) {
         node.operand[0] = second;
         node.operand[1] = first;
     }

@@ -204,7 +204,7 @@ static bool add_factor(struct product *p, int base, double power, int exponent)
 }
 
 /* Multiplies the product by node^power. Returns false if it has too many factors. */
-static bool collect(struct integration *in, int i, double power, struct product *p)
+static bool product_multiply(struct integration *in, int i, double power, struct product *p)
 {
     struct graph *g = in->g;
     const struct node node = g->node[i];
@@ -221,18 +221,18 @@ static bool collect(struct integration *in, int i, double power, struct product 
     }
     if (whole && node.kind == NODE_NEG) {
         p->number *= fmod(power, 2) != 0 ? -1 : 1;
-        return collect(in, a, power, p);
+        return product_multiply(in, a, power, p);
     }
     if (whole && (node.kind == NODE_MUL || node.kind == NODE_DIV))
-        return collect(in, a, power, p) &&
-               collect(in, b, node.kind == NODE_MUL ? power : -power, p);
+        return product_multiply(in, a, power, p) &&
+               product_multiply(in, b, node.kind == NODE_MUL ? power : -power, p);
     if (node.kind == NODE_SQRT)
-        return collect(in, a, power / 2, p);
+        return product_multiply(in, a, power / 2, p);
     if (node.kind == NODE_TWO && node.two == fixed_hypot)
         return add_factor(p, ADD(MUL(a, a), MUL(b, b)), power / 2, 0);
     if (node.kind == NODE_TWO && node.two == function_power && !depends(in, b)) {
         if (g->node[b].kind == NODE_NUMBER)
-            return collect(in, a, power * g->node[b].number, p);
+            return product_multiply(in, a, power * g->node[b].number, p);
         if (fabs(power) == 1)
             return add_factor(p, a, 1, power > 0 ? b : graph_apply(g, NODE_NEG, b, 0, 0));
     }
@@ -382,7 +382,7 @@ static bool integrate(struct integration *in, int i, double sign)
     if (i == 0)
         return true;
     struct product p = {.number = 1, .constant = NUMBER(1)};
-    if (!collect(in, i, 1, &p))
+    if (!product_multiply(in, i, 1, &p))
         return false;
     struct product signed_product = p;
     signed_product.number *= sign;

@@ -69,7 +69,7 @@ static void forget(struct emitter *e, int reg)
 }
 
 /* A register for the operation at hand. */
-static int take(struct emitter *e)
+static int register_take(struct emitter *e)
 {
     int best = NOTHING;
     for (int r = 0; r < REGISTERS; r++) {
@@ -96,7 +96,7 @@ static int take_value(struct emitter *e, int slot, bool last)
         e->holds[own] = TAKEN;
         return own;
     }
-    const int reg = take(e);
+    const int reg = register_take(e);
     if (e->where[slot] != NOTHING)
         with_register(e, PACKED, MOVE, reg, e->where[slot]);
     else
@@ -133,7 +133,7 @@ static int comparison(struct emitter *e, const struct instruction *i, int how)
 static int choice(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand;
-    const int unordered = take_value(e, slot[0], false), positive = take(e);
+    const int unordered = take_value(e, slot[0], false), positive = register_take(e);
     with_register(e, PACKED, XOR, positive, positive);
     with_slot(e, COMPARE, positive, slot[0], LESS_THAN);
     with_register(e, DOUBLE, COMPARE, unordered, unordered);

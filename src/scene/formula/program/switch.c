@@ -18,7 +18,7 @@ struct freezing {
     bool *always; /* [nodes] true if it is needed on all branches */
 };
 
-static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
+static int frozen_node(struct freezing *f, enum node_kind kind, int a, int b, int c)
 {
     return graph_apply(&f->e->graph, kind, a, b, c);
 }
@@ -44,7 +44,7 @@ static int branch(struct freezing *f, int u, enum switch_kind kind)
         if (found->argument[i] == u)
             return name;
         if (kind == SWITCH_SIGN && opposite(f, found->argument[i], u))
-            return apply(f, NODE_SUB, graph_number(&f->e->graph, 1), name, 0);
+            return frozen_node(f, NODE_SUB, graph_number(&f->e->graph, 1), name, 0);
     }
     if (found->count == LIMIT_TYPED_SWITCHES) {
         found->full = true;
@@ -65,29 +65,30 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
 {
     struct graph *g = &f->e->graph;
     if (node->one == function_sign)
-        return apply(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1),
-                     graph_number(g, -1));
+        return frozen_node(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1),
+                           graph_number(g, -1));
     if (node->one == function_step)
         return branch(f, x, SWITCH_SIGN);
     if (node->one == floor)
         return whole(f, x);
     if (node->one == ceil)
-        return apply(f, NODE_NEG, whole(f, apply(f, NODE_NEG, x, 0, 0)), 0, 0);
+        return frozen_node(f, NODE_NEG, whole(f, frozen_node(f, NODE_NEG, x, 0, 0)), 0, 0);
     if (node->one == round)
-        return whole(f, apply(f, NODE_ADD, x, graph_number(g, 0.5), 0));
+        return whole(f, frozen_node(f, NODE_ADD, x, graph_number(g, 0.5), 0));
     return -1;
 }
 
 static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
 {
     if (node->two == function_min || node->two == function_max) {
-        const int less = branch(f, apply(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
-        return node->two == function_min ? apply(f, NODE_IF, less, a, b)
-                                         : apply(f, NODE_IF, less, b, a);
+        const int less = branch(f, frozen_node(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
+        return node->two == function_min ? frozen_node(f, NODE_IF, less, a, b)
+                                         : frozen_node(f, NODE_IF, less, b, a);
     }
     if (node->two == function_mod)
-        return apply(f, NODE_SUB, a,
-                     apply(f, NODE_MUL, b, whole(f, apply(f, NODE_DIV, a, b, 0)), 0), 0);
+        return frozen_node(
+            f, NODE_SUB, a,
+            frozen_node(f, NODE_MUL, b, whole(f, frozen_node(f, NODE_DIV, a, b, 0)), 0), 0);
     return -1;
 }
 
@@ -97,13 +98,14 @@ static int freeze(struct freezing *f, const struct node *node, const int *x, boo
 {
     switch (node->kind) {
     case NODE_ABS:
-        return apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0],
-                     apply(f, NODE_NEG, x[0], 0, 0));
+        return frozen_node(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0],
+                           frozen_node(f, NODE_NEG, x[0], 0, 0));
     case NODE_LESS:
     case NODE_LESS_EQUAL:
-        return branch(f, apply(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
+        return branch(f, frozen_node(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
     case NODE_IF:
-        return condition_moves ? apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[1], x[2]) : -1;
+        return condition_moves ? frozen_node(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[1], x[2])
+                               : -1;
     case NODE_ONE:
         return freeze_one(f, node, x[0]);
     case NODE_TWO:
@@ -113,7 +115,7 @@ static int freeze(struct freezing *f, const struct node *node, const int *x, boo
     }
 }
 
-static bool is_number(const struct freezing *f, int node, double number)
+static bool operand_is_number(const struct freezing *f, int node, double number)
 {
     const struct node *n = &f->e->graph.node[node];
     return n->kind == NODE_NUMBER && n->number == number;
@@ -127,7 +129,7 @@ static bool never_below(const struct freezing *f, int node)
     return n->kind == NODE_ABS ||
            (n->kind == NODE_IF && less->kind == NODE_LESS && less->operand[0] == n->operand[2] &&
             less->operand[1] == n->operand[1] &&
-            (is_number(f, n->operand[1], 0) || is_number(f, n->operand[2], 0)));
+            (operand_is_number(f, n->operand[1], 0) || operand_is_number(f, n->operand[2], 0)));
 }
 
 /* Returns true if the node needs an argument above 0. A power does if its exponent is no whole
@@ -154,7 +156,7 @@ static void go_on_beyond(struct freezing *f, int node, const struct node *kind, 
     if (!inside && (f->always[node] || !wants_positive(f, kind)))
         return;
     f->found->extended = f->found->extended || !inside;
-    map[from] = apply(f, NODE_ABS, map[from], 0, 0);
+    map[from] = frozen_node(f, NODE_ABS, map[from], 0, 0);
 }
 
 /* Marks what is wanted on all branches of if(). */
