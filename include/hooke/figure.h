@@ -94,7 +94,7 @@ struct curve {
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
     bool points;  /* data: marks instead of a line, drawn last */
-    bool plain;   /* in text without a colour: its mark is all that it needs */
+    bool plain;   /* has no colour in text, because its mark is enough */
     bool arrows;  /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
     bool cloud;   /* points, so many that each is the smallest dot there is */
     char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
@@ -102,7 +102,7 @@ struct curve {
     bool thinned; /* a choice of the samples that looks the same: they are not counted */
     const double *t;      /* [n] [s] of a plane, where it is known; NULL: not */
     const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
-    const char *spread_label; /* of the band, in the legend */
+    const char *spread_label; /* name of the band in the legend */
     /* [n] of points in a picture: half the length of an error bar; NAN: without one; NULL: none
        has one. Text figures have no room for them. */
     const double *bar;
@@ -123,7 +123,7 @@ struct figure {
     int curves;
     bool equal; /* same length for a unit on both axes (phase plot) */
     bool zero_line;
-    bool grid;      /* of a picture: lines at the labels of both axes */
+    bool grid;      /* pictures have lines at the labels of both axes */
     bool has_point; /* the current point is marked */
     double point[2];
     double aspect;    /* height over width of a cell; 0 counts as 2 */
@@ -156,10 +156,10 @@ const struct curve *figure_band(const struct figure *figure);
 struct ticks {
     double first, step;
     int count, decimals;
-    int exponent;  /* labels are (value - offset) / 10^exponent, 0 mostly */
-    double offset; /* of a range so narrow that its labels would be long; it stands in the title */
-    int offset_decimals; /* of offset / 10^offset_power */
-    int offset_power;    /* of offsets that are very large or small, else 0 */
+    int exponent;        /* labels are (value - offset) / 10^exponent, 0 mostly */
+    double offset;       /* subtracted from long labels of a narrow range; the title shows it */
+    int offset_decimals; /* decimals of offset / 10^offset_power */
+    int offset_power;    /* power of ten of a very large or small offset, else 0 */
 };
 struct ticks ticks_linear(double from, double to, int want, int max);
 /* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`

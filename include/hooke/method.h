@@ -70,12 +70,12 @@ struct step {
      * sums */
     double *low;
     bool warm;
-    void *library; /* of an external solver: what method_begin() made */
+    void *library; /* what method_begin() made for an external solver */
     /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
     step_function *kernel;
     controlled_function
         *controlled; /* and accepted ones, by method_controlled_kernel(); NULL if there is none */
-    /* By method_adapt(): */
+    /* Set by method_adapt(): */
     /* the last step was taken back: what was evaluated at t and y before it still holds */
     bool again;
     /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a

@@ -16,7 +16,8 @@
 #define READ_CHUNK_BYTES 16384u
 #define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
 #define PATIENCE_LOOKS 20     /* … in so many looks */
-#define SLOW_BYTES 65536      /* in a watch's patience: a file comes faster, a sensor never */
+/* bytes within a watch's patience: a file is faster than this, a sensor never */
+#define SLOW_BYTES 65536
 
 struct file_reading {
     const char *path;
@@ -103,7 +104,8 @@ static bool is_socket(const char *path)
     return stat(path, &st) == 0 && S_ISSOCK(st.st_mode);
 }
 
-/* By the system, while it is read, perhaps for ever: /proc/kmsg. */
+/* Returns true if the system makes the contents up while they are read, perhaps for ever:
+ * /proc/kmsg. */
 static bool made_up(const struct stat *st, const struct read_watch *watch)
 {
     return watch && watch->patience > 0 && S_ISREG(st->st_mode) && st->st_size == 0;
@@ -157,8 +159,8 @@ static bool await_more(int fd, const struct file_reading *r, size_t so_far, stru
     return count > 0 || refuse_endless(r->path, "it goes on", r->watch, error);
 }
 
-/* Of a file that states its size no more than that: somebody may be writing it faster than it is
- * read. */
+/* Reads a file that states its size only up to that size: somebody may be writing it faster than it
+ * is read. */
 static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
                         struct error *error)
 {

@@ -10,7 +10,7 @@
 /* ---- writing: shared by files and folders ---- */
 
 #define WRITER_CHUNK ((size_t)65536) /* [byte] of the write-behind buffer */
-#define NAME_ATTEMPTS 100            /* at a temporary name that nobody has taken */
+#define NAME_ATTEMPTS 100            /* attempts to find a temporary name that nobody has taken */
 
 /* false, always */
 #define WRITER_REFUSED "nothing is written while a hand-in is checked"

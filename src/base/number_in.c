@@ -9,7 +9,7 @@
 /* A double's nearest neighbours are told apart by at most 768 significant digits; of what follows
  * only "zero or not" counts. */
 #define DIGITS_MAX 800
-#define EXPONENT_MAX 1000000000000000 /* beyond any that could matter, far from overflow */
+#define EXPONENT_MAX 1000000000000000 /* larger than any that could matter, far from overflow */
 
 const uint64_t decimal_power5[POWER5_MAX + 1] = {
     1u,

@@ -88,7 +88,7 @@ static struct decimal shortest_exact(double value)
         scale *= 10;
         d.exponent++;
     }
-    /* Of those left, the nearest. */
+    /* The nearest of the remaining ones is chosen. */
     const uint64_t whole = (uint64_t)(v >> shift);
     const wide rest = ((wide)(whole % scale) << shift) + (v & (one - 1));
     const wide all = (wide)scale << shift;

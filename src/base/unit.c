@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Within a quantity from the largest unit shown to the smallest. */
+/* Units of one quantity are ordered from the largest shown to the smallest. */
 static const struct unit units[] = {
     {{"m", "m", "metre", "", NULL}, QUANTITY_LENGTH, 1.0, UNIT_SHOWN},
     {{"cm", "m", "centimetre", "", NULL}, QUANTITY_LENGTH, 1e-2, UNIT_HOME},

@@ -251,9 +251,8 @@ static int link_temporary(struct writer *writer)
     return number;
 }
 
-/* From the temporary name to its own. Without force the name must be free: not all file systems
- * have RENAME_NOREPLACE.
- */
+/* Renames the temporary file to its own name. Without force the name must be free: not all file
+ * systems have RENAME_NOREPLACE. */
 static int rename_temporary(struct writer *writer)
 {
     const int folder = writer->folder;

@@ -47,7 +47,7 @@ struct text before_option(struct text text)
 }
 
 struct number_part {
-    double number; /* in SI, or as it was typed if it has no unit */
+    double number; /* SI value, or the typed value if it has no unit */
     struct dimension dimension;
     const struct expr *expr;
     double last_digits; /* 200.0(1): 0.1, in the same unit */
@@ -190,7 +190,7 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
     return true;
 }
 
-/* Of a value of any quantity the uncertainty is of the same. */
+/* Checks that the uncertainty of a value has the quantity of the value. */
 static bool check_spread(const struct number_part *number, const struct number_part *spread,
                          struct text typed, struct error *error)
 {
@@ -295,7 +295,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     }
     parser->rest = after;
     text_skip(&parser->rest, 1);
-    /* After a blank only a number belongs to the range, so that `3: of run 1` can be written. */
+    /* Only a number continues a range after a blank, so that `3: of run 1` can be written. */
     struct text next = parser->rest;
     text_skip_blanks(&next);
     const bool open =

@@ -26,7 +26,8 @@ struct catalog {
     }
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
-int catalog_index(const struct catalog *catalog, const struct row *row); /* of a row of it */
+/* the row has to be one of the catalog's */
+int catalog_index(const struct catalog *catalog, const struct row *row);
 /* Returns the row with this name or alias, or NULL. */
 const struct row *catalog_find(const struct catalog *catalog, struct text name);
 /* Returns the row with this name, else the only one whose name starts with it if it has at least

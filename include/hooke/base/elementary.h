@@ -36,7 +36,8 @@ FIXED_FUNCTION fixed_pow(double x, double y);
 FIXED_FUNCTION fixed_cbrt(double x);
 FIXED_FUNCTION fixed_hypot(double x, double y);
 
-/* Of n numbers at once, in vectors as wide as the machine has; out may be x. The same bits. */
+/* Computes n sines at once, in vectors as wide as the machine has, with the same bits as
+ * fixed_sin(). out may be x. */
 void fixed_sines(int n, const double *x, double *out);
 void fixed_cosines(int n, const double *x, double *out);
 void fixed_exponentials(int n, const double *x, double *out);

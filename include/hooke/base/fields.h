@@ -22,7 +22,7 @@ struct field {
     enum field_kind {
         FIELD_BYTES,
         FIELD_BOOLS,
-        FIELD_TEXT, /* in files without the zeros at its end */
+        FIELD_TEXT, /* written without the zeros at its end */
         FIELD_INTS,
         FIELD_UNSIGNED, /* enums, too */
         FIELD_INT64S,
@@ -84,7 +84,7 @@ bool fields_sound(const struct field *field, size_t count, const void *of);
  * catalog has grown, or has another order, finds its own by their names.
  */
 struct field_places {
-    int rows, count;           /* of the catalog; of the items in the file */
+    int rows, count;           /* length of the catalog; number of items in the file */
     int at[LIMIT_PARAMETERS];  /* [rows] -1: the file has none */
     int row[LIMIT_PARAMETERS]; /* [count] of an item in the file; -1 if there is no such row */
 };

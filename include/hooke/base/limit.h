@@ -30,7 +30,7 @@
 #define LIMIT_CHECKPOINTS 64           /* checkpoints */
 #define LIMIT_OWN 32                   /* scenes of the user's own, by name */
 #define LIMIT_SYMBOL 31                /* bytes in the name of a variable or scene of one's own */
-#define LIMIT_PARAMETERS 192           /* of a typed scene, initial values and t0 among them */
+#define LIMIT_PARAMETERS 192           /* typed scene: with initial values and t0 */
 #define LIMIT_OBSERVED 192             /* quantities that a typed scene observes */
 #define LIMIT_EVENTS 16                /* events looked for at once */
 #define LIMIT_EVENT_TEXT 4096          /* bytes of an event's formula, and of its commands */

@@ -24,7 +24,7 @@ struct unit {
 
 extern const struct catalog unit_catalog;
 const struct unit *unit_at(size_t i);
-const struct unit *unit_from(const struct row *row); /* of the catalog */
+const struct unit *unit_from(const struct row *row); /* row has to be one of the catalog's */
 
 const char *quantity_name(enum quantity quantity); /* returns "mass" */
 /* Returns how often a position or an angle is differentiated to give this quantity: 0, 1 or 2; -1

@@ -13,7 +13,7 @@ enum dimension_base {
     BASE_METRE,
     BASE_SECOND,
     BASE_VOLT,
-    BASE_RADIAN, /* of use only beside numbers and cycles: arc lengths are metres all the same */
+    BASE_RADIAN, /* counts only beside numbers and cycles: arc lengths are metres all the same */
     BASE_CYCLE,  /* Hz is one a second, rad/s is 1/(2 pi) of it */
     BASE_PI,     /* pi as a factor: times cycles it is in radians, radians over it are cycles */
     DIMENSION_BASES
@@ -31,15 +31,16 @@ struct dimension {
     double power[DIMENSION_BASES];
     const struct unit *unit; /* the first that was typed; NULL if none was */
     bool has_name;
-    bool is_single;  /* a name, or a number or parenthesis with its unit: nothing was computed */
-    bool is_product; /* of a product or a power: its cycles may have been made radians by hand */
+    bool is_single; /* a name, or a number or parenthesis with its unit: nothing was computed */
+    /* result of a product or a power, whose cycles may have been made radians by hand */
+    bool is_product;
 };
 
-/* Of a name of this quantity; QUANTITY_OTHER is unknown. */
+/* Returns the dimension of a name of this quantity; QUANTITY_OTHER is unknown. */
 struct dimension dimension_of_name(enum quantity quantity);
-/* Of the number pi. */
+/* Returns the dimension of the number pi. */
 struct dimension dimension_of_pi(void);
-/* Of a number or a parenthesis with its unit. */
+/* Returns the dimension of a number or a parenthesis with its unit. */
 struct dimension dimension_of_unit(const struct unit *unit);
 /* a b, or a / b. */
 struct dimension dimension_product(const struct dimension *a, const struct dimension *b,

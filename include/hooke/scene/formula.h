@@ -131,7 +131,7 @@ struct root_search {
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min);
 
-/* From a, where the value is fa, to b. */
+/* Finds the roots from a, where the value is fa, to b. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
 
 /*

@@ -32,7 +32,7 @@ struct param_row {
 /* those of the oscillator: struct param_row, at most PARAM_MAX */
 extern const struct catalog param_catalog;
 
-int param_index(const char *name); /* of a name that exists in that table (asserted) */
+int param_index(const char *name); /* the name has to exist in that table (asserted) */
 
 struct model;
 
@@ -77,7 +77,7 @@ static inline double preset_tol(const struct preset *preset)
 extern const struct catalog preset_catalog;
 const struct preset *preset_by_name(struct text name); /* by exact name or alias; NULL if none */
 const struct preset *preset_at(size_t i);
-const struct preset *preset_from(const struct row *row); /* of the catalog */
+const struct preset *preset_from(const struct row *row); /* row has to be one of the catalog's */
 
 /* The parameters and derived quantities of the scene's model; places in them index scene.value. */
 const struct catalog *scene_params(const struct scene *scene);
@@ -346,7 +346,8 @@ double system_dissipation(const struct system *system, double t, const double *y
  * NAN: some do not repeat, or not together. */
 double system_drive(const struct system *system);
 
-struct variable system_variable(const struct system *system, int i); /* of state variable i */
+/* describes state variable i */
+struct variable system_variable(const struct system *system, int i);
 /* Place in the state of a variable's name; y' is the velocity of y. Returns -1 if there is none. */
 int model_state(const struct model *model, struct text name);
 

@@ -80,7 +80,7 @@ bool typed_name_fits(struct text name, struct error *error);
 struct typed_models; /* all of a session */
 
 struct typed_models *typed_create(struct error *error); /* Returns NULL if out of memory */
-/* with every model: nothing may use them any more */
+/* Frees all models; nothing may use them any more. */
 void typed_destroy(struct typed_models *models);
 #define SWEEP_FROM 32 /* of fewer nobody looks for what is not used */
 /* Frees the models that nobody uses, once there are twice as many as were left the last time. */
@@ -154,7 +154,7 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
 struct sliding {
     int count;
     int at[LIMIT_SLIDING];
-    double level[LIMIT_SLIDING]; /* of the argument, at the switch */
+    double level[LIMIT_SLIDING]; /* value of the argument at the switch */
     double near;                 /* [s] over which arguments are differentiated */
     /* [LIMIT_SLIDING + 1] below all of them, then above each alone: by system_slide(), to be given
      * back by sliding_free(); NULL: along none */
@@ -179,7 +179,7 @@ bool sliding_passes(const struct sliding *sliding, int i, double t, const double
  * friction turns. */
 void system_end_at_switch(const struct system *frozen, int i, double *y);
 
-/* Of switch i, beyond the guard that is 0 at (t, y). */
+/* Returns the branch of switch i beyond the guard that is 0 at (t, y). */
 double system_next_branch(const struct system *frozen, int i, double t, const double *y);
 
 /* The branch below switch i, where the motion slides along it. */

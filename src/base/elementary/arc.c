@@ -68,7 +68,7 @@ INLINE struct wide first_angle(double y, double x)
     return (struct wide){most.high, most.low + (centre.low + angle_rest(t))};
 }
 
-/* From 0 to pi; y >= 0 */
+/* Returns the angle from 0 to pi of a point with y >= 0. */
 static double angle(double y, double x)
 {
     const double across = fabs(x);

@@ -107,7 +107,7 @@ double fixed_cos(double x)
     return quarters & 2 ? -value : value;
 }
 
-#define TANGENT_SERIES 0.125 /* up to there by series, of 1/x for cot */
+#define TANGENT_SERIES 0.125 /* a series is used up to this |x|, for cot one of 1/x */
 
 /* tan(r + low), 0 <= r < TANGENT_SERIES, to 2^-60.9 of it */
 INLINE double tangent_small(double r, double low)

@@ -3,7 +3,7 @@
 #include <hooke/base/text.h>
 #include "base/elementary/logarithm.h"
 
-/* Of what has no finite logarithm. */
+/* Returns the result for numbers without a finite logarithm. */
 static double no_logarithm(double x)
 {
     return x == 0 ? -HUGE_VAL : x < 0 ? (double)NAN : x;

@@ -8,7 +8,7 @@
 #include "base/elementary/wide.h"
 
 #define TABLE_ROWS 128
-#define ROW_SHIFT 45 /* of the bits of a double, to the number of the row */
+#define ROW_SHIFT 45 /* shifts the bits of a double to the number of the row */
 
 /*
  * 2^(j/128) = T (1 + (t - 2^14) 2^-67), T = 1 + j/128 - d: t, and below TAIL_SHIFT d in bits of T.

@@ -66,7 +66,8 @@ INLINE void take_back(int n, struct step *step, struct controller *controller, d
     controller->rejected = true;
 }
 
-/* Of the error of a step from `before`, in units of the tolerance: nothing waits for its root. */
+/* Returns the square of the error of a step from `before`, in units of the tolerance. No root has
+ * to be waited for. */
 INLINE double error_square(int n, const struct step *step, const double *before)
 {
     return step->square >= 0 ? step->square
@@ -83,7 +84,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     const double max = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
     const double accepted = 1 / (n * max * max), aims = by_aim(method);
-    /* after a failure another try begins where this one did */
+    /* another try after a failure begins where this one did */
     const double planned = controller->h;
     const bool rejected = controller->rejected;
     struct switches_state state;
@@ -185,7 +186,7 @@ static enum step_status adapt_library(const struct method *method, struct step *
     return STEP_OK;
 }
 
-/* On frozen branches. */
+/* Makes a step on frozen branches. */
 static enum step_status adapt_between_switches(const struct method *method, struct step *step,
                                                struct controller *controller, double t_end)
 {

@@ -42,7 +42,7 @@ static const struct filter {
 
 /* Part of the tolerance to aim at where the method's row gives none. */
 #define TOLERANCE_FRACTION (1. / 3)
-#define AIM_EXPLICIT 0.35 /* of the largest error that is accepted */
+#define AIM_EXPLICIT 0.35 /* part of the largest accepted error */
 #define AIM_IMPLICIT 0.5
 #define KEEP_MIN 0.7 /* errors from here to KEEP_MAX, in units of the aim, leave h as it is */
 #define KEEP_MAX 1.3

@@ -26,8 +26,9 @@
 #define PILE_SHRINK_MAX 0.1
 /* Switches also pile up if a block takes less than this part of t. */
 #define PILE_TIME_RELATIVE 1e-12
-#define BRIEF_ULPS 64      /* of t: in so short a step a guard at 0 need not come to be above it */
-#define TURNING_SPEED 0.05 /* Below this part of the natural speed a turning point is near. */
+#define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
+/* Speed, as a part of the natural one, below which a turning point is near. */
+#define TURNING_SPEED 0.05
 /* A step without a turning point may deviate from its mean speed by this part of its length. */
 #define MEAN_SPEED_TOLERANCE 0.1
 
@@ -215,7 +216,7 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
                  rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
                         (2e-3 * h);
     double x = theta * h, slope = rise, last_x = NAN, last = NAN;
-    if (!(fabs(x) > ulps)) /* over at once: a step of rounding, so that t moves */
+    if (!(fabs(x) > ulps)) /* ends at once by a step of rounding, so that t moves */
         x = copysign(2 * ulps, h);
     for (int k = 0; k < SWITCH_STEPS_MAX; k++) {
         double value;

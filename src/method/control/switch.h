@@ -28,10 +28,10 @@ enum step_status switched_step(const struct method *method, struct step *step);
 int64_t switched_march(const struct method *method, const struct march *march,
                        enum step_status *status);
 
-/* After that step was accepted. */
 /* Returns true if the equations are defined where a step on frozen branches has ended. Tests this
  * only where they may be undefined. */
 bool switch_is_there(struct step *step);
+/* Takes note of an accepted step. */
 void switch_next(struct step *step, struct switches_state *state, int ended);
 
 #endif

@@ -149,8 +149,8 @@ static int64_t steps_before_turn(const double *row, int64_t count, double v)
     return i;
 }
 
-/* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been
- * taken. */
+/* Makes up to `count` steps by the kernel, but none across a turning point, as if the others had
+ * not been taken. */
 static int64_t march_straight(const struct method *method, march_function *kernel,
                               const struct march *march)
 {

@@ -117,7 +117,7 @@ INLINE void attempt_stages(const struct tableau *tableau, int n, slope_function 
     pairs_give(z, attempt->z);
 }
 
-/* In units of the tolerance, squared; NAN: the new state is not finite. */
+/* Returns the squared error in units of the tolerance, or NAN if the new state is not finite. */
 INLINE double attempt_error(const struct tableau *tableau, int n, const double *scale, double h,
                             struct attempt *attempt)
 {
@@ -264,8 +264,8 @@ INLINE int64_t controlled_steps(const struct method *method, int n, slope_functi
 
 /* ---- rows and shapes ---- */
 
-/* Of all methods that are METHOD_CONTROLLED, and of those that are METHOD_UNROLLED, too: the rest
- * would be long. */
+/* Shapes with kernels for all METHOD_CONTROLLED methods, and for METHOD_UNROLLED ones, too: the
+ * others would be long. */
 #define ALWAYS_SHAPES(S) S(spring) S(duffing) S(driven) S(pendulum) S(kepler)
 #define OFTEN_SHAPES(S) S(damped) S(vanderpol)
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)

@@ -128,7 +128,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 
 /* ---- the table ---- */
 
-/* Of any row: its stages take so long to solve that the weights are not waited for. */
+/* Kernel for any row: its stages take so long to solve that the weights are not waited for. */
 #define ANY_KERNEL(shape)                                                                          \
     static int64_t shape##_irk(const struct method *method, const struct march *march)             \
     {                                                                                              \
@@ -140,7 +140,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 CLOSED_SHAPES(ANY_KERNEL)
 MOTION_SHAPES(ANY_KERNEL)
 
-/* Of rows that others are ranked by. */
+/* Rows that others are ranked by. */
 #define IRK_ROW JOIN(irk_, __LINE__)
 #define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
 #define IRK_KERNEL(shape)                                                                          \

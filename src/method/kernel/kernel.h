@@ -42,7 +42,8 @@ enum {
 /* Runs have the propagator for these; studies, which compare methods, do not use it. */
 #define LINEAR_SHAPES(S) S(spring) S(damped)
 #define ALL_SHAPES(S) SHAPES(S) LINEAR_SHAPES(S) MODEL_SHAPES(S)
-/* Of one coordinate: implicit stages of these are solved in closed form, of those by iteration. */
+/* Shapes of one coordinate: implicit stages of these are solved in closed form, of those by
+ * iteration. */
 #define CLOSED_SHAPES(S) S(spring) S(damped) S(drag) S(damped_drag) S(driven)
 #define MOTION_SHAPES(S) S(duffing) S(driven_duffing) S(vanderpol) S(pendulum) S(driven_pendulum)
 enum { IMPLICIT_STAGES = 3 };

@@ -117,7 +117,7 @@ void *cvode_begin(const struct method *method, const struct step *step)
 
 /* ---- stepping ---- */
 
-/* At t and y, with nothing remembered. */
+/* Begins anew at t and y, with nothing remembered. */
 static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
 {
     const int n = step->system->n;

@@ -116,7 +116,7 @@ double method_growth(const struct method *method, enum drag drag, double x, doub
     return method_growth_signed(method, drag, x, zeta, STIFFNESS_POSITIVE);
 }
 
-/* Above 0: this step grows. */
+/* Returns a value above 0 if this step grows. */
 static double growth(const struct linear_scene *oscillation, double x)
 {
     double radius = growth_factor(oscillation, x);

@@ -212,11 +212,11 @@ static double largest_root(int degree, const double complex *p)
     return largest;
 }
 
-/* On y' = lambda y, z = h lambda (Hairer, Wanner 1996, Solving ODEs II, V.1). */
+/* Returns the growth on y' = lambda y, z = h lambda (Hairer, Wanner 1996, Solving ODEs II, V.1). */
 static double growth_of(const struct multistep *multistep, double complex z)
 {
     int steps = multistep->steps;
-    double complex p[DEGREE_MAX + 1] = {0}; /* of y_n+1, y_n, … */
+    double complex p[DEGREE_MAX + 1] = {0}; /* coefficients of y_n+1, y_n, … */
     if (multistep->values) {
         for (int j = 0; j <= steps; j++)
             p[j] = multistep->values[j];

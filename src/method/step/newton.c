@@ -15,8 +15,8 @@ enum { PARTS_MOST = 100, STAGES_MOST = 3 };
 /* increments that shrink by this in an adaptive step: keep the Jacobian */
 static const double FAST = 1e-3;
 
-/* Of the tolerance of an adaptive step, what the iteration may leave; in finer steps errors of many
- * add up. */
+/* Returns the part of an adaptive step's tolerance that the iteration may leave; in finer steps the
+ * errors of many add up. */
 static double fraction(double tol)
 {
     return fmax(10 * DBL_EPSILON / tol, fmin(0.03, sqrt(tol)));

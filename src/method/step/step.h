@@ -197,7 +197,8 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
 typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
 
 enum step_status rk_step(const struct method *method, struct step *step);
-/* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
+/* Return the kernel for typed scenes (kernel_typed.c) and for any number of variables
+ * (kernel_any.c), or NULL. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag);
 /* kernel_implicit.c */

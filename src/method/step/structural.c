@@ -108,7 +108,7 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     }
 }
 
-/* Of what is there times h, at the end `to` of the step */
+/* Computes the Jacobian, at the end `to` of the step, of what the equations multiply by h. */
 static void increment_jacobian(const void *forces, double t, const double *to, double *jacobian)
 {
     const struct increment *all = forces;
@@ -333,7 +333,7 @@ double structural_growth(const struct method *method, double x, double zeta,
                                   .scale = {1, 1}};
     double matrix[9];
     for (int column = 0; column < 3;
-         column++) { /* in units of 1, 1/x and 1/x^2: then no entry is large */
+         column++) { /* columns have units of 1, 1/x and 1/x^2, so that no entry is large */
         double work[64], y[2] = {column == 0, column == 1 ? 1 / x : 0};
         struct step step = {.system = &system, .h = x, .y = y, .work = work, .warm = true};
         work[0] = column == 2 ? 1 / x / x : 0;
