@@ -79,6 +79,25 @@ static double cycles_square(const struct cycles *c)
     return square;
 }
 
+/*
+ * Returns how far the samples may put the rows of a cycle with edges off those of another that is
+ * alike, by where they fall in it: half a sample at each edge. All cycles in turn may share that.
+ */
+static double edge_error(const struct cycles *c, size_t turns, double noise)
+{
+    static const double edge_min = 0.75, noise_max = 0.1; /* of the range */
+    const struct samples *x = c->samples;
+    double low = HUGE_VAL, high = -HUGE_VAL, edge = 0;
+    for (size_t i = 0; i < x->n; i++) {
+        low = fmin(low, x->y[i]);
+        high = fmax(high, x->y[i]);
+        edge = fmax(edge, i > 0 ? fabs(x->y[i] - x->y[i - 1]) : 0);
+    }
+    if (edge < edge_min * (high - low) || noise > noise_max * (high - low))
+        return 0;
+    return edge * sqrt((double)c->count / (double)turns / 6 / c->cycle[0].rows);
+}
+
 /* Returns how far the mean cycle is off the rows. Where the times of the samples repeat after so
  * many cycles, it may be off by the same in each of these: by what noise does not explain and what
  * straight lines between its bins miss. A step of the sensor and a small part of the size stay. */
@@ -89,7 +108,8 @@ static double template_error(const struct cycles *c, size_t turns, double left, 
     const double samples = c->period / (x->t[x->n - 1] - x->t[0]) * (double)(x->n - 1),
                  drift = fabs(remainder((double)turns * samples, 1)) * (double)c->count,
                  angle = TWO_PI / fmin(samples, (double)c->bins), size = sqrt(cycles_square(c)),
-                 least = hypot(small * size, rounding * samples_quantum(x)),
+                 least = hypot(turns > 0 ? edge_error(c, turns, noise) : 0,
+                               hypot(small * size, rounding * samples_quantum(x))),
                  missed = coherent * sqrt(fmax(left - all_noise * noise * noise, 0));
     if (turns > 0 && !(drift < 2))
         return least;
@@ -253,17 +273,56 @@ static void widen_by_times(const struct cycles *c, double noise, struct measured
                  "is their mean, and known the less the fewer they are");
 }
 
+/*
+ * Returns false if a weaker line that is near `turns` periods may make cycles differ in turn by
+ * chance: one at no whole number of periods, whose period [s] *line becomes, or a small one beside
+ * a sine, whose frequency is not well known. residual [n]: scratch.
+ */
+static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residual, double *line)
+{
+    static const double seen = 5, apart = 3, far = 0.15; /* standard deviations; relative */
+    static const double weak = 0.05, spread_max = 2e-3;  /* of the wave; relative */
+    struct samples x = *c->samples;
+    const double n = (double)turns, middle = 0.5 * (x.t[0] + x.t[x.n - 1]);
+    struct harmonic wave = {.omega = TWO_PI / c->period, .origin = middle},
+                    slow = {.omega = TWO_PI / (n * c->period), .origin = middle};
+    *line = NAN;
+    if (!harmonic_fit(&x, FREE_GAMMA, &wave, residual))
+        return true;
+    x.y = residual;
+    if (!harmonic_fit(&x, FREE_OMEGA, &slow, NULL) || !slow.converged)
+        return true;
+    const double sigma = harmonic_sigma(&slow, FREE_OMEGA), ratio = n * slow.omega / wave.omega,
+                 spread = sigma * sqrt(slow.inverse[RATE_OMEGA][RATE_OMEGA]) * n / wave.omega,
+                 size = hypot(slow.a, slow.b), least = weak * hypot(wave.a, wave.b);
+    if (size < seen * sigma * sqrt(2 / (double)slow.used) || fabs(ratio - 1) > far)
+        return true;
+    if (fabs(ratio - 1) > apart * spread)
+        *line = TWO_PI / slow.omega;
+    return isnan(*line) && !(size < least && sigma < least && spread > spread_max);
+}
+
 /* Warns that a period may be a multiple, or takes the multiple where there is no doubt. Returns
- * true if it took one. */
+ * true if it took one. scratch [rows]. */
 static bool heed_turns(const struct cycles *c, double noise, struct measured *value,
-                       struct period *period)
+                       double *scratch, struct period *period)
 {
     static const double chance_min = 2e-3, chance_sure = 1e-7;
     enum { MULTIPLES = 3 };
     const double T = period->period.value;
     for (size_t n = 2; n <= MULTIPLES; n++) {
         const double chance = cycles_chance(c, n, noise, value), times = (double)n;
-        if (chance < chance_sure && c->count >= 2 * n) {
+        double line = NAN;
+        const bool sure =
+            chance < chance_sure && c->count >= 2 * n && repeats_in_turn(c, n, scratch, &line);
+        if (isfinite(line)) {
+            snprintf(period->warning, sizeof period->warning,
+                     "a weaker line of %.4g s, no whole number of periods, makes the cycles differ "
+                     "('fit modes 2' reads both)",
+                     line);
+            return false;
+        }
+        if (sure) {
             period->period = (struct measured){times * T, times * period->period.uncertainty};
             period->periods = floor(period->periods / times);
             snprintf(period->warning, sizeof period->warning,
@@ -311,7 +370,7 @@ void period_doubt(const struct series *series, struct arena *arena, struct perio
         if (alike && pass == 0)
             widen_by_times(&c, noise, value, period);
         if (alike)
-            longer = heed_turns(&c, noise, value, period);
+            longer = heed_turns(&c, noise, value, scratch, period);
         else if (noise * noise < noise_max * cycles_square(&c) && !period->warning[0])
             snprintf(period->warning, sizeof period->warning,
                      "cycles of this length are not all alike: T may not be their period");

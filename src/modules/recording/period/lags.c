@@ -273,13 +273,13 @@ static bool fairly_better(const struct lags *l, double period, int n)
     double other = -1, off = 1;
     struct lag_peak peak;
     for (int k = 1; k <= MULTIPLES_MAX && k * period < 0.6 * span; k++)
-        if (k % n != 0 && between_samples(l, k * period) < off &&
-            peak_near(l, k * period, reach, &peak)) {
-            off = between_samples(l, k * period);
+        if (k % n != 0 && peak_near(l, k * period, reach, &peak) &&
+            between_samples(l, peak.shift) < off) {
+            off = between_samples(l, peak.shift);
             other = peak.parabola;
         }
     for (int k = n; k <= MULTIPLES_MAX && k * period < 0.6 * span && other > 0; k += n)
-        if (between_samples(l, k * period) >= off && peak_near(l, k * period, reach, &peak) &&
+        if (peak_near(l, k * period, reach, &peak) && between_samples(l, peak.shift) >= off &&
             peak.parabola > other + correlation_band(l, peak.parabola))
             return true;
     return false;

@@ -180,6 +180,51 @@ static void pulses_of_few_samples(void **state)
     assert_tally("pulses", &tally);
 }
 
+/* Pulses with edges are not taken for several by where their edges fall between samples. */
+static void pulses_with_edges(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 185;
+    for (int i = 0; i < cases(60); i++) {
+        const bool known = i % 3 == 0; /* a recording of old: pulses of 15 % in 40 cycles */
+        const double samples = known ? 2000 / 40.2 : of_random_size(30, 300) + 0.5 * (i % 2),
+                     width = known ? 0.15 : random_between(0.05, 0.4), phase = random_uniform();
+        struct drawn d = draw((size_t)((known ? 40.2 : random_between(10, 40)) * samples), 100);
+        d.period = samples / 100;
+        for (size_t k = 0; k < d.n; k++) {
+            const double x = d.t[k] / d.period + phase;
+            d.y[k] = x - floor(x) < width;
+        }
+        add_noise(&d, known ? 0.02 : of_random_size(3e-3, 0.05));
+        char name[60];
+        snprintf(name, sizeof name, "edges %.3g apart", width);
+        count_period(&d, 0.003, name, &tally);
+    }
+    assert_tally("pulses with edges", &tally);
+}
+
+/* A line near a third of the frequency, as of a load that also swings, makes no period of three. */
+static void lines_near_a_third(void **state)
+{
+    (void)state;
+    struct tally tally = {0};
+    random_state = 186;
+    for (int i = 0; i < cases(30); i++) {
+        const double samples = random_between(15, 25), cycles = random_between(20, 30),
+                     slow = random_between(0.335, 0.345), angle = random_between(0, 2 * PI);
+        struct drawn d = draw((size_t)(cycles * samples), 40);
+        d.period = samples / 40;
+        for (size_t k = 0; k < d.n; k++) {
+            const double x = 2 * PI * d.t[k] / d.period;
+            d.y[k] = exp(-0.02 * x / PI) * cos(x) + 0.025 * cos(slow * x + angle);
+        }
+        add_noise(&d, 0.015);
+        count_period(&d, 0.01, "line near a third", &tally);
+    }
+    assert_tally("lines near a third", &tally);
+}
+
 /* Waves whose successive cycles differ a little: pulses of two heights in turn, a weak line at half
  * or a third of the strongest frequency. The period is that after which they repeat. */
 static void cycles_that_differ_in_turn(void **state)
@@ -441,6 +486,8 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(pendulums_up_to_the_top),
                                        cmocka_unit_test(waves_of_any_shape),
                                        cmocka_unit_test(pulses_of_few_samples),
+                                       cmocka_unit_test(pulses_with_edges),
+                                       cmocka_unit_test(lines_near_a_third),
                                        cmocka_unit_test(cycles_that_differ_in_turn),
                                        cmocka_unit_test(spectra_of_narrow_pulses),
                                        cmocka_unit_test(uncertainties_of_waves),
