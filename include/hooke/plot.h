@@ -235,9 +235,6 @@ void session_cursor_lines(const struct session *session, struct buffer *text);
 /* What the point of the cursors moves on: the plane of the plot that has the focus. Returns false
  * where that has none, or it was not drawn yet. */
 bool cursor_plane(const struct session *session, struct plot_plane *plane);
-/* The state there: of variables that are not shown as the plane has them. */
-void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
-                        double *state);
 /* "start x=1,y=0.5": the command that begins a trajectory there. */
 void cursor_plane_start(const struct session *session, struct buffer *line);
 /* Two lines for people: where it stands, and what is there. */

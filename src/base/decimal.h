@@ -35,12 +35,6 @@ struct decimal {
 /* The finite value with the fewest digits that read back to it, and of those the nearest; no
  * trailing zeros. */
 struct decimal decimal_shortest(double value);
-/* The finite value rounded to 1..17 significant digits, trailing zeros dropped. */
-struct decimal decimal_rounded(double value, int digits);
-/* Power of ten of the first digit: 0 for 1..9; for zero, that of its last place. */
-int decimal_decade(struct decimal decimal);
-/* Digits of n, right-aligned before `end`; returns their first. */
-char *decimal_digits(char *end, uint64_t n);
 /* "e-7" at `at`, without NUL; returns its end. */
 char *decimal_power(char *at, int exponent);
 /* Plain notation while low <= decade < high, else d.ddde-7. Returns the length without the NUL. */

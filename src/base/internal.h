@@ -22,8 +22,6 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
 /* Returns true if the name is free, or is a regular file that force may replace. Sets *mode to its
  * permissions, or to 0 for a new file. */
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error);
-/* All of it to writer->fd; a failure is remembered. */
-void writer_write(struct writer *writer, struct text text);
 int file_synced(int fd); /* 0 or an errno */
 
 /* ---- hidden names beside the target (strays.c) ---- */

@@ -40,7 +40,8 @@ static struct decimal rounded(double value, int digits)
     return d;
 }
 
-struct decimal decimal_rounded(double value, int digits)
+/* The finite value rounded to 1..17 significant digits, trailing zeros dropped. */
+static struct decimal decimal_rounded(double value, int digits)
 {
     struct decimal d = rounded(value, digits);
     return d.digits ? stripped(d) : (struct decimal){.negative = d.negative};
@@ -142,7 +143,8 @@ struct decimal decimal_shortest(double value)
     return d;
 }
 
-char *decimal_digits(char *end, uint64_t n)
+/* Digits of n, right-aligned before `end`; returns their first. */
+static char *decimal_digits(char *end, uint64_t n)
 {
     static const char pairs[201] =
         "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
@@ -167,7 +169,8 @@ char *decimal_power(char *at, int exponent)
     return at + (end - first);
 }
 
-int decimal_decade(struct decimal decimal)
+/* Power of ten of the first digit: 0 for 1..9; for zero, that of its last place. */
+static int decimal_decade(struct decimal decimal)
 {
     int decade = decimal.exponent;
     for (uint64_t n = decimal.digits; n >= 10; n /= 10)

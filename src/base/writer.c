@@ -187,7 +187,8 @@ int file_put(int fd, struct text *text)
     return 0;
 }
 
-void writer_write(struct writer *writer, struct text text)
+/* All of it to writer->fd; a failure is remembered. */
+static void writer_write(struct writer *writer, struct text text)
 {
     if (writer->failed)
         return;

@@ -86,8 +86,9 @@ static int frame_text(const struct text_sheet *sheet, int x, int end, int y, str
     return x;
 }
 
-void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out,
-                size_t size)
+/* "title y [1e-6 m]"; with an offset "title y - 2.2326 m [1e-6 m]" */
+static void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title,
+                       char *out, size_t size)
 {
     const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
     char power[16] = "", offset[TICK_TEXT_SIZE] = "";

@@ -14,9 +14,6 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
 struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want,
                         int max);
 
-/* "title y [1e-6 m]"; with an offset "title y - 2.2326 m [1e-6 m]" */
-void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out,
-                size_t size);
 /* In columns of the plot; the label may begin left of it. */
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i);
 int x_label_start(const struct figure_layout *layout, int column, int len);

@@ -104,8 +104,9 @@ bool cursor_plane(const struct session *session, struct plot_plane *plane)
     return row && row->drawn(session, plane);
 }
 
-void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
-                        double *state)
+/* The state there: of variables that are not shown as the plane has them. */
+static void cursor_plane_state(const struct session *session, const struct plot_plane *plane,
+                               double *state)
 {
     memcpy(state, plane->state, sizeof plane->state);
     for (int k = 0; k < 2; k++)

@@ -46,10 +46,10 @@ static bool is_kinetic(const struct drawing *d)
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const struct run *first = d->session->runs.slot[request->run[0]]->run;
+    const struct run *first = run_of(d, 0);
     d->model = first->system.model;
     for (int i = 1; i < request->runs; i++) {
-        const struct run *run = d->session->runs.slot[request->run[i]]->run;
+        const struct run *run = run_of(d, i);
         if (!models_alike(run->system.model, d->model))
             return error_set(
                 d->error, ERROR_COMMAND,
@@ -78,7 +78,7 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
     const char *name = run->name[0] ? run->name : run->method->row.name;
     bool alone = true;
     for (int i = 0; i < d->request->runs; i++) {
-        const struct run *other = d->session->runs.slot[d->request->run[i]]->run;
+        const struct run *other = run_of(d, i);
         const char *its = other->name[0] ? other->name : other->method->row.name;
         alone &= other == run || strcmp(its, name) != 0;
     }
@@ -248,8 +248,7 @@ static const char *make_note(const struct drawing *d)
 
 static bool is_shown(const struct drawing *d, const struct recording *recording)
 {
-    const struct run *run =
-        d->request->runs > 0 ? d->session->runs.slot[d->request->run[0]]->run : NULL;
+    const struct run *run = d->request->runs > 0 ? run_of(d, 0) : NULL;
     return recording_shows(recording, run, d->request->kind);
 }
 
@@ -278,9 +277,7 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->model && d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
-        return chosen_variable(&d->session->runs.slot[d->request->run[0]]->run->system,
-                               &d->column[0])
-            .quantity;
+        return chosen_variable(&run_of(d, 0)->system, &d->column[0]).quantity;
     if (plot_row(kind)->observable)
         return model_quantity(d->model, observable(d));
     return vertical_variable(d->model, kind)->quantity;
@@ -321,40 +318,6 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1);
     figure->point[0] = curve->x[curve->n - 1];
     figure->point[1] = curve->y[curve->n - 1];
-}
-
-/* Of what is being collected twice what is drawn of it, however long it is. */
-static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
-{
-    struct recording part = *recording; /* its arrays are shared */
-    const double trail = 2 * drawing_trail(d) * d->session->growing->steady,
-                 shown = d->request->shared ? d->request->shared->shown : HUGE_VAL,
-                 from = part.window[1] - 2 * fmax(shown, trail);
-    part.window[0] = isfinite(trail) ? fmax(part.window[0], from) : part.window[0];
-    return recording_series(&part, d->arena, 2, series, d->error);
-}
-
-/* What a recording has of the motion; without a run it is that of an oscillator. */
-static bool find_motion(struct drawing *d, const struct recording *recording)
-{
-    const bool grows = d->request->follow && session_grows(d->session, recording);
-    struct series recent;
-    if (grows && !recent_rows(d, recording, &recent))
-        return false;
-    if (!series_tools()->motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy,
-                                d->arena, &d->motion, d->error))
-        return false;
-    if (d->request->runs > 0)
-        return d->model == &oscillator_model ||
-               error_set(d->error, ERROR_COMMAND,
-                         "velocities of %s are those of a spring, no plot shows both",
-                         recording->name);
-    const double omega = d->motion.omega;
-    d->model = &oscillator_model;
-    d->period = 6.283185307179586 / omega;
-    if (kind_of(d)->scaled && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
-        d->omega0 = omega;
-    return true;
 }
 
 /* Laid over a recording while it grows: the scene, integrated to now. */
@@ -406,20 +369,20 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (request->runs > 0 && !find_model(d))
         return false;
     if (request->runs > 0) {
-        const struct run *run = session->runs.slot[request->run[0]]->run;
+        const struct run *run = run_of(d, 0);
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
         d->period = request->at.len ? NAN : run_rhythm(run);
         if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d->omega0 = sqrt(stiffness);
     }
     const struct recording *recording = recording_of(d);
-    if (recording && drawing_needs_motion(d, recording) && !find_motion(d, recording))
+    if (recording && drawing_needs_motion(d, recording) && !drawing_find_motion(d, recording))
         return false;
     drawing_window(d);
     /* No law says how fast it goes: as it was seen to. */
     if (row->across == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
         !request->follow)
-        d->period = seen_period(d, session->runs.slot[request->run[0]]->run);
+        d->period = seen_period(d, run_of(d, 0));
     if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
     if (recording && holds_another(d, recording))
@@ -427,7 +390,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
                          recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
         if (!(request->at.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
-                              : add_run(d, session->runs.slot[request->run[i]]->run)))
+                              : add_run(d, run_of(d, i))))
             return false;
     if (!add_band(d))
         return false;
@@ -459,8 +422,7 @@ static bool label_axes(const struct drawing *d, const struct plot_row *row,
     if (!figure->y.label)
         return error_memory(d->error);
     if (request->columns && figure->y.unit[0] == 0)
-        figure->y.unit =
-            chosen_unit(&d->session->runs.slot[request->run[0]]->run->system, &d->column[0]);
+        figure->y.unit = chosen_unit(&run_of(d, 0)->system, &d->column[0]);
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
@@ -494,7 +456,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
-        across = chosen_variable(&session->runs.slot[request->run[0]]->run->system, &d.against);
+        across = chosen_variable(&run_of(&d, 0)->system, &d.against);
     else if (plane && d.model)
         across = d.model->variable[0];
     *figure = (struct figure){.title = values           ? "values"

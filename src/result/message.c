@@ -1,12 +1,94 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the
- * language goes through here once. */
+/* Formatted lines, notes and warnings; how an error is shown: position, line, caret, hint; or one
+ * JSON object. Every error of the language goes through here once. */
 #include <hooke/base/safe_text.h>
 #include <hooke/result.h>
 
 #include <string.h>
 
 #define SHOWN_WIDTH 100 /* [column] of a long line that is shown around the caret */
+
+/* A formatted text with everything visible that could command a terminal, whatever was put into it.
+ */
+static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
+
+static void put_safely(struct buffer *out, const char *format, va_list args)
+{
+    struct buffer raw = {0};
+    buffer_vformat(&raw, format, args);
+    safe_text(out, buffer_text(&raw), true);
+    out->failed |= raw.failed;
+    buffer_free(&raw);
+}
+
+void reply_line(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    if (line.failed)
+        reply->failed = true;
+    else
+        reply_text(reply, buffer_text(&line));
+    buffer_free(&line);
+}
+
+static void write_err(struct reply *reply, const struct buffer *text)
+{
+    reply_flush(reply);
+    /* A message that does not fit into memory is lost, not the session. */
+    if (!text->failed)
+        reply->sink.err(reply->sink.context, buffer_text(text));
+}
+
+void reply_note(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    buffer_char(&line, '\n');
+    write_err(reply, &line);
+    buffer_free(&line);
+}
+
+static struct reply message_record(const struct reply *reply)
+{
+    return (struct reply){.sink = {.out = reply->sink.err, .context = reply->sink.context},
+                          .format = FORMAT_JSON};
+}
+
+static void write_warning(struct reply *reply, const char *text)
+{
+    struct reply record = message_record(reply);
+    reply_begin(&record, "warning");
+    reply_string(&record, "text", text);
+    reply_end(&record);
+    reply_free(&record);
+}
+
+void reply_warning(struct reply *reply, const char *format, ...)
+{
+    struct buffer line = {0}, out = {0};
+    va_list args;
+    va_start(args, format);
+    put_safely(&line, format, args);
+    va_end(args);
+    if (reply->format == FORMAT_JSON) {
+        write_warning(reply, buffer_view(&line));
+    } else {
+        buffer_format(&out, "warning: %s\n", buffer_view(&line));
+        out.failed |= line.failed;
+        write_err(reply, &out);
+    }
+    buffer_free(&line);
+    buffer_free(&out);
+}
+
+/* ---- errors ---- */
 
 /* Characters before the place, counted from 1; 0 if the place is not in the line. */
 static size_t place_column(struct text line, struct text where)
@@ -90,8 +172,7 @@ static void put_caret(struct buffer *out, struct text line, struct text where)
 static void write_record(struct reply *reply, const struct error *error, const struct source *where,
                          size_t column)
 {
-    struct reply record = {.sink = {.out = reply->sink.err, .context = reply->sink.context},
-                           .format = FORMAT_JSON};
+    struct reply record = message_record(reply);
     const bool is_placed = where && where->name;
     reply_begin(&record, "error");
     reply_string(&record, "code", error_name(error->code));

@@ -40,22 +40,6 @@ static void flush_out(struct reply *reply, struct buffer *buffer)
     buffer_clear(buffer);
 }
 
-/* Writes {kind, text} to results or messages. */
-static void write_text_record(struct reply *reply, bool is_message, const char *kind,
-                              const char *text)
-{
-    struct reply record = {.sink = reply->sink, .format = FORMAT_JSON, .muted = reply->muted};
-    if (is_message) {
-        record.sink.out = reply->sink.err;
-        record.muted = false;
-    }
-    reply_begin(&record, kind);
-    reply_string(&record, "text", text);
-    reply_end(&record);
-    reply->failed |= record.failed && !is_message;
-    reply_free(&record);
-}
-
 void reply_flush(struct reply *reply)
 {
     struct buffer *lines = &reply->lines;
@@ -110,71 +94,6 @@ void reply_data(struct reply *reply, const char *kind, struct text text)
         begin_part(reply, kind);
     }
     write_out(reply, text);
-}
-
-/* A formatted text with everything visible that could command a terminal, whatever was put into it.
- */
-static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
-
-static void put_safely(struct buffer *out, const char *format, va_list args)
-{
-    struct buffer raw = {0};
-    buffer_vformat(&raw, format, args);
-    safe_text(out, buffer_text(&raw), true);
-    out->failed |= raw.failed;
-    buffer_free(&raw);
-}
-
-void reply_line(struct reply *reply, const char *format, ...)
-{
-    struct buffer line = {0};
-    va_list args;
-    va_start(args, format);
-    put_safely(&line, format, args);
-    va_end(args);
-    if (line.failed)
-        reply->failed = true;
-    else
-        reply_text(reply, buffer_text(&line));
-    buffer_free(&line);
-}
-
-static void write_err(struct reply *reply, const struct buffer *text)
-{
-    reply_flush(reply);
-    /* A message that does not fit into memory is lost, not the session. */
-    if (!text->failed)
-        reply->sink.err(reply->sink.context, buffer_text(text));
-}
-
-void reply_note(struct reply *reply, const char *format, ...)
-{
-    struct buffer line = {0};
-    va_list args;
-    va_start(args, format);
-    put_safely(&line, format, args);
-    va_end(args);
-    buffer_char(&line, '\n');
-    write_err(reply, &line);
-    buffer_free(&line);
-}
-
-void reply_warning(struct reply *reply, const char *format, ...)
-{
-    struct buffer line = {0}, out = {0};
-    va_list args;
-    va_start(args, format);
-    put_safely(&line, format, args);
-    va_end(args);
-    if (reply->format == FORMAT_JSON) {
-        write_text_record(reply, true, "warning", buffer_view(&line));
-    } else {
-        buffer_format(&out, "warning: %s\n", buffer_view(&line));
-        out.failed |= line.failed;
-        write_err(reply, &out);
-    }
-    buffer_free(&line);
-    buffer_free(&out);
 }
 
 /* ---- records ---- */
@@ -549,8 +468,13 @@ void reply_command_end(struct reply *reply, const char *kind)
     struct buffer *lines = &reply->lines;
     reply->failed |= lines->failed;
     if (lines->len > 0 && !reply->recorded && !reply->quiet && reply->format == FORMAT_JSON) {
+        struct table_store *store = reply->store;
         lines->data[--lines->len] = '\0';
-        write_text_record(reply, false, kind, lines->data);
+        reply->store = NULL; /* of records only */
+        reply_begin(reply, kind);
+        reply_string(reply, "text", lines->data);
+        reply_end(reply);
+        reply->store = store;
     } else if (!reply->recorded && !reply->quiet && reply->format == FORMAT_CSV) {
         struct buffer out = {0};
         struct text rest = buffer_text(lines), line;

@@ -107,8 +107,9 @@ bool system_has_potential(const struct system *system)
     return true;
 }
 
-double term_power(const struct system *system, const struct bound_term *term, double t,
-                  const double *y)
+/* Returns the power of one term [W], 0 if it has a potential. */
+static double term_power(const struct system *system, const struct bound_term *term, double t,
+                         const double *y)
 {
     const int rows = term_rows(system);
     double a[LIMIT_VARIABLES] = {0}, sum = 0;

@@ -104,7 +104,8 @@ const struct model *model_with(struct text name)
     return NULL;
 }
 
-const char *model_scene(const struct model *model)
+/* name of a scene that is one */
+static const char *model_scene(const struct model *model)
 {
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = preset_at(i);

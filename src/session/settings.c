@@ -51,7 +51,7 @@ static const struct row color_rows[] = {
     [COLOR_ALWAYS] = {"always", "", "always", "", NULL},
     [COLOR_NEVER] = {"never", "", "never", "", NULL},
 };
-const struct catalog color_choice_catalog = CATALOG("color", color_rows);
+static const struct catalog color_choice_catalog = CATALOG("color", color_rows);
 
 static const struct row sync_rows[] = {
     [SYNC_AUTO] = {"auto", "", "on where the terminal answers", "", NULL},
@@ -59,7 +59,14 @@ static const struct row sync_rows[] = {
                  NULL},
     [SYNC_OFF] = {"off", "", "frames do not wait", "", NULL},
 };
-const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
+static const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
+
+static const struct row timing_rows[] = {
+    [TIMING_OFF] = {"off", "", "no times are measured", "", NULL},
+    [TIMING_QUICK] = {"quick", "", "3 to 5 samples of at least 0.2 ms", "", NULL},
+    [TIMING_FULL] = {"full", "", "15 samples of at least 1 ms", "", NULL},
+};
+const struct catalog timing_catalog = CATALOG("timing", timing_rows);
 
 static const struct row view_rows[] = {
     [VIEW_PAGE] = {"page", "", "the live view sweeps, then pages: few bytes", "", NULL},
@@ -109,7 +116,7 @@ static const struct catalog record_catalog = CATALOG("rule", record_rows);
 
 static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
 
-const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
+static const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
 
 static const struct row phase_rows[] = {
     [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "",

@@ -67,7 +67,9 @@ static void make_folders(char *path)
     }
 }
 
-char *user_path(const char *variable, const char *fallback, const char *name, bool create)
+/* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL:
+ * no place. Caller frees. */
+static char *user_path(const char *variable, const char *fallback, const char *name, bool create)
 {
     struct buffer path = {0};
     const char *base = getenv(variable);

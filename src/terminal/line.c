@@ -17,7 +17,7 @@
 #include <readline/tilde.h>
 
 /* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
-void line_find_own(void *function, const char *name)
+static void line_find_own(void *function, const char *name)
 {
     void *found = dlsym(RTLD_NEXT, name);
     memcpy(function, &found, sizeof found);
@@ -208,6 +208,15 @@ static char **word_complete(const char *word, int begin, int end)
 
 /* ---- where readline 7 to 8.3 crashes or hangs ---- */
 
+/* What was edited cannot be undone any more. */
+static void line_drop_undo(void)
+{
+    HIST_ENTRY *entry = current_history();
+    rl_undo_list = NULL;
+    if (entry)
+        entry->data = NULL;
+}
+
 /*
  * The functions that are weak stand before those of readline and have them do the rest: where
  * readline is linked as an archive its own are taken, faults and all.
@@ -396,14 +405,6 @@ __attribute__((weak)) void rl_add_undo(enum undo_code what, int start, int end, 
     if (own)
         own(what, start, end, text);
     put_pointer(&parts, rl_undo_list);
-}
-
-void line_drop_undo(void)
-{
-    HIST_ENTRY *entry = current_history();
-    rl_undo_list = NULL;
-    if (entry)
-        entry->data = NULL;
 }
 
 static int by_address(const void *a, const void *b)

@@ -68,7 +68,7 @@ static struct sink sink_of(struct panes *panes)
     return (struct sink){say_here, say_here, panes};
 }
 
-void panes_warn(struct panes *panes, const struct error *error)
+static void panes_warn(struct panes *panes, const struct error *error)
 {
     reply_warning(panes->program->reply, "%s", error->text);
     panes->screen_stale = true;

@@ -157,7 +157,6 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);
 /* Everything is sent again, whatever the terminal shows. */
 void panes_repaint(struct panes *panes);
-void panes_warn(struct panes *panes, const struct error *error);
 
 /* ---- readline (edit.c) ---- */
 

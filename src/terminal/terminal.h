@@ -211,10 +211,6 @@ void progress_print(void *context, const struct run *run, double fraction);
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
-/* The function of that name before which ours stands; `function` points at a pointer to it. */
-void line_find_own(void *function, const char *name);
-/* What was edited cannot be undone any more. */
-void line_drop_undo(void);
 /* What readline takes for the line's end may lie behind it (in vi's command mode: a yank that is
  * repeated), where its searches never end; a count is kept small. */
 void line_mend(void);
@@ -229,9 +225,6 @@ void line_over(void);
 
 /* ---- files of the user ---- */
 
-/* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL:
- * no place. Caller frees. */
-char *user_path(const char *variable, const char *fallback, const char *name, bool create);
 char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.local/state */
 
 #define HISTORY_LINES 5000

@@ -72,6 +72,8 @@ bool recording_shows(const struct recording *recording, const struct run *run, e
 void drawing_put_delay(const struct drawing *d, struct buffer *text);
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
 bool drawing_recording(struct drawing *d, const struct recording *recording);
+/* What a recording has of the motion; without a run it is that of an oscillator. */
+bool drawing_find_motion(struct drawing *d, const struct recording *recording);
 
 /* The unit in which numbers of this size are short; without one the axis is left as it is. */
 void axis_suit(struct axis *axis, enum quantity quantity, double size);

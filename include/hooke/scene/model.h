@@ -334,9 +334,6 @@ int system_bursts(const struct system *system, const double t[2], const double *
 double system_kinetic(const struct system *system, const double *y);   /* [J] */
 double system_potential(const struct system *system, const double *y); /* [J] */
 bool system_has_potential(const struct system *system); /* all forces but drag have one */
-/* Returns the power of one term [W], 0 if it has a potential. */
-double term_power(const struct system *system, const struct bound_term *term, double t,
-                  const double *y);
 /* [W] of the non-conservative terms */
 double system_power(const struct system *system, double t, const double *y);
 /* [W] of the drag terms alone, <= 0 */

@@ -25,7 +25,6 @@ int model_variable(const struct model *model, struct text name);
 int model_observation(const struct model *model, struct text name);
 /* the first with such a parameter, derived quantity or variable */
 const struct model *model_with(struct text name);
-const char *model_scene(const struct model *model); /* name of a scene that is one */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
 /* NULL: none. In what a user has typed `y` is no other name of the first coordinate. */
 const struct observable *model_observable(const struct model *model, struct text name);

@@ -95,8 +95,7 @@ void setting_show(const struct setting *setting, const struct settings *settings
 void setting_exact(const struct setting *setting, const struct settings *settings,
                    struct buffer *text);
 
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog,
-    turning_catalog;
+extern const struct catalog charset_choice_catalog, phase_axes_catalog, turning_catalog;
 extern const struct catalog opinion_catalog;
 
 #endif

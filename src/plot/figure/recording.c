@@ -165,3 +165,36 @@ void drawing_put_delay(const struct drawing *d, struct buffer *text)
     buffer_quantity(text, d->session->growing->late, QUANTITY_TIME, 2);
     buffer_put(text, TEXT(" late"));
 }
+
+/* Of what is being collected twice what is drawn of it, however long it is. */
+static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
+{
+    struct recording part = *recording; /* its arrays are shared */
+    const double trail = 2 * drawing_trail(d) * d->session->growing->steady,
+                 shown = d->request->shared ? d->request->shared->shown : HUGE_VAL,
+                 from = part.window[1] - 2 * fmax(shown, trail);
+    part.window[0] = isfinite(trail) ? fmax(part.window[0], from) : part.window[0];
+    return recording_series(&part, d->arena, 2, series, d->error);
+}
+
+bool drawing_find_motion(struct drawing *d, const struct recording *recording)
+{
+    const bool grows = d->request->follow && session_grows(d->session, recording);
+    struct series recent;
+    if (grows && !recent_rows(d, recording, &recent))
+        return false;
+    if (!series_tools()->motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy,
+                                d->arena, &d->motion, d->error))
+        return false;
+    if (d->request->runs > 0)
+        return d->model == &oscillator_model ||
+               error_set(d->error, ERROR_COMMAND,
+                         "velocities of %s are those of a spring, no plot shows both",
+                         recording->name);
+    const double omega = d->motion.omega;
+    d->model = &oscillator_model;
+    d->period = 6.283185307179586 / omega;
+    if (kind_of(d)->scaled && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
+        d->omega0 = omega;
+    return true;
+}

@@ -42,7 +42,6 @@ static inline int function_arity(const struct function *function)
 #undef TWO
 double function_sign(double x);
 double function_step(double x);
-double function_choose(double condition, double yes, double no);
 
 /* 1 or 0; NaN where an argument is. */
 static inline double less(double a, double b)

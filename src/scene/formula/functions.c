@@ -26,7 +26,7 @@ double function_step(double x)
     return less_equal(0, x);
 }
 
-double function_choose(double condition, double yes, double no)
+static double function_choose(double condition, double yes, double no)
 {
     return isnan(condition) ? condition : condition > 0 ? yes : no;
 }

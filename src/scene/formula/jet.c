@@ -13,7 +13,7 @@ struct jet jet_jump(double lo, double hi)
     return (struct jet){{lo, hi}, interval_all, interval_all};
 }
 
-struct jet jet_neg(struct jet a)
+static struct jet jet_neg(struct jet a)
 {
     return (struct jet){interval_neg(a.value), interval_neg(a.slope), interval_neg(a.bend)};
 }
@@ -24,7 +24,7 @@ struct jet jet_add(struct jet a, struct jet b)
                         interval_add(a.bend, b.bend)};
 }
 
-struct jet jet_sub(struct jet a, struct jet b)
+static struct jet jet_sub(struct jet a, struct jet b)
 {
     return jet_add(a, jet_neg(b));
 }
@@ -41,7 +41,7 @@ static struct jet scaled(struct interval factor, const struct jet *a)
 }
 
 /* (a b)'' = a'' b + 2 a' b' + a b'' */
-struct jet jet_mul(struct jet a, struct jet b)
+static struct jet jet_mul(struct jet a, struct jet b)
 {
     if (jet_is_number(&a) || jet_is_number(&b))
         return jet_is_number(&a) ? scaled(a.value, &b) : scaled(b.value, &a);
@@ -54,7 +54,7 @@ struct jet jet_mul(struct jet a, struct jet b)
 }
 
 /* q = a/b: q' = (a' - q b')/b, q'' = (a'' - 2 q' b' - q b'')/b */
-struct jet jet_div(struct jet a, struct jet b)
+static struct jet jet_div(struct jet a, struct jet b)
 {
     struct jet q = {.value = interval_div(a.value, b.value)};
     const struct interval rise = interval_sub(a.slope, interval_mul(q.value, b.slope));
@@ -67,7 +67,7 @@ struct jet jet_div(struct jet a, struct jet b)
 }
 
 /* 1 where a < b (a <= b), else 0. */
-struct jet jet_less(struct jet a, struct jet b, bool equal)
+static struct jet jet_less(struct jet a, struct jet b, bool equal)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
         return jet_jump(NAN, NAN);
@@ -78,7 +78,7 @@ struct jet jet_less(struct jet a, struct jet b, bool equal)
     return jet_jump(0, 1);
 }
 
-struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
+static struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
 {
     if (interval_empty(condition.value))
         return jet_jump(NAN, NAN);
@@ -200,7 +200,7 @@ static struct jet to_power(struct jet x, struct jet n)
     return jet_jump(0, max);
 }
 
-struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
+static struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
 {
     if (function == function_power)
         return to_power(a, b);

@@ -7,15 +7,8 @@
 #include <hooke/scene/interval.h>
 
 struct jet jet_number(double number);
-struct jet jet_neg(struct jet a);
 struct jet jet_add(struct jet a, struct jet b);
-struct jet jet_sub(struct jet a, struct jet b);
-struct jet jet_mul(struct jet a, struct jet b);
-struct jet jet_div(struct jet a, struct jet b);
-struct jet jet_less(struct jet a, struct jet b, bool equal);
-struct jet jet_if(struct jet condition, struct jet yes, struct jet no);
 struct jet jet_one(double (*function)(double), struct jet x); /* of expressions (functions.c) */
-struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b);
 
 /* Of a branch that is not known: in between, with any slope; of one that may not be a number, the
  * same. */

@@ -58,9 +58,6 @@ static inline bool symbol_is(const struct symbol *symbol, struct text name)
            symbol->name[last] == name.at[last] && memcmp(symbol->name, name.at, last) == 0;
 }
 
-/* The line of that kind and name; NULL if there is none. */
-const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
-                                       struct text name);
 /* All names but those of observed quantities. */
 bool typed_declare(struct compile *c);
 /* -1: the name is taken. */

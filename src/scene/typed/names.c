@@ -24,8 +24,9 @@ static bool symbol_matches(const struct compile *c, const struct symbol *symbol,
     return symbol_is(symbol, name);
 }
 
-const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
-                                       struct text name)
+/* The line of that kind and name; NULL: none. */
+static const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
+                                              struct text name)
 {
     for (int i = 0; i < typed->lines; i++)
         if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))

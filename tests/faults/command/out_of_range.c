@@ -36,6 +36,32 @@ static bool put_number(struct buffer *file, const char *name, size_t at, const v
     return found;
 }
 
+/* The file of a session in which `lines` were typed. */
+static void store_lines(struct buffer *whole)
+{
+    struct bench b;
+    struct stored stored = {0};
+    bench_open(&b, false);
+    type_ok(&b, lines);
+    bench_store(b.session, &stored, whole);
+    bench_close(&b);
+    stored_free(&stored);
+}
+
+/* Restores a session from a file in which `what` was damaged, which a note names; frees the file.
+ */
+static void restore_damaged(struct bench *again, struct buffer *file, const char *what,
+                            const char *named)
+{
+    struct buffer notes = {0};
+    mend((uint8_t *)file->data, file->len);
+    assert_true(bench_restore(again, buffer_text(file), &notes));
+    if (!strstr(said(&notes), named))
+        fail_msg("%s: '%s' does not name it", what, said(&notes));
+    buffer_free(file);
+    buffer_free(&notes);
+}
+
 static void numbers_out_of_range_are_left_out_by_name(void **state)
 {
     static const int64_t minus = -1, far = INT64_MAX / 2;
@@ -65,30 +91,19 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
         {"kind", 0, &seven, sizeof seven, "what was asked of it is damaged"},
     };
     (void)state;
-    struct bench b;
-    struct stored stored = {0};
     struct buffer whole = {0};
-    bench_open(&b, false);
-    type_ok(&b, lines);
-    bench_store(b.session, &stored, &whole);
+    store_lines(&whole);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        struct buffer file = {0}, notes = {0};
+        struct buffer file = {0};
         struct bench again;
         buffer_put(&file, buffer_text(&whole));
         if (!put_number(&file, cases[i].field, cases[i].at, cases[i].number, cases[i].bytes))
             fail_msg("%s: it is not in the file", cases[i].field);
-        mend((uint8_t *)file.data, file.len);
-        assert_true(bench_restore(&again, buffer_text(&file), &notes));
-        if (!strstr(said(&notes), cases[i].named))
-            fail_msg("%s: '%s' does not name it", cases[i].field, said(&notes));
+        restore_damaged(&again, &file, cases[i].field, cases[i].named);
         type_ok(&again, "runs");
         type_ok(&again, "scene spring; run 3 s; measure period; show all; save z --force");
         bench_close(&again);
-        buffer_free(&file);
-        buffer_free(&notes);
     }
-    bench_close(&b);
-    stored_free(&stored);
     buffer_free(&whole);
 }
 
@@ -107,14 +122,10 @@ static void only_what_makes_a_session_is_executed(void **state)
         {"set gama 3  ", "gama"},
         {"m = \033[2J   ", "\\x1b[2J"},
     };
-    struct bench b;
-    struct stored stored = {0};
     struct buffer whole = {0};
-    bench_open(&b, false);
-    type_ok(&b, lines);
-    bench_store(b.session, &stored, &whole);
+    store_lines(&whole);
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        struct buffer file = {0}, notes = {0};
+        struct buffer file = {0};
         struct bench again;
         buffer_put(&file, buffer_text(&whole));
         char *at = NULL;
@@ -123,19 +134,12 @@ static void only_what_makes_a_session_is_executed(void **state)
                 at = file.data + k;
         assert_non_null(at);
         memcpy(at, cases[i].instead, sizeof line - 2);
-        mend((uint8_t *)file.data, file.len);
-        assert_true(bench_restore(&again, buffer_text(&file), &notes));
-        if (!strstr(said(&notes), cases[i].named))
-            fail_msg("%s: '%s' does not name it", cases[i].instead, said(&notes));
+        restore_damaged(&again, &file, cases[i].instead, cases[i].named);
         assert_false(again.session->execution.quit);
         type_ok(&again, "use 1; print y");
         bench_close(&again);
-        buffer_free(&file);
-        buffer_free(&notes);
     }
     assert_int_not_equal(access("x.csv", F_OK), 0);
-    bench_close(&b);
-    stored_free(&stored);
     buffer_free(&whole);
 }
 

@@ -435,8 +435,7 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
     struct overview overview;
     struct fit *motion = arena_alloc(f->arena, sizeof *motion);
     struct error ignored = {0};
-    struct arena scratch = {
-        0}; /* of what is known of the motion beforehand: large, and not needed any more */
+    struct arena scratch = {0}; /* large, and not needed when the motion is known */
     double proposed[CURVE_PARAMETERS];
     if (!motion)
         return error_memory(error);
@@ -494,8 +493,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
     fit->scene = curve.scene;
     for (int j = 0; j < curve.frees; j++) {
         fit->scene.value[fit->index[j]] = fit->curve.value[j].value;
-        fit->scene.uncertainty[fit->index[j]] =
-            fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
+        fit->scene.uncertainty[fit->index[j]] = fmax(fit->curve.value[j].uncertainty, 0);
         fit->scene.chosen[fit->index[j]] = true;
     }
     return true;
