@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Whether a run failed because its solution ends. A run that got where it should is not looked
- * into, unless one of its fixed steps looks strange (strange.c). Of one that failed an accurate
- * solution is followed from where the run last had a start of its own: an unstable method, or a
- * loose tolerance, fails where the solution itself goes on.
+ * into, unless one of its fixed steps looks strange (strange.c), or the solution does not get
+ * across the shortest of its adaptive steps. Of one that failed an accurate solution is followed
+ * from where the run last had a start of its own: an unstable method, or a loose tolerance, fails
+ * where the solution itself goes on.
  */
 #include <hooke/base/cancel.h>
 
@@ -129,6 +130,59 @@ static void diagnose_failure(struct run *run)
     run_end_singular(run, &followed);
 }
 
+/* Returns the length of the adaptive step to a recorded row. */
+static double step_before(const struct trace *trace, size_t row)
+{
+    const size_t time = trace->width - 1;
+    return fabs(trace_row(trace, row)[time] - trace_row(trace, row - 1)[time]);
+}
+
+/* Finds adaptive steps across the end of a solution, which shrink on the way there: the shortest
+ * one, and those that shrink before it. Where the tolerance is loose, a few may shrink by nothing.
+ */
+static void find_end_passed(struct run *run)
+{
+    enum { FEW = 32, SHARE = 8 }; /* rows; of all rows, new ones for a look */
+    static const double shrunk = 0.01, loose = 0.01, beyond = 1.5; /* a run may end too early */
+    struct run_private *p = run->private_state;
+    const struct trace *trace = run->trace;
+    const size_t last = trace->count - 1, start = run_own_start(run);
+    p->looked = p->looked > last ? 0 : p->looked;
+    const size_t first = p->looked > start ? p->looked : start;
+    if (last - first <= p->looked / SHARE)
+        return;
+    p->looked = last;
+    double least = INFINITY, longest = 0, t_before = trace_row(trace, first)[trace->width - 1];
+    size_t from = last, to = last;
+    for (size_t row = first + 1; row < last; row++) {
+        const double t = trace_row(trace, row)[trace->width - 1], h = fabs(t - t_before);
+        t_before = t;
+        longest = h > longest ? h : longest;
+        if (h < least && h < shrunk * longest) {
+            least = h;
+            from = row;
+        }
+    }
+    if (from < last) {
+        to = from + 1;
+        while (from > first + 1 && step_before(trace, from - 1) >= step_before(trace, from))
+            from--;
+        from--;
+    } else if (last - first <= FEW && run->settings.tol >= loose) {
+        from = first;
+    } else {
+        return;
+    }
+    const double t = trace_time(trace, from), way = beyond * (trace_time(trace, to) - t),
+                 t_end = fabs(way) < fabs(run->t - t) ? t + way : run->t;
+    struct followed followed;
+    if (!run_seems_to_end(&run->system, t, trace_state(trace, from), t_end, run->cancel))
+        return;
+    run_follow_from(run, from, run->t, run_follow_steps((double)run->cost.evals), &followed);
+    if (!followed.finite || run->system.autonomous)
+        run_end_singular(run, &followed);
+}
+
 void run_diagnose(struct run *run)
 {
     const bool failed =
@@ -142,4 +196,6 @@ void run_diagnose(struct run *run)
         diagnose_failure(run);
     if (!run->plan.adaptive && run->steps > 0 && run->private_state->fate == SOLUTION_UNKNOWN)
         run_find_strange_steps(run);
+    if (run->plan.adaptive && !failed && run->trace && run->trace->timed)
+        find_end_passed(run);
 }

@@ -35,6 +35,9 @@ void run_follow(const struct system *system, double t, const double *y, double e
 /* The same at the accuracy, and within the work, of run_solve_cheaply(). */
 void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
                         double tol, const struct cancel *cancel, struct followed *followed);
+/* Returns true if the solution ends before `end`, as far as some 100 steps show. */
+bool run_seems_to_end(const struct system *system, double t, const double *y, double end,
+                      const struct cancel *cancel);
 /* Returns true for linear equations whose drive, if there is one, is a cosine: their solutions
  * exist at all times. */
 bool run_is_never_singular(const struct system *system);

@@ -139,6 +139,15 @@ void run_follow_cheaply(const struct system *system, double t, const double *y, 
         pursue(system, t, y, end, &stiff, cancel, followed);
 }
 
+bool run_seems_to_end(const struct system *system, double t, const double *y, double end,
+                      const struct cancel *cancel)
+{
+    const struct pursuit brief = {"dop853", 1e-7, 100, 1e-5};
+    struct followed followed;
+    pursue(system, t, y, end, &brief, cancel, &followed);
+    return followed.fate == SOLUTION_ENDS;
+}
+
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
                        double tol, double *to, const struct cancel *cancel)
 {

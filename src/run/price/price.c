@@ -58,16 +58,20 @@ static double rows_price(const struct run_scenario *s, const struct run_work *wo
     return (each + (thins ? thinned : 0)) * work->steps;
 }
 
-/* Instructions for the rows that run_find_strange_steps() compares with their slopes. */
+/* Instructions for the rows that run_find_strange_steps() compares with their slopes, or whose
+ * adaptive steps are compared in length. */
 static double strange_price(const struct run_scenario *s, const struct run_work *work)
 {
     const struct recording_rule *record = &s->settings->record;
     const double each = 100 + 200 * (double)s->system->n, a_block = 450,
-                 a_change = 3 * (double)s->system->n;
-    if (s->plan->adaptive || run_is_never_singular(s->system) || record->rule == RECORD_TIMES ||
-        (record->rule == RECORD_EVERY && record->every > 1))
-        return 0;
+                 a_change = 3 * (double)s->system->n, a_length = 16;
     const double rows = fmin(work->steps, LIMIT_SAMPLES);
+    if (run_is_never_singular(s->system))
+        return 0;
+    if (s->plan->adaptive)
+        return a_length * rows;
+    if (record->rule == RECORD_TIMES || (record->rule == RECORD_EVERY && record->every > 1))
+        return 0;
     bool picks;
     const size_t max = run_rows_looked_max(s->system, s->method, work->evals, rows, &picks);
     const double looked = rows / (1 + floor(rows / (double)max));

@@ -139,6 +139,48 @@ static void test_end_of_a_root(void **state)
     typed_destroy(models);
 }
 
+/* Adaptive steps of a loose tolerance jump across an infinite slope, or bounce beyond it, and get
+ * where they should. */
+static void test_loose_tolerances(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines;
+        double at;
+    } scenes[] = {
+        {"var x = 1;x' = -1/x", 0.5},
+        {"var x = 1;x'' = -1/x^2", PI / 2.8284271247461903},
+        {"var x = 1;x'' = -1/x", 1.2533141373155003}, /* sqrt(pi/2) */
+        {"var x = 1;x' = -1/sqrt(x)", 2 / 3.},
+        {"var x = 1;x' = -sqrt(x) - 1", 0.6137056388801094}, /* 2 - 2 log(2) */
+        {"var x = 2.718281828459045;x' = -1/log(x)", 1},
+        {"var x = 0;x' = 1/cos(x)", 1},
+        {"var x = 1;x' = x^2", 1},
+        {"var x = 1;x' = x*sqrt(x)", 2},
+    };
+    static const char *const methods[] = {"bogacki-shampine", "dopri5", "tsit5",  "dop853", "odex",
+                                          "tr-bdf2",          "radau5", "rodas4", "rodas5p"};
+    static const double tolerances[] = {0.1, 0.01, 1e-3, 1e-5};
+    struct error error;
+    struct typed_models *models = typed_create(&error);
+    for (size_t i = 0; i < COUNT_OF(scenes) * COUNT_OF(methods) * COUNT_OF(tolerances); i++) {
+        const size_t s = i % COUNT_OF(scenes), m = i / COUNT_OF(scenes) % COUNT_OF(methods);
+        const double tol = tolerances[i / COUNT_OF(scenes) / COUNT_OF(methods)];
+        struct scene scene;
+        typed_scene(models, &scene, scenes[s].lines);
+        struct run *run =
+            method(methods[m]) ? ended(&scene, methods[m], 0.01, tol, 1.5 * scenes[s].at) : NULL;
+        if (!run)
+            continue;
+        if (run->stop == STOP_END ||
+            (run->stop == STOP_SINGULAR && fabs(run->singular.t / scenes[s].at - 1) > 1e-4))
+            fail_msg("%s by %s, tol = %g: %s at %g, singular at %g", scenes[s].lines, methods[m],
+                     tol, stop_name(run->stop), run->t, run->singular.t);
+        run_destroy(run);
+    }
+    typed_destroy(models);
+}
+
 /* A pole that comes after a long time of its own, beyond what one search from the start would
  * reach. */
 static void test_late(void **state)
@@ -405,15 +447,11 @@ static void test_accuracy_before_a_pole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_end_of_a_root),
-        cmocka_unit_test(test_late),
-        cmocka_unit_test(test_built_in),
-        cmocka_unit_test(test_others),
-        cmocka_unit_test(test_steps_across),
-        cmocka_unit_test(test_one_step_of_many),
-        cmocka_unit_test(test_unsound_steps),
-        cmocka_unit_test(test_accuracy_before_a_pole),
+        cmocka_unit_test(test_closed_forms),     cmocka_unit_test(test_end_of_a_root),
+        cmocka_unit_test(test_loose_tolerances), cmocka_unit_test(test_late),
+        cmocka_unit_test(test_built_in),         cmocka_unit_test(test_others),
+        cmocka_unit_test(test_steps_across),     cmocka_unit_test(test_one_step_of_many),
+        cmocka_unit_test(test_unsound_steps),    cmocka_unit_test(test_accuracy_before_a_pole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
