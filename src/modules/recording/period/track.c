@@ -6,15 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum {
-    COLUMNS = 5,
-    WINDOW_SAMPLES = 10,
-    CANDIDATES = 15,
-    PERIODS_MAX = 32,
-    FEW = 2,
-    MANY = 8,
-    ROWS_A_PERIOD = 24
-};
+enum { COLUMNS = 5, WINDOW_SAMPLES = 10, PERIODS_MAX = 32, FEW = 2, MANY = 8, ROWS_A_PERIOD = 24 };
 
 #define PART_ROWS 14.0 /* of the square root of the rows of a long recording */
 #define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
@@ -183,7 +175,6 @@ static void follow(const struct samples *x, struct track *track, size_t start, i
 {
     const double min = (1 - STRAY) * omega, max = (1 + STRAY) * omega;
     struct track_window *before = &track->window[start];
-    size_t lost = 0;
     for (size_t k = start + (size_t)direction; k < track->windows; k += (size_t)direction) {
         struct track_window *w = &track->window[k];
         w->omega = omega;
@@ -191,15 +182,10 @@ static void follow(const struct samples *x, struct track *track, size_t start, i
         const double step = w->t - before->t, expected = before->phase + omega * step;
         const double off = remainder(w->phase - expected, TWO_PI);
         w->phase = expected + off;
-        if (!w->clear) {
-            lost++;
+        if (!w->clear)
             continue;
-        }
         w->off = off;
         omega = fmin(fmax(omega + FOLLOW * off / step, min), max);
-        if (lost > 0) {
-            lost = 0;
-        }
         before = w;
     }
 }
