@@ -19,7 +19,7 @@
 
 /* ---- parts of a run ---- */
 
-static const double setting_up = 30e3, setting_up_typed = 160e3, summary = 25e3;
+static const double setting_up = 10e3, setting_up_typed = 160e3, summary = 20e3;
 
 /* Instructions of all steps. */
 static double steps_price(const struct run_scenario *s, const struct run_work *work)
