@@ -13,9 +13,12 @@ struct cancel;
 /* Tuning constant in robust standard deviations; 95 % efficiency (Holland & Welsch 1977). */
 #define BISQUARE_TUNING 4.685
 
-/* The best instructions that the machine has, chosen when the program starts; the same bits with
- * all of them. */
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+/* Compiles a function for each set of instructions and chooses the best one that the machine has
+ * when the program starts; all give the same bits. Not without optimisation: functions that pass
+ * vectors are then called, not inlined, and each set of instructions passes vectors in its own way.
+ */
+#if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) &&                         \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define CLONES_FOR(...) __attribute__((target_clones("default", __VA_ARGS__)))
 #else
 #define CLONES_FOR(...)
