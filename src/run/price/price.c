@@ -251,7 +251,7 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     list_add(list, rows_price(s, work), "rows");
     list_add(list, (typed_lines(s->system->model) > 0 ? setting_up_typed : setting_up) + summary,
              "set-up and summary");
-    list_add(list, strange_price(s, work), "look for steps across singularities");
+    list_add(list, strange_price(s, work), "steps across singularities");
     list_add(list, bursts_price(s, work), "look for short pulses");
     list_add(list, unresolved_price(s, work), "look for forces faster than steps");
     if (balances(s, work))
