@@ -21,7 +21,7 @@ const struct catalog word_catalog = CATALOG("word", words);
 
 /* ---- names that are known, elsewhere ---- */
 
-#define SETS "'%1 = VALUE', before it, sets it"
+#define SETTING_HINT "'%1 = VALUE', before it, sets it"
 
 /* What to type with a name of it; %1 stands for the name. */
 static const struct use {
@@ -32,7 +32,7 @@ static const struct use {
     {&preset_catalog, "'scene %1' chooses it"},
     {&plot_catalog, "'plot %1' draws it"},
     {&quantity_catalog, "'measure %1' measures it"},
-    {&setting_catalog, SETS},
+    {&setting_catalog, SETTING_HINT},
     {&list_catalog, "'list %1' shows them"},
     {&layout_catalog, "'layout %1' shows it"},
     {&observable_catalog, "'print %1' shows it, of a run"},
@@ -82,7 +82,7 @@ static void put_setting(const struct session *session, struct text name, struct 
 {
     if (catalog_find(&setting_catalog, name) ||
         catalog_find(scene_params(&session->setup.scene), name))
-        put_use(SETS, name, text);
+        put_use(SETTING_HINT, name, text);
 }
 
 bool text_mentions(const char *where, struct text word)

@@ -118,8 +118,8 @@ static double condition_after(void *context, double h)
     return condition_value(part->segment->target->condition, part->segment->target->scope);
 }
 
-/* of a step: how far from where an interpolant has it the condition becomes true, at first */
-#define CLOSE 1e-9
+/* First distance from the interpolated time of the condition, as a part of a step. */
+#define CONDITION_DISTANCE 1e-9
 
 /*
  * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low =
@@ -129,7 +129,7 @@ static void enclose(struct partial_step *part, double at, double h, double *low,
                     double *high, double *f_high)
 {
     const struct condition *condition = part->segment->target->condition;
-    for (double apart = CLOSE;; apart *= 32) {
+    for (double apart = CONDITION_DISTANCE;; apart *= 32) {
         const double a = at / h - apart, b = at / h + apart;
         *low = a > 0 ? a * h : 0;
         *high = b < 1 ? b * h : h;

@@ -78,12 +78,13 @@ void trace_find_tail(struct trace *trace, int64_t begin)
 ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *by, four *numbers)
 {
     const four old = *numbers, new = *by;
-    for (int i = 0; i < FOUR; i++)
+    for (int i = 0; i < VECTOR_LANES; i++)
         (*numbers)[i] = (*a)[i] < (*b)[i] ? new[i] : old[i];
 }
 
-/* Sets the places of the first rows with the smallest and the largest position in each of FOUR
- * parts of `count` rows, n numbers each. Places are counted in doubles, as positions are. */
+/* Sets the places of the first rows with the smallest and the largest position in each of
+ * VECTOR_LANES parts of `count` rows, n numbers each. Places are counted in doubles, as positions
+ * are. */
 ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int64_t *low,
                                     int64_t *high)
 {
@@ -98,10 +99,10 @@ ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int
         replace_where_less(&x, &min, &x, &min);
         replace_where_less(&max, &x, &x, &max);
     }
-    double places[2][FOUR];
+    double places[2][VECTOR_LANES];
     memcpy(places[0], &at_min, sizeof at_min);
     memcpy(places[1], &at_max, sizeof at_max);
-    for (int i = 0; i < FOUR; i++) {
+    for (int i = 0; i < VECTOR_LANES; i++) {
         low[i] = (int64_t)places[0][i];
         high[i] = (int64_t)places[1][i];
     }
@@ -110,17 +111,17 @@ ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int
 /* The same for all of the rows, of which there is one at least. */
 CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
 {
-    const int64_t part = count / FOUR;
-    int64_t lows[FOUR] = {0}, highs[FOUR] = {0}, i = 1;
+    const int64_t part = count / VECTOR_LANES;
+    int64_t lows[VECTOR_LANES] = {0}, highs[VECTOR_LANES] = {0}, i = 1;
     *low = *high = 0;
     if (part > 1) {
         extremes_of_four(row, part, n, lows, highs);
-        for (int k = 0; k < FOUR; k++) {
+        for (int k = 0; k < VECTOR_LANES; k++) {
             const int64_t least = k * part + lows[k], most = k * part + highs[k];
             *low = row[least * n] < row[*low * n] ? least : *low;
             *high = row[most * n] > row[*high * n] ? most : *high;
         }
-        i = FOUR * part;
+        i = VECTOR_LANES * part;
     }
     for (; i < count; i++) {
         *low = row[i * n] < row[*low * n] ? i : *low;
@@ -148,11 +149,11 @@ enum { BUCKETS_MAX = 256 };
 CLONES static size_t choose_rows(const double *row, int64_t count, int64_t bucket, int n,
                                  int64_t place[3 * BUCKETS_MAX])
 {
-    int64_t low[FOUR], high[FOUR], i = 0;
+    int64_t low[VECTOR_LANES], high[VECTOR_LANES], i = 0;
     size_t rows = 0;
-    for (; i + FOUR * bucket <= count; i += FOUR * bucket) {
+    for (; i + VECTOR_LANES * bucket <= count; i += VECTOR_LANES * bucket) {
         extremes_of_four(row + i * n, bucket, n, low, high);
-        for (int k = 0; k < FOUR; k++)
+        for (int k = 0; k < VECTOR_LANES; k++)
             rows += bucket_rows(i + k * bucket, low[k], high[k], place + rows);
     }
     for (; i < count; i += bucket) {

@@ -7,18 +7,19 @@
 #include <stdlib.h>
 
 /*
- * Are all numbers within the bound, which is repeated FOUR times? Magnitudes of doubles are ordered
- * like their bits, NaN above all: where one is too large, the difference to the bound is negative,
- * and that survives in a sum of bits.
+ * Are all numbers within the bound, which is repeated VECTOR_LANES times? Magnitudes of doubles are
+ * ordered like their bits, NaN above all: where one is too large, the difference to the bound is
+ * negative, and that survives in a sum of bits.
  */
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
     const four_bits limit = *(const four_bits *)(const void *)bound;
     four_bits beyond = {0};
     for (int64_t i = 0; i < fours; i++)
-        beyond |= limit - (*(const four_bits *)(const void *)(number + i * FOUR) & INT64_MAX);
+        beyond |=
+            limit - (*(const four_bits *)(const void *)(number + i * VECTOR_LANES) & INT64_MAX);
     uint64_t any = 0;
-    for (int k = 0; k < FOUR; k++)
+    for (int k = 0; k < VECTOR_LANES; k++)
         any |= beyond[k];
     return (int64_t)any >= 0;
 }
@@ -27,13 +28,13 @@ CLONES static bool all_within(const double *number, int64_t fours, const double 
  * within the smallest bound. */
 static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
-    double least = bound[0], smallest[FOUR];
+    double least = bound[0], smallest[VECTOR_LANES];
     for (int i = 1; i < n; i++)
         least = bound[i] < least ? bound[i] : least;
-    for (int i = 0; i < FOUR; i++)
+    for (int i = 0; i < VECTOR_LANES; i++)
         smallest[i] = least;
-    const int64_t fours = count * n / FOUR;
-    int64_t within = all_within(row, fours, smallest) ? fours * FOUR / n : 0;
+    const int64_t fours = count * n / VECTOR_LANES;
+    int64_t within = all_within(row, fours, smallest) ? fours * VECTOR_LANES / n : 0;
     for (; within < count; within++)
         for (int k = 0; k < n; k++)
             if (!(fabs(row[within * n + k]) <= bound[k]))

@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <sys/mman.h>
 
-#define SMALL ((size_t)1 << 19) /* [byte] that come in blocks of their own */
-#define LARGE ((size_t)1 << 21) /* [byte] a large page */
+/* Total size up to which memory comes in blocks of its own. */
+#define SMALL_BLOCKS_BYTES ((size_t)1 << 19)
+#define LARGE_PAGE_BYTES ((size_t)1 << 21) /* Size of a large page. */
 
 struct pool_block {
     struct pool_block *next;
@@ -24,25 +25,25 @@ static struct pool_block *small_block(size_t size)
 
 static struct pool_block *large_block(void)
 {
-    struct pool_block *block = aligned_alloc(LARGE, LARGE);
+    struct pool_block *block = aligned_alloc(LARGE_PAGE_BYTES, LARGE_PAGE_BYTES);
 #ifdef MADV_HUGEPAGE
     /* where there are none it is memory all the same */
     if (block)
-        madvise(block, LARGE, MADV_HUGEPAGE);
+        madvise(block, LARGE_PAGE_BYTES, MADV_HUGEPAGE);
 #endif
     return block;
 }
 
 static bool pool_grow(struct pool *pool, size_t size)
 {
-    const bool small = pool->bytes < SMALL || size > LARGE / 4;
+    const bool small = pool->bytes < SMALL_BLOCKS_BYTES || size > LARGE_PAGE_BYTES / 4;
     struct pool_block *block = small ? small_block(size) : large_block();
     if (!block)
         return false;
     block->next = pool->blocks;
     pool->blocks = block;
     pool->free = (char *)block->data;
-    pool->left = small ? size : LARGE - sizeof *block;
+    pool->left = small ? size : LARGE_PAGE_BYTES - sizeof *block;
     pool->bytes += pool->left + sizeof *block;
     return true;
 }

@@ -232,11 +232,11 @@ void event_records_truncate(struct run *run, double ahead);
  * compilers make a mess. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias));
-#define FOUR 4
+#define VECTOR_LANES 4
 /* Raises each of *max to that of *x. */
 ALWAYS_INLINE void four_raise(four *max, const four *x)
 {
-    for (int i = 0; i < FOUR; i++)
+    for (int i = 0; i < VECTOR_LANES; i++)
         (*max)[i] = (*x)[i] > (*max)[i] ? (*x)[i] : (*max)[i];
 }
 

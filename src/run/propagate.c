@@ -2,34 +2,35 @@
 /*
  * A linear scene of two variables without drive and a step of fixed size: every one-step method is
  * y' = M y + s. M is found by stepping the unit vectors, once; then a block of steps is M, M^2, …
- * M^BLOCK times the state at its beginning, all independent of one another. No forces are
+ * M^BLOCK_STEPS times the state at its beginning, all independent of one another. No forces are
  * evaluated.
  *
  * Rounding: powers are taken in long double, and the state at a block's end is computed in it, so
  * that of a symplectic method the determinant is 1 to 1e-18 and nothing drifts. Against the
  * step-by-step path the states differ by a few eps a step in units of the amplitude. Blocks begin
- * at multiples of BLOCK steps of the grid, so a run that is interrupted and continued gives the
- * same bits.
+ * at multiples of BLOCK_STEPS steps of the grid, so a run that is interrupted and continued gives
+ * the same bits.
  */
 #include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#define N 2
-#define BLOCK 32
+#define STATE_SIZE 2 /* Numbers of a state: position and velocity. */
+#define BLOCK_STEPS 32
 
 typedef long double real;
 
 struct propagator {
     /* row j: M^(j+1) by columns, and what is added */
-    double first[BLOCK * N], second[BLOCK * N], shift[BLOCK * N];
-    real last[N][N + 1];    /* the last row with all digits */
-    double reach[N][N + 1]; /* largest magnitudes of first, second and shift */
-    double max[N];          /* of the states where blocks of a call began */
-    double h;               /* [s] */
-    double anchor[N];       /* state at the beginning of the block */
-    int64_t anchored;       /* step of the grid where that is, -1: none */
+    double first[BLOCK_STEPS * STATE_SIZE], second[BLOCK_STEPS * STATE_SIZE],
+        shift[BLOCK_STEPS * STATE_SIZE];
+    real last[STATE_SIZE][STATE_SIZE + 1];    /* the last row with all digits */
+    double reach[STATE_SIZE][STATE_SIZE + 1]; /* largest magnitudes of first, second and shift */
+    double max[STATE_SIZE];                   /* of the states where blocks of a call began */
+    double h;                                 /* [s] */
+    double anchor[STATE_SIZE];                /* state at the beginning of the block */
+    int64_t anchored;                         /* step of the grid where that is, -1: none */
 };
 
 /* One step of the method on the given state. */
@@ -37,7 +38,7 @@ static bool image(const struct run *run, double h, double *y)
 {
     struct step step = {
         .system = &run->system, .drag = run->settings.drag, .t = run->system.t0, .h = h, .y = y};
-    step.work = malloc(method_work_size(run->method, N) * sizeof *step.work);
+    step.work = malloc(method_work_size(run->method, STATE_SIZE) * sizeof *step.work);
     bool fine = step.work && method_step(run->method, &step) == STEP_OK;
     free(step.work);
     return fine;
@@ -47,10 +48,10 @@ static bool image(const struct run *run, double h, double *y)
 bool propagator_within(const struct propagator *p, const double *bound)
 {
     bool within = true;
-    for (int k = 0; k < N; k++)
-        within =
-            within && p->reach[k][0] * p->max[0] + p->reach[k][1] * p->max[1] + p->reach[k][N] <=
-                          bound[k] / 2;
+    for (int k = 0; k < STATE_SIZE; k++)
+        within = within && p->reach[k][0] * p->max[0] + p->reach[k][1] * p->max[1] +
+                                   p->reach[k][STATE_SIZE] <=
+                               bound[k] / 2;
     return within;
 }
 
@@ -61,49 +62,50 @@ double propagator_step(const struct propagator *propagator)
 
 struct propagator *propagator_create(const struct run *run, double h)
 {
-    double shift[N] = {0}, column[N][N] = {{1, 0}, {0, 1}};
+    double shift[STATE_SIZE] = {0}, column[STATE_SIZE][STATE_SIZE] = {{1, 0}, {0, 1}};
     if (!image(run, h, shift) || !image(run, h, column[0]) || !image(run, h, column[1]))
         return NULL;
-    real m[N][N], power[N][N] = {{1, 0}, {0, 1}}, sum[N] = {0};
-    for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++)
+    real m[STATE_SIZE][STATE_SIZE], power[STATE_SIZE][STATE_SIZE] = {{1, 0}, {0, 1}},
+                                    sum[STATE_SIZE] = {0};
+    for (int i = 0; i < STATE_SIZE; i++)
+        for (int j = 0; j < STATE_SIZE; j++)
             m[i][j] = (real)column[j][i] - (real)shift[i];
     if (run->method->flags & METHOD_SYMPLECTIC && run->system.conservative) {
         real determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
         /* else it is all rounding */
         real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant) : 1;
-        for (int i = 0; i < N; i++)
-            for (int j = 0; j < N; j++)
+        for (int i = 0; i < STATE_SIZE; i++)
+            for (int j = 0; j < STATE_SIZE; j++)
                 m[i][j] *= scale;
     }
     struct propagator *p = malloc(sizeof *p);
     if (!p)
         return NULL;
     *p = (struct propagator){.anchored = -1, .h = h};
-    for (int step = 0; step < BLOCK; step++) {
-        real next[N][N], next_sum[N];
-        for (int i = 0; i < N; i++) {
-            for (int j = 0; j < N; j++)
+    for (int step = 0; step < BLOCK_STEPS; step++) {
+        real next[STATE_SIZE][STATE_SIZE], next_sum[STATE_SIZE];
+        for (int i = 0; i < STATE_SIZE; i++) {
+            for (int j = 0; j < STATE_SIZE; j++)
                 next[i][j] = m[i][0] * power[0][j] + m[i][1] * power[1][j];
             next_sum[i] = m[i][0] * sum[0] + m[i][1] * sum[1] + (real)shift[i];
         }
         memcpy(power, next, sizeof power);
         memcpy(sum, next_sum, sizeof sum);
-        for (int i = 0; i < N; i++) {
-            p->first[step * N + i] = (double)power[i][0];
-            p->second[step * N + i] = (double)power[i][1];
-            p->shift[step * N + i] = (double)sum[i];
-            const double size[] = {fabs(p->first[step * N + i]), fabs(p->second[step * N + i]),
-                                   fabs((double)sum[i])};
-            for (int j = 0; j <= N; j++)
+        for (int i = 0; i < STATE_SIZE; i++) {
+            p->first[step * STATE_SIZE + i] = (double)power[i][0];
+            p->second[step * STATE_SIZE + i] = (double)power[i][1];
+            p->shift[step * STATE_SIZE + i] = (double)sum[i];
+            const double size[] = {fabs(p->first[step * STATE_SIZE + i]),
+                                   fabs(p->second[step * STATE_SIZE + i]), fabs((double)sum[i])};
+            for (int j = 0; j <= STATE_SIZE; j++)
                 p->reach[i][j] =
                     size[j] <= p->reach[i][j] || isnan(p->reach[i][j]) ? p->reach[i][j] : size[j];
         }
     }
-    for (int i = 0; i < N; i++) {
+    for (int i = 0; i < STATE_SIZE; i++) {
         p->last[i][0] = power[i][0];
         p->last[i][1] = power[i][1];
-        p->last[i][N] = sum[i];
+        p->last[i][STATE_SIZE] = sum[i];
     }
     return p;
 }
@@ -112,11 +114,11 @@ struct propagator *propagator_create(const struct run *run, double h)
  * add up. */
 static inline void block(const struct propagator *p, double y, double v, double *restrict row)
 {
-    for (int i = 0; i < BLOCK * N; i++)
+    for (int i = 0; i < BLOCK_STEPS * STATE_SIZE; i++)
         row[i] = p->first[i] * y + p->second[i] * v + p->shift[i];
-    for (int i = 0; i < N; i++)
-        row[(BLOCK - 1) * N + i] =
-            (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][N]);
+    for (int i = 0; i < STATE_SIZE; i++)
+        row[(BLOCK_STEPS - 1) * STATE_SIZE + i] =
+            (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][STATE_SIZE]);
 }
 
 /* A state that is not finite stays so: the last one is noted in any case. */
@@ -129,28 +131,28 @@ CLONES static void blocks(struct propagator *p, const double *y, double *restric
                           int64_t count)
 {
     double q = y[0], v = y[1];
-    for (int64_t i = 0; i < count; i++, row += BLOCK * N) {
+    for (int64_t i = 0; i < count; i++, row += BLOCK_STEPS * STATE_SIZE) {
         p->max[0] = larger(p->max[0], q);
         p->max[1] = larger(p->max[1], v);
         block(p, q, v, row);
-        q = row[(BLOCK - 1) * N];
-        v = row[(BLOCK - 1) * N + 1];
+        q = row[(BLOCK_STEPS - 1) * STATE_SIZE];
+        v = row[(BLOCK_STEPS - 1) * STATE_SIZE + 1];
     }
 }
 
 bool propagator_knows(const struct propagator *p, int64_t step)
 {
-    return step % BLOCK == 0 || p->anchored == step - step % BLOCK;
+    return step % BLOCK_STEPS == 0 || p->anchored == step - step % BLOCK_STEPS;
 }
 
 int64_t propagator_block(int64_t step)
 {
-    return step - step % BLOCK;
+    return step - step % BLOCK_STEPS;
 }
 
 int64_t propagator_rest(int64_t step)
 {
-    return BLOCK - step % BLOCK;
+    return BLOCK_STEPS - step % BLOCK_STEPS;
 }
 
 void propagator_anchor(struct propagator *p, int64_t step, const double *y)
@@ -172,27 +174,28 @@ void propagator_set_place(struct propagator *p, const struct propagator_place *p
 int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, double *y,
                            double *row)
 {
-    double within[BLOCK * N];
+    double within[BLOCK_STEPS * STATE_SIZE];
     int64_t done = 0;
     p->max[0] = p->max[1] = 0;
     while (done < count) {
-        const int64_t inside = (first + done) % BLOCK;
+        const int64_t inside = (first + done) % BLOCK_STEPS;
         int64_t taken = count - done;
         if (inside == 0) {
             propagator_anchor(p, first + done, y);
         } else if (p->anchored != first + done - inside) {
             break;
         }
-        if (inside == 0 && taken >= BLOCK) {
-            taken -= taken % BLOCK;
-            blocks(p, y, row + done * N, taken / BLOCK);
+        if (inside == 0 && taken >= BLOCK_STEPS) {
+            taken -= taken % BLOCK_STEPS;
+            blocks(p, y, row + done * STATE_SIZE, taken / BLOCK_STEPS);
         } else {
-            taken = taken < BLOCK - inside ? taken : BLOCK - inside;
+            taken = taken < BLOCK_STEPS - inside ? taken : BLOCK_STEPS - inside;
             blocks(p, p->anchor, within, 1);
-            memcpy(row + done * N, within + inside * N, (size_t)taken * N * sizeof *row);
+            memcpy(row + done * STATE_SIZE, within + inside * STATE_SIZE,
+                   (size_t)taken * STATE_SIZE * sizeof *row);
         }
         done += taken;
-        memcpy(y, row + (done - 1) * N, N * sizeof *y);
+        memcpy(y, row + (done - 1) * STATE_SIZE, STATE_SIZE * sizeof *y);
     }
     return done;
 }

@@ -13,8 +13,8 @@
 #define SLICE_NS 5000000    /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
 #define WINDOW_NS 500000000 /* over which the speed achieved is measured */
-/* [s] of wall time by which a run may trail the clock before it stops catching up */
-#define LAG 0.2
+/* Wall time [s] by which a run may trail the clock before it stops catching up. */
+#define CLOCK_LAG_MAX 0.2
 
 /* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
 struct clock_pace {
@@ -86,7 +86,7 @@ static double fraction_done(const struct run *run, const struct run_target *targ
 {
     if (target->steps > 0)
         return (double)(run->steps - first) / (double)target->steps;
-    return fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1;
+    return fabs(target->t) < T_UNREACHABLE ? (run->t - from) / (target->t - from) : -1;
 }
 
 void live_advance(struct session *session, struct run *run, const struct run_target *target,
@@ -120,7 +120,8 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
         now = clock_ns();
         const double speed = clocked ? live->speed : HUGE_VAL;
         if (speed != pace.speed ||
-            (isfinite(speed) && behind(&pace, run, now) > next_step(run, target) + LAG * speed))
+            (isfinite(speed) &&
+             behind(&pace, run, now) > next_step(run, target) + CLOCK_LAG_MAX * speed))
             pace = (struct clock_pace){now, run->t, speed, pace.direction};
     }
     live->pausing = false;

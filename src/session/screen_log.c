@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-#define INDENT 2     /* [cell] of the further rows of a line */
-#define INDENT_MIN 8 /* [cell] of width: below, every cell is for the words */
+#define INDENT_CELLS 2 /* Indentation of the further rows of a line [cell]. */
+#define INDENT_MIN 8   /* [cell] of width: below, every cell is for the words */
 
 static void add_line(struct log *log, struct text line)
 {
@@ -64,7 +64,7 @@ const char *log_line(const struct log *log, int i)
 struct text log_row(struct text line, size_t *from, int width, int *indent)
 {
     const struct text rest = {line.at + *from, line.len - *from};
-    *indent = *from > 0 && width >= INDENT_MIN ? INDENT : 0;
+    *indent = *from > 0 && width >= INDENT_MIN ? INDENT_CELLS : 0;
     int left = width - *indent;
     size_t at = 0, end = 0; /* what has been looked at; the end of the last word that fits */
     while (at < rest.len) {

@@ -126,7 +126,7 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
         run->cancel = session->front.cancel;
         /* A run that comes from a study has been somewhere already. */
         const double t0 = run->system.t0,
-                     t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
+                     t = run->stop == STOP_END ? run->t : copysign(T_UNREACHABLE, run->t - t0);
         if (run->steps > 0 &&
             !journal_add(
                 slot, (struct request){.kind = REQUEST_GO, .from_t = t0, .t = t, .end = INT64_MAX},

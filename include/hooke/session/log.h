@@ -32,7 +32,7 @@ struct request {
     enum request_kind kind;
     int64_t from;  /* step of the run at which it was asked for */
     double from_t; /* [s] */
-    double t;      /* REQUEST_GO: the target [s], FAR either way: none */
+    double t;      /* REQUEST_GO: the target [s], T_UNREACHABLE either way: none */
     /* REQUEST_GO: step at which it ends, INT64_MAX: none; REQUEST_BACK: step it led to */
     int64_t end;
     char *condition; /* REQUEST_GO: as typed, NULL: none */

@@ -83,7 +83,8 @@ void setting_copy(const struct setting *setting, const struct settings *from, st
 /* struct row at the enum's place: text, csv, json */
 extern const struct catalog format_choice_catalog;
 
-#define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
+/* Time [s] that no run reaches; finite, so that the time left is a number. */
+#define T_UNREACHABLE 1e300
 
 /* ---- values of settings ---- */
 

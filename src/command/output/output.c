@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PIECE 65536u /* [byte] of what is shown, at least, between two looks */
+#define SHOWN_CHUNK_BYTES 65536u /* Bytes that are shown at least between two looks at Ctrl-C. */
 
 /* Without an ending: CSV. */
 static bool choose_format(const struct arguments *args, struct text path, table_format **format,
@@ -95,8 +95,8 @@ static bool reply_rows(struct reply *reply, const struct table *table, struct er
 static bool say_in_pieces(const struct session *session, struct text text, struct reply *reply,
                           struct error *error)
 {
-    while (text.len > PIECE) {
-        const char *end = memchr(text.at + PIECE, '\n', text.len - PIECE);
+    while (text.len > SHOWN_CHUNK_BYTES) {
+        const char *end = memchr(text.at + SHOWN_CHUNK_BYTES, '\n', text.len - SHOWN_CHUNK_BYTES);
         const size_t size = end ? (size_t)(end + 1 - text.at) : text.len;
         if (cancelled(session->front.cancel))
             return error_set(error, ERROR_CANCELLED, "stopped: %zu bytes were left out", text.len);

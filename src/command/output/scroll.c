@@ -7,18 +7,18 @@
 #include <math.h>
 #include <string.h>
 
-#define WIDTH 80 /* [cell] where there is no screen */
-#define HEIGHT 24
+#define PAGE_WIDTH 80 /* Width [cell] without a screen. */
+#define PAGE_HEIGHT 24
 
 static int width_of(const struct session *session)
 {
-    return session->front.width ? session->front.width : WIDTH;
+    return session->front.width ? session->front.width : PAGE_WIDTH;
 }
 
 /* Line i, counted from the newest, comes to the top of the page. */
 static void show_line(struct session *session, int i)
 {
-    const int height = session->front.height ? session->front.height : HEIGHT,
+    const int height = session->front.height ? session->front.height : PAGE_HEIGHT,
               scroll = log_rows_newest(&session->log, i + 1, width_of(session)) - (height - 1);
     session->view.scroll = scroll > 0 ? scroll : 0;
     session->view.found = i;

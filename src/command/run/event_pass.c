@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define PASSES_MAX 10000 /* events whose commands let a run go on, in one command */
-#define PILE 1e-6        /* of the longest time between two: moments that pile up are closer */
+/* Events pile up if they are closer than this part of the longest time between two. */
+#define PILE_TIME_RELATIVE 1e-6
 
 /*
  * What the event that stopped it wants executed, in the parameters that the run has; those that it
@@ -49,7 +50,7 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
         const double since = fabs(record->t - pass->event[i].last);
         if (pass->event[i].known) {
             pass->event[i].close =
-                since <= PILE * pass->event[i].longest ? pass->event[i].close + 1 : 0;
+                since <= PILE_TIME_RELATIVE * pass->event[i].longest ? pass->event[i].close + 1 : 0;
             pass->event[i].longest = fmax(pass->event[i].longest, since);
         }
         pass->event[i].known = true;

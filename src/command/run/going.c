@@ -111,7 +111,8 @@ static double time_left(const struct run *run, const struct run_target *target, 
                         struct step_pace *pace)
 {
     const double rest = target->t - run->t;
-    if (!run->plan.adaptive || target->condition || target->steps >= 0 || !(fabs(rest) < FAR) ||
+    if (!run->plan.adaptive || target->condition || target->steps >= 0 ||
+        !(fabs(rest) < T_UNREACHABLE) ||
         run->steps - first < (pace->steps ? 2 * (pace->steps - first) : STEPS_JUDGED))
         return 0;
     const double way = run->t - pace->t,
@@ -154,7 +155,8 @@ static void go(struct session *session, struct run *run, struct advance *advance
         }
         if (front->progress)
             front->progress(front->context, run,
-                            fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1);
+                            fabs(target->t) < T_UNREACHABLE ? (run->t - from) / (target->t - from)
+                                                            : -1);
     }
     if (front->progress)
         front->progress(front->context, run, 2);

@@ -183,7 +183,8 @@ HANDLER(continue)
         span *= UNTIL_DURATIONS;
     else if (!limited && is_paused(session, run))
         span = journal_pending(session->runs.slot[session->runs.current])->t - run->t;
-    const bool open = until->count || fabs(span) >= FAR || (!limited && is_paused(session, run));
+    const bool open =
+        until->count || fabs(span) >= T_UNREACHABLE || (!limited && is_paused(session, run));
     if (to->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
         return error_at(error, to->where, "run %d has been there: it is at t = %.6g s", run->number,
                         run->t);
@@ -219,7 +220,7 @@ HANDLER(step)
         return false;
     if (is_paused(session, run))
         return resume(session, run, error) && run_go_on(session, args, steps, false, reply, error);
-    return new_request(session, direction(run) * FAR, run->steps + steps, &none, error) &&
+    return new_request(session, direction(run) * T_UNREACHABLE, run->steps + steps, &none, error) &&
            run_go_on(session, args, -1, false, reply, error);
 }
 

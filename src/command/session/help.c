@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define WIDTH 80 /* [cell] of help where there is neither a terminal nor --size */
+#define HELP_WIDTH 80 /* Width of help [cell] without a terminal and --size. */
 
 /* ---- help for one thing ---- */
 
@@ -291,7 +291,7 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
  */
 static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
 {
-    const int width = session->front.width ? session->front.width : WIDTH;
+    const int width = session->front.width ? session->front.width : HELP_WIDTH;
     struct buffer out = {0};
     struct text line;
     int indent;

@@ -137,16 +137,16 @@ static size_t word_around(struct text line, size_t *from, const char *ends)
     return to - *from;
 }
 
-#define BLANKS " \t\n;"
+#define WORD_ENDS " \t\n;"
 
 void help_line(struct text line, size_t cursor, struct buffer *text)
 {
     size_t from = cursor < line.len ? cursor : line.len;
     /* Behind a word and blanks it is about that word. */
     while (from > 0 && strchr(" \t", line.at[from - 1]) &&
-           (from == line.len || strchr(BLANKS, line.at[from])))
+           (from == line.len || strchr(WORD_ENDS, line.at[from])))
         from--;
-    size_t at = from, begin = from, word_len = word_around(line, &from, BLANKS);
+    size_t at = from, begin = from, word_len = word_around(line, &from, WORD_ENDS);
     while (begin > 0 && !strchr("\n;", line.at[begin - 1]))
         begin--;
     struct text statement = {line.at + begin, line.len - begin}, word = {line.at + from, word_len};
@@ -158,7 +158,7 @@ void help_line(struct text line, size_t cursor, struct buffer *text)
     if (key) {
         word.len = (size_t)(equals + 1 - word.at);
     } else if (!text_starts(word, TEXT("--"))) {
-        word.len = word_around(line, &at, BLANKS ",=()*/+^<>:'\"");
+        word.len = word_around(line, &at, WORD_ENDS ",=()*/+^<>:'\"");
         word.at = line.at + at;
     }
     const bool letter = word.len > 0 && (word.at[0] == '-' || peek_name(word).len > 0);

@@ -72,9 +72,9 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
                                    const struct work_done *done, int from, int to)
 {
     int k = from;
-    double first[FOUR];
+    double first[VECTOR_LANES];
     four max = {0};
-    for (; k + FOUR <= to; k += FOUR) {
+    for (; k + VECTOR_LANES <= to; k += VECTOR_LANES) {
         const four missing = *(const four *)(const void *)(done->energy + k) - initial -
                              *(const four *)(const void *)(done->all_work + k);
         const four lack = (four)((four_bits)missing & INT64_MAX);
@@ -89,7 +89,7 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
 static void note_extremes(struct energy_tally *tally, double initial, const struct work_done *done,
                           int from, int to)
 {
-    if (to - from >= 4 * FOUR)
+    if (to - from >= 4 * VECTOR_LANES)
         note_many_lacks(tally, initial, done, from, to);
     else
         note_lacks(tally, initial, done, from, to);

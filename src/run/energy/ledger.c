@@ -449,7 +449,8 @@ void run_ledger_brief(const struct run *run, struct ledger *ledger)
         ledger->error_max = sampled_error(run, ledger);
 }
 
-#define PEAK 100       /* times the energy at both ends */
+/* An energy above this many times that at both ends counts as a peak. */
+#define ENERGY_PEAK_FACTOR 100
 #define PEAK_STRIDE 16 /* rows: what fixed steps resolve lasts longer */
 
 static double largest_energy(const struct run *run, size_t stride)
@@ -468,10 +469,10 @@ double run_energy_peak(const struct run *run, const struct ledger *ledger)
         return NAN;
     /* A run of fixed steps may have many rows, and nearly always no such peak: a look at some
      * tells. */
-    if (!run->plan.adaptive && !(largest_energy(run, PEAK_STRIDE) > PEAK / 10 * ends))
+    if (!run->plan.adaptive && !(largest_energy(run, PEAK_STRIDE) > ENERGY_PEAK_FACTOR / 10 * ends))
         return NAN;
     const double max = largest_energy(run, 1);
-    return max > PEAK * ends && isfinite(max) ? max / fabs(ledger->initial) : NAN;
+    return max > ENERGY_PEAK_FACTOR * ends && isfinite(max) ? max / fabs(ledger->initial) : NAN;
 }
 
 bool ledger_known(const struct run *run)

@@ -62,9 +62,10 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
          rs / 2 * h * (r * (2 - 5 * s) * p->a0 - s * (2 - 5 * r) * p->a1);
 }
 
-#define FINE 1e-11     /* tolerance of the steps in which a body turns under dry friction; */
-#define PARTS 64       /* so many at most, */
-#define STEP_MEMORY 64 /* with so much memory */
+/* Tolerance of the steps in which a body turns under dry friction. */
+#define TURN_TOLERANCE 1e-11
+#define TURN_STEPS_MAX 64 /* Largest number of such steps. */
+#define STEP_MEMORY 64    /* with so much memory */
 /* of the step: the power there goes with the square or cube of the velocity */
 #define NEAR_REST 1e-9
 /* Of the acceleration: what it changes by within NEAR_REST of the turning point is a jump. */
@@ -87,7 +88,8 @@ static double turning_point(struct quintic p)
 static void add_part(const struct system *system, bool drags, const struct quintic *p, double t,
                      double from, double to, double *work, double *drag)
 {
-    const double at[] = {0, INNER, 1 - INNER, 1}, weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
+    const double at[] = {0, LOBATTO_INNER, 1 - LOBATTO_INNER, 1},
+                 weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
     for (int i = 0; i < 4; i++) {
         const double s = from + at[i] * (to - from), weighted = weight[i] * (to - from) * p->h;
         double y[2];
@@ -108,11 +110,11 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
     const struct method *method = method_find("dopri5");
     double y[2] = {p->q0, p->v0}, memory[STEP_MEMORY];
     struct step step = {.system = system, .y = y, .work = memory, .t = t};
-    struct controller controller = {.tol = FINE, .h = p->h};
+    struct controller controller = {.tol = TURN_TOLERANCE, .h = p->h};
     const bool drags = drags_only(system),
                there = method && method_work_size(method, 2) <= STEP_MEMORY;
     *work = *drag = 0;
-    for (int i = 0; there && i < PARTS && step.t != t + p->h; i++) {
+    for (int i = 0; there && i < TURN_STEPS_MAX && step.t != t + p->h; i++) {
         struct sliding sliding = {0};
         struct system frozen;
         const double from = step.t, q0 = y[0], v0 = y[1];
@@ -157,9 +159,9 @@ static void inner_states(int half, double h, const double *y0, const double *a0,
         const double v0 = y0[i + half], v1 = y1[i + half], rise = y1[i] - y0[i];
         const double q = (y0[i] + y1[i]) / 2 + h * (0.12 * (v0 - v1) + 0.01 * h * (a0[i] + a1[i]));
         const double dq =
-            (0.82 * rise - h * (0.16 * (v0 + v1) + 0.01 * h * (a0[i] - a1[i]))) / SQRT5;
+            (0.82 * rise - h * (0.16 * (v0 + v1) + 0.01 * h * (a0[i] - a1[i]))) / SQRT_5;
         const double v = 1.2 * (rise / h) - 0.1 * (v0 + v1);
-        const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0[i] + a1[i])) / SQRT5;
+        const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0[i] + a1[i])) / SQRT_5;
         first[i] = q - dq;
         second[i] = q + dq;
         first[i + half] = v + dv;
@@ -256,12 +258,13 @@ static void work_of_any(const struct work *work, struct work_done *done)
             done->coarse[k] |=
                 work_coarse(h, y[from][i + half], y[to][i + half], a[from][i], a[to][i]) != 0;
         done->any_coarse |= done->coarse[k];
-        const double times[] = {t, t + INNER * h, t + (1 - INNER) * h, work_time(work, k + 1)};
+        const double times[] = {t, t + LOBATTO_INNER * h, t + (1 - LOBATTO_INNER) * h,
+                                work_time(work, k + 1)};
         done->jumps[k] =
             switches_differ(system, times, (double *[]){y[from], first, second, y[to]});
         done->any_jumps |= done->jumps[k];
-        const struct power b = power_at(system, drags, t + INNER * h, first),
-                           c = power_at(system, drags, t + (1 - INNER) * h, second);
+        const struct power b = power_at(system, drags, t + LOBATTO_INNER * h, first),
+                           c = power_at(system, drags, t + (1 - LOBATTO_INNER) * h, second);
         done->work[k] = h * ((p[from].all + p[to].all) + 5 * (b.all + c.all)) / 12;
         done->drag[k] = h * ((p[from].drag + p[to].drag) + 5 * (b.drag + c.drag)) / 12;
     }
@@ -280,7 +283,8 @@ static double quintic_acceleration(const struct quintic *p, double s)
 bool work_converges(const struct system *system, double t, double h, const double *y0,
                     const double *y1, double work, double allowed)
 {
-    static const double point[] = {INNER / 2, (1 - INNER) / 2, 0.5, (1 + INNER) / 2, 1 - INNER / 2};
+    static const double point[] = {LOBATTO_INNER / 2, (1 - LOBATTO_INNER) / 2, 0.5,
+                                   (1 + LOBATTO_INNER) / 2, 1 - LOBATTO_INNER / 2};
     const int half = system->n / 2;
     double a0[LIMIT_VARIABLES], a1[LIMIT_VARIABLES], a[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
     double speed = 0, defect = 0, largest = 0;

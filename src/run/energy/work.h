@@ -7,8 +7,9 @@
 
 #include <math.h>
 
-#define SQRT5 2.236067977499789696
-#define INNER 0.276393202250021030 /* the first inner point of Lobatto's rule on [0, 1] */
+#define SQRT_5 2.236067977499789696
+/* The first inner point of Lobatto's rule on [0, 1]. */
+#define LOBATTO_INNER 0.276393202250021030
 
 /* Of state k. */
 static inline double work_time(const struct work *work, int k)

@@ -29,7 +29,7 @@ enum {
     (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) |             \
      HAS(vanderpol) | HAS(friction))
 #define PENDULUM_TERMS (HAS(weight) | HAS(damping) | HAS(drive))
-#define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
+#define POWERED_TERMS (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
 
 /* Coefficients of the terms that are there; those of the others are 0. */
 struct oscillator_terms {
@@ -197,7 +197,7 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
     for (int k = 0; k < count; k++)
         done->energy[k] = energy_at(terms, line, b->q[k + 1], b->v[k + 1],
                                     terms & HAS(weight) ? b->half[k + 1] : 0);
-    if (!(terms & POWERED)) {
+    if (!(terms & POWERED_TERMS)) {
         memset(done->work, 0, (size_t)count * sizeof *done->work);
         memset(done->drag, 0, (size_t)count * sizeof *done->drag);
         return;
@@ -216,10 +216,10 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
         const double h = b->h[k], q0 = b->q[k], q1 = b->q[k + 1], v0 = b->v[k], v1 = b->v[k + 1],
                      a0 = b->a[k], a1 = b->a[k + 1];
         const double v = 1.2 * ((q1 - q0) * b->rate[k]) - 0.1 * (v0 + v1);
-        const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0 + a1)) * (1 / SQRT5);
+        const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0 + a1)) * (1 / SQRT_5);
         const double q = (q0 + q1) / 2 + h * (0.12 * (v0 - v1) + 0.01 * h * (a0 + a1));
         const double dq =
-            (0.82 * (q1 - q0) - h * (0.16 * (v0 + v1) + 0.01 * h * (a0 - a1))) * (1 / SQRT5);
+            (0.82 * (q1 - q0) - h * (0.16 * (v0 + v1) + 0.01 * h * (a0 - a1))) * (1 / SQRT_5);
         const double drag =
             drag_power_of(terms, line, q - dq, v + dv) + drag_power_of(terms, line, q + dq, v - dv);
         done->drag[k] = h * ((b->d[k] + b->d[k + 1]) + 5 * drag) * (1. / 12);
@@ -289,7 +289,8 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
     const int at = (int)(work->index - whole);
     const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2],
                  x = fixed_cos(angle), y = fixed_sin(angle);
-    const double inner = c[1] * (INNER * work->h), outer = c[1] * ((1 - INNER) * work->h);
+    const double inner = c[1] * (LOBATTO_INNER * work->h),
+                 outer = c[1] * ((1 - LOBATTO_INNER) * work->h);
     const double cos1 = fixed_cos(inner), sin1 = fixed_sin(inner), cos2 = fixed_cos(outer),
                  sin2 = fixed_sin(outer);
     for (int k = 0; k <= work->count; k++) {
@@ -311,8 +312,8 @@ static void cosines(const struct work *work, const double *c, struct work_block 
         b->cosine[0][k] = fixed_cos(c[1] * work->t[k] + c[2]);
         if (k < work->count) {
             const double h = work->t[k + 1] - work->t[k];
-            b->cosine[1][k] = fixed_cos(c[1] * (work->t[k] + INNER * h) + c[2]);
-            b->cosine[2][k] = fixed_cos(c[1] * (work->t[k] + (1 - INNER) * h) + c[2]);
+            b->cosine[1][k] = fixed_cos(c[1] * (work->t[k] + LOBATTO_INNER * h) + c[2]);
+            b->cosine[2][k] = fixed_cos(c[1] * (work->t[k] + (1 - LOBATTO_INNER) * h) + c[2]);
         }
     }
 }

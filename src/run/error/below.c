@@ -6,9 +6,10 @@
 #include <math.h>
 
 #define ADDED_UP 10 /* errors of steps come to about so many tolerances in a run */
-#define DIGIT 10    /* times the error: what is less has no first digit */
-/* of the run: what would be above the tolerance within so long passes through 0 */
-#define PASSING 0.01
+/* A value below this many times its error has no reliable first digit. */
+#define DIGIT_ERROR_FACTOR 10
+/* A value that would exceed the tolerance within this part of the run passes through 0. */
+#define PASSAGE_FRACTION 0.01
 
 /* Returns the estimated error of variable i where the second opinion last looked, or 0 if no
  * estimate is available. */
@@ -21,7 +22,7 @@ static double known_error(const struct run *run, int i)
 int run_below_tolerance(const struct run *run, double *below)
 {
     const struct system *system = &run->system;
-    const double soon = PASSING * fabs(run->t - system->t0),
+    const double soon = PASSAGE_FRACTION * fabs(run->t - system->t0),
                  tol = fmax(run->controller.tol, 10 * DBL_EPSILON);
     double slope[LIMIT_VARIABLES];
     int count = 0;
@@ -32,7 +33,7 @@ int run_below_tolerance(const struct run *run, double *below)
     for (int i = 0; i < system->n; i++) {
         const double size = fmin(run->controller.scale[i], opinion_size(run, i)),
                      up = ADDED_UP * tol * size, error = known_error(run, i);
-        const double allowed = fmax(up, DIGIT * error);
+        const double allowed = fmax(up, DIGIT_ERROR_FACTOR * error);
         if (run->y[i] == 0 || !(fabs(run->y[i]) < allowed && fabs(slope[i]) * soon < allowed))
             continue;
         below[i] = fmax(up, fabs(run->y[i]) + error);

@@ -23,31 +23,33 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* times the tolerance: another method may err ten times as much at the same one, */
-#define TIGHTER 0.01
+/* Factor of the tolerance; another method may err ten times as much at the same one. */
+#define OPINION_TOLERANCE_FACTOR 0.01
 #define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
 #define TOL_EXPLICIT 2e-14 /* at least: rounding */
 #define TOL_IMPLICIT 1e-13
-#define ROWS 256 /* compared in one call */
-/* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
-#define STIFF 0.5
+#define OPINION_ROWS_MAX 256 /* Largest number of rows compared in one call. */
+/* dop853 is not used if stability alone costs it more than this part of the run's evaluations. */
+#define STIFF_EVALS_FRACTION 0.5
 /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
 #define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
 /* no step is longer where forces depend on time: there may be pulses; of a brief opinion no longer
  * than the run's own in the mean */
 #define RUN_PARTS 512
-/* of the time until a run was lost: after that much more it is certain, and followed no more */
-#define CERTAIN 0.2
+/* A run is lost for certain, and followed no more, after this part of the time until it was
+ * lost. */
+#define LOST_CONFIRMATION 0.2
 /* The part of the run's work that rows of the closed form may take. */
 #define CLOSED_FORM_SHARE 0.2
-#define LADDER 1.4 /* the last but one is from the second half of the way, or a little before */
+/* Factor between two steps whose errors are compared; the last but one is about half-way. */
+#define OPINION_STEP_RATIO 1.4
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
 /* Part of a run from which the growth of its error is taken: a beginning says nothing. */
 #define BRIEF_TELLS 10
-/* in the mean since then: what is that large only in jumps is no loss */
-#define LOST 0.1
+/* Smallest mean error of a lost run since then; an error that is large only in jumps is no loss. */
+#define LOST_MEAN_MIN 0.1
 
 /* Distances so far. */
 struct distances {
@@ -66,7 +68,8 @@ struct second {
     int64_t at;         /* step of the run that it was last compared with */
     size_t epoch, kick; /* the next ones */
     struct saltation saltation;
-    /* The error, as in struct opinion, at steps of the run that are apart by the factor LADDER. */
+    /* The error, as in struct opinion, at steps of the run that are apart by the factor
+     * OPINION_STEP_RATIO. */
     struct {
         int64_t step;
         double error;
@@ -138,7 +141,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
     }
     const double since = fabs(t - d->lost);
     opinion->lost =
-        (since > 0 ? d->lost_sum >= LOST * since : here >= OPINION_LOST) ? d->lost : NAN;
+        (since > 0 ? d->lost_sum >= LOST_MEAN_MIN * since : here >= OPINION_LOST) ? d->lost : NAN;
     opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
     opinion->max = fmax(opinion->max, here);
     opinion->t = t;
@@ -169,7 +172,7 @@ static bool closed_form_misses(const struct run *run, struct saltation *saltatio
 size_t opinion_brief_rows(const struct system *system, const struct method *method, double evals)
 {
     const double own = evals * solver_evaluation_price(system, method, true);
-    return (size_t)fmin(ROWS, 1 + CLOSED_FORM_SHARE * own / exact_state_price(system));
+    return (size_t)fmin(OPINION_ROWS_MAX, 1 + CLOSED_FORM_SHARE * own / exact_state_price(system));
 }
 
 /* Returns how many rows are compared with the closed form: the last one at least. */
@@ -177,7 +180,7 @@ static size_t closed_form_rows(const struct run *run, enum opinion_effort effort
 {
     return effort == OPINION_BRIEF
                ? opinion_brief_rows(&run->system, run->method, run_evaluations(run))
-               : ROWS;
+               : OPINION_ROWS_MAX;
 }
 
 /* The rows since the last time: what it says of those before stays. */
@@ -213,7 +216,8 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
 static const struct method *choose_method(const struct run *run, bool other)
 {
     const double evals = (double)run->cost.evals;
-    const bool stiff = !(EVALS_A_UNIT * run_stiffness(run) <= fmax(STIFF * evals, EVALS_FREE));
+    const bool stiff =
+        !(EVALS_A_UNIT * run_stiffness(run) <= fmax(STIFF_EVALS_FRACTION * evals, EVALS_FREE));
     return stiff == other ? method_find("dop853")
                           : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
@@ -232,7 +236,9 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     /* a run of a higher order may be far better than its tolerance */
     const double tighter =
-        run->method->order > method->order ? TIGHTER * TIGHTER * TIGHTER : TIGHTER;
+        run->method->order > method->order
+            ? OPINION_TOLERANCE_FACTOR * OPINION_TOLERANCE_FACTOR * OPINION_TOLERANCE_FACTOR
+            : OPINION_TOLERANCE_FACTOR;
     const double tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
                              : fmax(tighter * run->controller.tol, TOL_EXPLICIT);
     if (!follower_begin(&second->follower, run, 0, method, &second->system, tol)) {
@@ -307,7 +313,8 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
 static bool is_lost(const struct run *run)
 {
     const struct opinion *opinion = &run->opinion;
-    return fabs(opinion->t - opinion->lost) > CERTAIN * fabs(opinion->lost - run->system.t0);
+    return fabs(opinion->t - opinion->lost) >
+           LOST_CONFIRMATION * fabs(opinion->lost - run->system.t0);
 }
 
 /* On to the present state of the run, comparing on the way; `lost`: to where it is lost. */
@@ -318,7 +325,8 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
     add_new_rows(run, &second->distances);
     const size_t found = second->at > 0 ? trace_row_from(trace, second->at) : 1;
     const size_t first = found < trace_count(trace) ? found : trace_count(trace) - 1;
-    const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
+    const size_t rows = trace_count(trace) - first,
+                 count = rows < OPINION_ROWS_MAX ? rows : OPINION_ROWS_MAX;
     for (size_t k = 0; k < count; k++) {
         const size_t row = run_spread_row(run, first, k, count);
         const double t = trace_time(trace, row),
@@ -332,7 +340,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
         compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row),
                        second->follower.y);
-        if ((double)second->at >= LADDER * (double)second->past[1].step) {
+        if ((double)second->at >= OPINION_STEP_RATIO * (double)second->past[1].step) {
             second->past[0] = second->past[1];
             second->past[1].step = second->at;
             second->past[1].error = run->opinion.error;

@@ -34,12 +34,12 @@
 #define AWAY_TOLERANCES 100
 /* Rows from which two solutions start, and times at which they are compared. */
 #define ROWS_COMPARED 256
-/* Factor by which the distance may grow between two of them before it is scaled back. */
-#define SPREAD 10
+/* Factor by which the distance may grow between two rows before it is scaled back. */
+#define DISPLACEMENT_GROWTH_MAX 10
 /* Error of the second solution, in sizes of the variables, that leaves no digit certain, unless the
  * run and the base have come this near to each other, as a share of how far the run has grown. */
 #define ERROR_LOST 0.1
-#define AGREEMENT 0.1
+#define GROWTH_AGREEMENT 0.1
 /* Logarithm of what counts as growth. */
 #define GROWTH_MIN 0.1
 
@@ -287,12 +287,12 @@ static bool run_agrees(const struct regrowth *r, const double *own)
     double apart = 0, grown = 0;
     for (int i = 0; i < r->run->system.n && !r->follows_jumps; i++) {
         const double by = fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i];
-        if (!r->resting[i] || by < AGREEMENT * r->before)
+        if (!r->resting[i] || by < GROWTH_AGREEMENT * r->before)
             continue;
         apart = fmax(apart, fabs(own[i] - r->base.y[i]) / r->size[i]);
         grown = fmax(grown, (fabs(own[i] - r->rest[i]) - r->rest_width[i]) / r->size[i]);
     }
-    return apart < AGREEMENT * grown;
+    return apart < GROWTH_AGREEMENT * grown;
 }
 
 /* Compares the two, and goes on from `own`, which may be the base itself. */
@@ -308,7 +308,7 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
         growth_add(growth, t, now > 0 ? fixed_log(now / r->before) : -HUGE_VAL,
                    r->base.controller.tol);
     }
-    if (now > SPREAD * r->displacement)
+    if (now > DISPLACEMENT_GROWTH_MAX * r->displacement)
         factor = r->displacement / now;
     move(r, own, factor);
     if (growth->log <= 0 || now == 0)

@@ -7,9 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define LOOKS 32  /* at the Jacobian, whose spectral radius is found in */
-#define ROUNDS 12 /* multiplications, the last of which count: */
-#define COUNTED 6 /* an even number, so that pairs +-lambda do not matter */
+#define JACOBIANS_MAX 32    /* Number of Jacobians whose spectral radius is estimated. */
+#define POWER_ITERATIONS 12 /* Number of multiplications by each Jacobian. */
+/* The last ones count; an even number, so that pairs +-lambda do not matter. */
+#define POWER_ITERATIONS_COUNTED 6
 
 size_t run_spread_row(const struct run *run, size_t first, size_t k, size_t count)
 {
@@ -24,7 +25,7 @@ static double spectral_radius(const double *jacobian, int n)
     /* nothing in particular */
     for (int i = 0; i < n; i++)
         v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < POWER_ITERATIONS; round++) {
         double before = 0, after = 0;
         for (int i = 0; i < n; i++) {
             w[i] = 0;
@@ -35,12 +36,12 @@ static double spectral_radius(const double *jacobian, int n)
         }
         if (after == 0)
             return 0;
-        if (round >= ROUNDS - COUNTED)
+        if (round >= POWER_ITERATIONS - POWER_ITERATIONS_COUNTED)
             grown *= after / before;
         for (int i = 0; i < n; i++)
             v[i] = w[i] / sqrt(after);
     }
-    return fixed_exp(fixed_log(grown) / (2 * COUNTED));
+    return fixed_exp(fixed_log(grown) / (2 * POWER_ITERATIONS_COUNTED));
 }
 
 double run_stiffness(const struct run *run)
@@ -48,7 +49,8 @@ double run_stiffness(const struct run *run)
     const struct system *system = &run->system;
     static const double evals_a_look = 512, looks_min = 4; /* a small share of the run's work */
     const size_t rows = trace_count(run->trace) - 1,
-                 max = (size_t)fmin(LOOKS, fmax(looks_min, (double)run->cost.evals / evals_a_look)),
+                 max = (size_t)fmin(JACOBIANS_MAX,
+                                    fmax(looks_min, (double)run->cost.evals / evals_a_look)),
                  count = rows < max ? rows : max;
     double *jacobian = malloc((size_t)system->n * (size_t)system->n * sizeof *jacobian), sum = 0;
     size_t row = 0;

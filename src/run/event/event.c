@@ -7,13 +7,18 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* Rounding units that a sum of one term a step may be off, beside one for each step. */
-#define ROUNDED 16
-#define TOUCH 1e-7      /* of a step: touches so near are one, */
-#define TOUCH_LOOKS 4   /* and those between which it is 0 at even parts */
-#define NEAR 100        /* times the errors of a step: what may have grown on the way */
-#define NEAR_FIXED 1e-4 /* of the sizes of the state: fixed steps have errors that nobody knows */
-#define SAME 8          /* units of the last place of t: moments so near are one */
+/* Rounding units by which a sum of one term per step may be off, besides one for each step. */
+#define TIME_ROUNDING_ULPS 16
+/* Touches that are nearer to each other, as a part of a step, count as one. */
+#define TOUCH_SEPARATION 1e-7
+/* Touches between which the event's difference is 0 at this many even parts are one, too. */
+#define TOUCH_LOOKS 4
+/* Factor by which the error of a step may have grown in the run. */
+#define ERROR_GROWTH_FACTOR 100
+/* Part of the sizes of the state that stands for the unknown error of fixed steps. */
+#define NEAR_FIXED 1e-4
+/* Moments that are nearer to each other, in units of the last place of t, are one. */
+#define TIME_EQUAL_ULPS 8
 
 static int sign_of(double value)
 {
@@ -23,14 +28,14 @@ static int sign_of(double value)
 /* Of a state: the share of each variable's size that it may be off. */
 static double error_fraction(const struct run *run)
 {
-    const double rounding = (ROUNDED + (double)run->steps) * DBL_EPSILON;
+    const double rounding = (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON;
     return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
 /* The same for what errors that have grown may be: nearer to 0, a touch is not certain. */
 static double doubt_fraction(const struct run *run)
 {
-    return run->plan.adaptive ? NEAR * error_fraction(run) : NEAR_FIXED;
+    return run->plan.adaptive ? ERROR_GROWTH_FACTOR * error_fraction(run) : NEAR_FIXED;
 }
 
 /* Takes note of a state for the sizes of the run so far. */
@@ -159,7 +164,7 @@ static bool is_same_touch(const struct event_search *look, double theta, double 
     const struct step_path *path = &look->watch->path;
     const double touched = look->watched->touched;
     const double since = (touched - path->inside.t) / path->inside.h;
-    if (fabs(path_time(path, theta) - touched) <= TOUCH * fabs(path->inside.h))
+    if (fabs(path_time(path, theta) - touched) <= TOUCH_SEPARATION * fabs(path->inside.h))
         return true;
     bool same = since >= 0 && since < theta;
     for (int k = 1; same && k < TOUCH_LOOKS; k++)
@@ -232,8 +237,8 @@ static bool look_found(void *context, double theta, int sign)
         return true;
     if (event->touching && is_same_touch(look, theta, error_fraction(path->inside.run)))
         return true;
-    if (sign == 0 &&
-        fabs(path_time(path, theta) - look->watched->passed) <= TOUCH * fabs(path->inside.h))
+    if (sign == 0 && fabs(path_time(path, theta) - look->watched->passed) <=
+                         TOUCH_SEPARATION * fabs(path->inside.h))
         return true;
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
@@ -313,7 +318,7 @@ static bool is_due(const struct event_search *look, const struct run_target *tar
     const double mean = slope.lo + (slope.hi - slope.lo) / 2, after = -watched->value / mean;
     const double size = fmax(fabs(run->t), fabs(run->t - run->system.t0));
     return after > 0 && after * fabs(look->watch->path.inside.h) <=
-                            (ROUNDED + (double)run->steps) * DBL_EPSILON * size;
+                            (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON * size;
 }
 
 static void doubt(struct run *run, const struct event_search *look, double from, bool near)
@@ -375,8 +380,8 @@ static void look_at(struct event_search *look, const struct run_target *target)
     struct watched *watched = look->watched;
     const struct step_path *path = &look->watch->path;
     double from = 0, value = watched->value;
-    const double near =
-        SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
+    const double near = TIME_EQUAL_ULPS * DBL_EPSILON *
+                        fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
     const double to = fmin(look->until + near, 1);
     watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
     if (watched->departs)
@@ -421,7 +426,8 @@ static void put_in_order(struct event_watch *watch)
     struct event_crossing *found = watch->found;
     qsort(found, watch->count, sizeof *found, by_time);
     for (size_t i = 1, first = 0; i < watch->count; i++) {
-        const double near = SAME * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
+        const double near =
+            TIME_EQUAL_ULPS * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
         if (fabs(found[i].t - found[first].t) > near) {
             first = i;
             continue;

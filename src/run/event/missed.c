@@ -9,20 +9,25 @@
 #include <float.h>
 #include <math.h>
 
-#define WAYS 256 /* along which it is looked for in a run */
-#define BURSTS 16
-#define PIECES 4       /* of each part of a step that is solved again: none is passed over */
+/* Segments of a run along which missed bursts are searched for. */
+#define MISSED_SEGMENTS_MAX 256
+#define SEGMENT_BURSTS_MAX 16
+/* Parts of each step that is solved again, so that no burst is passed over. */
+#define BURST_SUBSTEPS 4
 #define SOLVE_TOL 1e-9 /* tolerance of that */
-#define ULPS 1000      /* of t: what is shorter is a point, as a singularity is */
-#define NEARER 4       /* times: a step across a jump is as far from either solution */
-#define SIZE_MIN 1e-6  /* of a variable's natural size: what is smaller counts as that large */
+/* A burst that is shorter, in units of the last place of t, is a point, as singularities are. */
+#define BURST_MIN_ULPS 1000
+/* A step across a jump is about equally far from either solution, within this factor. */
+#define BURST_DISTANCE_RATIO 4
+#define SIZE_MIN 1e-6 /* of a variable's natural size: what is smaller counts as that large */
 /* Stretches that a search looks at, each of which takes what 200 evaluations of the equations do:
  * so many, and so many more for each way, and one for so many evaluations of the run. */
 enum { LOOKS_MIN = 1024, LOOKS_A_WAY = 8, EVALS_A_LOOK = 5000 };
 /* Looks along one way, and looks of which a comparison with a step that is solved again takes the
  * place. */
 enum { LOOKS_ONE_WAY = 128, LOOKS_A_SOLUTION = 256 };
-#define BEFORE 1e-3 /* of its length before a burst the rates are what they are without it */
+/* Part of its length before and after a burst at which the rates are those without it. */
+#define BURST_MARGIN 1e-3
 
 /* The first row from `first` on whose time is beyond t, in the direction of the run. */
 static size_t row_beyond(const struct trace *trace, size_t first, double t)
@@ -48,9 +53,9 @@ static bool is_seen(const struct trace *trace, size_t first, const struct burst 
 static bool solve_pieces(const struct run *run, double t, double *y, double end)
 {
     const struct system *system = &run->system;
-    for (int i = 1; i <= PIECES; i++) {
-        const double next = i < PIECES ? t + (end - t) * i / PIECES : end,
-                     from = t + (end - t) * (i - 1) / PIECES;
+    for (int i = 1; i <= BURST_SUBSTEPS; i++) {
+        const double next = i < BURST_SUBSTEPS ? t + (end - t) * i / BURST_SUBSTEPS : end,
+                     from = t + (end - t) * (i - 1) / BURST_SUBSTEPS;
         if (from != next && !run_solve_cheaply(system, from, y, next, SOLVE_TOL, y, run->cancel))
             return false;
     }
@@ -95,24 +100,25 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
     for (int k = 0; k < n; k++)
         if (!isfinite(slope[k]))
             return false;
-    if (fabs(length) < ULPS * DBL_EPSILON * fabs(burst->from))
+    if (fabs(length) < BURST_MIN_ULPS * DBL_EPSILON * fabs(burst->from))
         return false;
     copy_state(with, trace_state(run->trace, i), n);
     if (!solve_pieces(run, t, with, burst->from))
         return true;
     copy_state(without, with, n);
-    const double before = burst->from - length * BEFORE;
+    const double before = burst->from - length * BURST_MARGIN;
     system_derivative(&run->system, (before - t) * length > 0 ? before : t, without, slope);
     for (int k = 0; k < n; k++)
         without[k] += length * slope[k];
     if (!solve_pieces(run, burst->from, with, burst->to) ||
         !solve_pieces(run, burst->to, with, end) || !solve_pieces(run, burst->to, without, end))
         return true;
-    if (!(distance_of_step(run, i, with) > NEARER * distance_of_step(run, i, without)))
+    if (!(distance_of_step(run, i, with) >
+          BURST_DISTANCE_RATIO * distance_of_step(run, i, without)))
         return false;
     /* A jump is no burst: the next steps see what it leads to. */
     const int k = most_different(&run->system, with, without);
-    system_derivative(&run->system, burst->to + length * BEFORE, with, after);
+    system_derivative(&run->system, burst->to + length * BURST_MARGIN, with, after);
     return fabs(after[k] - slope[k]) <= fabs(with[k] - without[k]) / fabs(length) / 2;
 }
 
@@ -129,13 +135,14 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
     for (size_t i = beyond > first ? beyond - 1 : first; i <= end && i + 1 < trace_count(trace);
          i++) {
         const double t[2] = {trace_time(trace, i), trace_time(trace, i + 1)};
-        struct burst burst[BURSTS];
+        struct burst burst[SEGMENT_BURSTS_MAX];
         if (cancelled(run->cancel) || *allowed <= 0)
             return false;
         if (t[0] == t[1])
             continue;
-        const int count = bursts_within(&run->system, t, trace_state(trace, i),
-                                        trace_state(trace, i + 1), true, allowed, burst, 0, BURSTS);
+        const int count =
+            bursts_within(&run->system, t, trace_state(trace, i), trace_state(trace, i + 1), true,
+                          allowed, burst, 0, SEGMENT_BURSTS_MAX);
         if (count == 0)
             continue;
         *there = burst[0];
@@ -159,7 +166,7 @@ struct burst_search {
     size_t first; /* row */
     /* looks that are left, along ways and at the steps where something was found on these */
     int64_t allowed, allowed_steps;
-    struct burst burst[BURSTS];
+    struct burst burst[SEGMENT_BURSTS_MAX];
     int count;
 };
 
@@ -193,7 +200,7 @@ static void search_way(struct burst_search *search, const double t[2], const dou
                   allowed = given < search->allowed ? given : search->allowed;
     int64_t left = allowed;
     search->count = bursts_within(&search->run->system, t, from, to, true, &left, search->burst,
-                                  search->count, BURSTS);
+                                  search->count, SEGMENT_BURSTS_MAX);
     search->allowed -= allowed - left;
 }
 
@@ -212,14 +219,15 @@ bool run_missed_burst(struct run *run, struct burst *missed)
         stop_is_failure(run->stop))
         return false;
     /* From one way before the new rows on: a burst around the first of them is one burst. */
-    const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;
+    const size_t all = rows - 1, length = all > MISSED_SEGMENTS_MAX ? all / MISSED_SEGMENTS_MAX : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
-    const size_t even = (steps * WAYS + all - 1) / all, ways = steps < even ? steps : even;
+    const size_t even = (steps * MISSED_SEGMENTS_MAX + all - 1) / all,
+                 ways = steps < even ? steps : even;
     const int64_t allowed = run_burst_looks(&run->system, ways, run->cost.evals);
     struct burst_search search = {.run = run,
                                   .first = first,
                                   .allowed = allowed,
-                                  .allowed_steps = allowed + LOOKS_A_SOLUTION * BURSTS};
+                                  .allowed_steps = allowed + LOOKS_A_SOLUTION * SEGMENT_BURSTS_MAX};
     p->searched = all;
     for (size_t k = 0; k < ways && search.allowed > 0 && !cancelled(run->cancel); k++) {
         const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;

@@ -5,8 +5,10 @@
 
 #include <float.h>
 
-#define ROUNDING (64 * DBL_EPSILON) /* of the sizes of a polynomial's terms */
-#define TAIL 10 /* times its last terms: what is left out of a polynomial through samples */
+/* Rounding relative to the sizes of a polynomial's terms. */
+#define POLYNOMIAL_ROUNDING (64 * DBL_EPSILON)
+/* Bounds the omitted terms of a polynomial through samples by this many times its last terms. */
+#define TAIL_FACTOR 10
 
 /* Values at even shares of a stretch, degree + 1 of them: the polynomial c about its middle, in its
  * length (Newton). */
@@ -79,7 +81,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
         sum += fabs(c[k]) * power;
         tail += k > degree - 6 ? fabs(c[k]) * power : 0;
     }
-    struct jet jet = bounds(c, degree, 0.5, TAIL * tail + ROUNDING * sum, 1);
+    struct jet jet = bounds(c, degree, 0.5, TAIL_FACTOR * tail + POLYNOMIAL_ROUNDING * sum, 1);
     const double scale = 1 / (b - a);
     jet.slope = (struct interval){jet.slope.lo * scale, jet.slope.hi * scale};
     jet.bend = (struct interval){jet.bend.lo * scale * scale, jet.bend.hi * scale * scale};
@@ -136,7 +138,8 @@ static double terms_size(const struct path_piece *piece, int variable, int first
 static void set_rounding(struct step_path *path)
 {
     for (int i = 0; i < path->inside.run->system.n; i++)
-        path->piece->error[i] = ROUNDING * terms_size(path->piece, i, 0, path->degree, 0.5);
+        path->piece->error[i] =
+            POLYNOMIAL_ROUNDING * terms_size(path->piece, i, 0, path->degree, 0.5);
 }
 
 static void through_samples(struct step_path *path, int degree)
@@ -199,11 +202,12 @@ static bool through_middle(struct step_path *path)
         struct path_piece *piece = path->piece;
         const double off = middle[i] - piece->c[0][i]; /* times (1 - 4 s^2)^2 */
         fine = fine && !(fabs(off) > resolved * terms_size(piece, i, 1, 3, 0.5) +
-                                         ROUNDING * fabs(piece->c[0][i]));
+                                         POLYNOMIAL_ROUNDING * fabs(piece->c[0][i]));
         piece->c[0][i] += off;
         piece->c[2][i] -= 8 * off;
         piece->c[4][i] = 16 * off;
-        piece->error[i] = fabs(off) + ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
+        piece->error[i] =
+            fabs(off) + POLYNOMIAL_ROUNDING * terms_size(piece, i, 0, path->degree, 0.5);
     }
     return fine && is_followed(path, 0, 1, resolved);
 }
@@ -232,8 +236,8 @@ static bool fit_piece(struct step_path *path, int k, int pieces)
         const double last = terms_size(piece, i, DENSE_DEGREE - 1, DENSE_DEGREE, length / 2),
                      motion = terms_size(piece, i, 1, DENSE_DEGREE, length / 2);
         fine = fine && last <= resolved * motion + sample_noise * fabs(piece->c[0][i]);
-        piece->error[i] = (last <= smooth * motion ? left_out * last : TAIL * motion) +
-                          ROUNDING * (fabs(piece->c[0][i]) + motion);
+        piece->error[i] = (last <= smooth * motion ? left_out * last : TAIL_FACTOR * motion) +
+                          POLYNOMIAL_ROUNDING * (fabs(piece->c[0][i]) + motion);
     }
     return fine && is_followed(path, k, pieces, resolved);
 }

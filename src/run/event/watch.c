@@ -7,9 +7,10 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* bounds of an event in a step, before it is said that it may have been missed */
-#define BUDGET 4000
-#define SAMPLES 12 /* parts of a stretch, where a column that is no variable is looked at */
+/* Number of bounds of an event in a step before a warning that it may have been missed. */
+#define EVENT_BOUNDS_MAX 4000
+/* Parts of an interval at which a column that is no variable is evaluated. */
+#define COLUMN_SAMPLES 12
 
 /* ---- columns ---- */
 
@@ -69,7 +70,8 @@ bool events_watch_begin(struct event_watch *watch, struct run *run, const struct
     for (int i = 0; i < watch->events && !watch->failed; i++) {
         const struct event *event = i == watch->until ? &watch->condition : &target->event[i];
         watch->scope = event->scope;
-        struct watched made = {.event = event, .budget = BUDGET, .touched = NAN, .passed = NAN};
+        struct watched made = {
+            .event = event, .budget = EVENT_BOUNDS_MAX, .touched = NAN, .passed = NAN};
         made.left = expr_settle(event->left, event->scope, column_of, watch, &watch->arena);
         if (event->right)
             made.right = expr_settle(event->right, event->scope, column_of, watch, &watch->arena);
@@ -163,14 +165,14 @@ static struct jet time_jet(const struct step_path *path, double a, double b)
 static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot,
                             double a, double b)
 {
-    double y[LIMIT_VARIABLES], value[SAMPLES + 1];
+    double y[LIMIT_VARIABLES], value[COLUMN_SAMPLES + 1];
     const double apart = fmax(b - a, 1e-9), from = fmin(a, 1 - apart);
-    for (int k = 0; k <= SAMPLES; k++) {
-        const double theta = from + apart * k / SAMPLES;
+    for (int k = 0; k <= COLUMN_SAMPLES; k++) {
+        const double theta = from + apart * k / COLUMN_SAMPLES;
         path_estimate(&watch->path, theta, y);
         value[k] = load_other(watch, watched, slot, path_time(&watch->path, theta), y);
     }
-    return path_fit(value, SAMPLES, from, from + apart);
+    return path_fit(value, COLUMN_SAMPLES, from, from + apart);
 }
 
 struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,

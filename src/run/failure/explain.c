@@ -22,11 +22,12 @@ static void put_time(struct buffer *text, double seconds, int digits)
 }
 
 #define STEP_HOPELESS 1e-6 /* of the step in use: nobody wants one that short */
-#define GROWN 1e-30        /* of the largest state: linear growth got there, not a method */
-#define T0_LARGE 1e6       /* times the way: t0 takes its digits from t */
-#define TOL_SMALL 1e-11    /* below it rounding may be what step control sees */
+/* Part of the largest state above which linear growth, not the method, explains it. */
+#define LINEAR_GROWTH_MIN 1e-30
+#define T0_LARGE 1e6    /* times the way: t0 takes its digits from t */
+#define TOL_SMALL 1e-11 /* below it rounding may be what step control sees */
 
-#define SOUND 2 /* natural sizes: what is larger may be the method's doing */
+#define RELIABLE_SIZES 2 /* States above this many natural sizes may come from the method. */
 
 /* The last recorded state before it blew up, or the start. What a blown-up state says of rates
  * means nothing. */
@@ -40,7 +41,7 @@ static const double *sound_state(const struct run *run, double *t)
         const double *y = trace_state(run->trace, row);
         bool sound = true;
         for (int i = 0; i < system->n && sound; i++)
-            sound = fabs(y[i]) <= SOUND * fmax(system->scale[i], fabs(system->start[i]));
+            sound = fabs(y[i]) <= RELIABLE_SIZES * fmax(system->scale[i], fabs(system->start[i]));
         if (sound || row == 0) {
             *t = trace_time(run->trace, row);
             return y;
@@ -197,7 +198,7 @@ static bool solution_grows(const struct run *run)
     for (int i = 0; i < run->system.n; i++)
         largest = fmax(largest, fabs(run->y[i]) / run_bound(&run->system, i));
     return fate_of(run) == SOLUTION_GROWS ||
-           (run->plan.adaptive && run->system.linear && largest > GROWN);
+           (run->plan.adaptive && run->system.linear && largest > LINEAR_GROWTH_MIN);
 }
 
 static void explain_fixed_divergence(const struct run *run, struct buffer *text)

@@ -133,17 +133,17 @@ CLONES static size_t row_that_stands_out(const struct trace *trace, size_t block
     const double *row = trace_rows(trace, block, end, count);
     double sum[LIMIT_VARIABLES + 1] = {0}, max[LIMIT_VARIABLES + 1] = {0};
     size_t values = (*count - 1) * width, found = values;
-    values -= values % (FOUR * width);
-    for (size_t p = 0; p < FOUR * width; p += FOUR) {
+    values -= values % (VECTOR_LANES * width);
+    for (size_t p = 0; p < VECTOR_LANES * width; p += VECTOR_LANES) {
         four all = {0}, largest = {0};
-        for (size_t i = p; i < values; i += FOUR * width) {
+        for (size_t i = p; i < values; i += VECTOR_LANES * width) {
             const four change = *(const four *)(const void *)(row + i + width) -
                                 *(const four *)(const void *)(row + i),
                        size = (four)((four_bits)change & INT64_MAX);
             all += size;
             four_raise(&largest, &size);
         }
-        for (size_t lane = 0; lane < FOUR; lane++) {
+        for (size_t lane = 0; lane < VECTOR_LANES; lane++) {
             sum[(p + lane) % width] += all[lane];
             max[(p + lane) % width] = fmax(max[(p + lane) % width], largest[lane]);
         }
@@ -184,7 +184,7 @@ void run_find_strange_steps(struct run *run)
     const size_t max = run_rows_looked_max(&run->system, run->method, (double)run->cost.evals,
                                            (double)(rows - first), &picks),
                  by = 1 + (rows - first) / max;
-    picks &= by >= FOUR;
+    picks &= by >= VECTOR_LANES;
     size_t strange = rows; /* the last one, if it was not looked into */
     p->looked = rows - 1;
     for (size_t block = first, count = by; block + 1 < rows; block += count, count = by) {

@@ -81,8 +81,8 @@ static bool put_go(struct composer *c, const struct request *request, int64_t fr
         if (t != request->t)
             buffer_format(c->text, " --steps %lld", (long long)(to - from));
         buffer_put(c->text, TEXT(" to "));
-        buffer_real(c->text,
-                    run->plan.adaptive || fabs(request->t) < FAR ? request->t : run->t + far);
+        buffer_real(c->text, run->plan.adaptive || fabs(request->t) < T_UNREACHABLE ? request->t
+                                                                                    : run->t + far);
         buffer_put(c->text, TEXT(" s"));
     }
     buffer_char(c->text, '\n');
