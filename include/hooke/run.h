@@ -35,9 +35,9 @@ size_t trace_bytes(const struct trace *trace); /* memory held */
 /* ---- settings and the plan ---- */
 
 /*
- * How fixed steps are computed. A propagator (linear scene of two variables, no drive) multiplies
- * by powers of the method's one-step matrix: no forces are evaluated, and the states differ from
- * the others' by a few eps a step. The other two give the same bits.
+ * Ways to compute fixed steps. A propagator (linear scene of two variables, no drive) multiplies by
+ * powers of the method's one-step matrix: no forces are evaluated, and the states differ from the
+ * others' by a few eps a step. The other two give the same bits.
  */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 
@@ -45,8 +45,9 @@ enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 extern const struct catalog kernel_catalog;
 
 struct run_settings {
-    double dt;  /* [s] > 0: fixed step, and the first guess where adaptive */
-    double tol; /* > 0: adaptive where the method can; 0: fixed step */
+    double dt; /* [s] > 0: fixed step, and the first guess where adaptive */
+    /* Tolerance of adaptive steps, if the method has them; 0 asks for fixed steps. */
+    double tol;
     enum drag drag;
     enum kernel kernel; /* the fastest way that is allowed */
     /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
@@ -58,9 +59,8 @@ struct run_settings {
     size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };
 
-/* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled
- * by plan_describe).
- */
+/* Everything that will be computed for a scene and a method, and everything that is left out, as
+ * lines for `plan` (filled by plan_describe). */
 struct plan {
     bool adaptive;
     bool propagates;  /* no forces are evaluated: powers of the one-step matrix */
@@ -74,7 +74,7 @@ struct plan {
     /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise): plan_stable_limit() */
     double limit;
     int64_t whole;  /* full steps of dt in the span */
-    double partial; /* [s] last partial step, 0: none */
+    double partial; /* [s] last partial step; 0 if there is none */
     bool exact_end; /* span is a whole number of steps */
 };
 
@@ -83,7 +83,7 @@ struct plan {
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error);
-/* Of a fixed step dt > 0 only steps, whole, partial and exact_end. */
+/* Plans fixed steps dt > 0 over the span: sets only steps, whole, partial and exact_end. */
 bool plan_grid(const struct system *system, double dt, double span, struct plan *plan,
                struct error *error);
 /* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0
@@ -95,7 +95,7 @@ void plan_describe(const struct scene *scene, const struct system *system,
 
 /* ---- runs ---- */
 
-enum stop {                 /* why a run is where it is */
+enum stop {                 /* reason why a run stopped */
             STOP_NONE,      /* not at a stop: can continue */
             STOP_END,       /* reached the time asked for */
             STOP_CONDITION, /* `until` holds */
@@ -124,7 +124,7 @@ static inline bool stop_is_failure(enum stop stop)
 /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
 const char *stop_name(enum stop stop);
 
-/* of the time since the start: adaptive steps that short are looked into */
+/* Adaptive steps shorter than this part of the time since the start are examined. */
 #define RUN_CREEP 1e-6
 
 struct singularity {
@@ -134,23 +134,24 @@ struct singularity {
 
 /* A step of fixed size that has little to do with the solution from where it began. */
 struct unsound_step {
-    double times;    /* its error, of what is there; 0: none was seen */
-    double t, value; /* where it ended [s], the variable there */
+    double times;    /* its error as a multiple of the value there; 0 if none was seen */
+    double t, value; /* time at which it ended [s], and the variable there */
     double solution; /* and what it should be */
     int variable;    /* the one that is off most */
 };
 
 /*
- * How far an adaptive run may be from the solution: a distance from the closed form, or from a
- * second solution of another kind at a hundredth of the tolerance. Unit: the largest value of each
- * variable so far, at least its size along the run (struct controller), or atol / tol where atol is
- * given.
+ * Estimated distance of an adaptive run from the solution: its distance from the closed form, or
+ * from a second solution of another kind at a hundredth of the tolerance. The unit is the largest
+ * value of each variable so far, at least its size along the run (struct controller), or atol / tol
+ * if atol is given.
  */
-#define OPINION_WRONG 100 /* tolerances: errors beyond deserve a warning */
+#define OPINION_WRONG 100 /* Errors beyond this many tolerances deserve a warning. */
 /* evaluations and Jacobians, over the number of variables: some milliseconds */
 #define OPINION_BUDGET 4e5
-#define OPINION_SHARE 0.1        /* of the run's own, where that is more, */
-#define OPINION_DOUBT 0.45       /* where the first part says that the end may be wrong, */
+#define OPINION_SHARE 0.1 /* Part of the run's own work, if that is more than the budget. */
+/* If the first part shows that the end may be wrong, this part of the run's own work is allowed, */
+#define OPINION_DOUBT 0.45
 #define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
@@ -164,8 +165,9 @@ struct opinion {
     double work; /* evaluations and Jacobians of the second solution */
     /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
     double end[LIMIT_VARIABLES];
-    const struct method *by; /* NULL: the closed form */
-    double tol;              /* of it */
+    /* method of the second solution; NULL if the closed form was used */
+    const struct method *by;
+    double tol; /* tolerance of that method */
 };
 
 struct run {
@@ -184,14 +186,15 @@ struct run {
     struct cost cost;
     double seconds; /* wall time spent advancing */
     enum stop stop;
-    struct singularity singular; /* with STOP_SINGULAR */
+    struct singularity singular; /* valid with STOP_SINGULAR */
     struct unsound_step unsound; /* the worst one seen by run_diagnose() */
     bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
     bool warned_burst;
     struct burst missed; /* the first that run_missed_burst() found; from == to: none */
     struct controller controller;
-    struct opinion opinion;      /* by run_second_opinion() */
-    const struct cancel *cancel; /* ends what is read off it; NULL: nobody can */
+    struct opinion opinion; /* filled by run_second_opinion() */
+    /* Ends computations that read the run; NULL if they cannot be cancelled. */
+    const struct cancel *cancel;
 
     struct run_private *private_state; /* work memory */
 };
@@ -217,7 +220,7 @@ void run_destroy(struct run *run);
 struct event {
     char name[LIMIT_NAME + 1];
     const struct expr *left, *right; /* the value is left - right; right NULL: left */
-    int direction;                   /* 1: rising, -1: falling, 0: both */
+    int direction;                   /* 1 for rising, -1 for falling, 0 for both */
     bool touching;                   /* also where it becomes 0, but for errors, and goes back */
     bool stop;                       /* the run stops there: STOP_CONDITION */
     const struct expr_scope
@@ -233,46 +236,49 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
 struct event_record {
     int event;     /* place in the target's list */
     int direction; /* 1 rising, -1 falling, 0 touching */
-    int64_t step;  /* of the run after it */
+    int64_t step;  /* step of the run after the event */
     double t;      /* [s] */
 };
 
-/* Where bounds did not prove that an event was not missed: steps were longer than its own time
- * scale. */
+/* Steps for which bounds did not prove that no event was missed, because they were longer than the
+ * event's own time scale. */
 struct event_doubt {
-    int64_t steps;   /* 0: nowhere */
+    int64_t steps;   /* number of such steps; 0 if there are none */
     double from, to; /* [s] the first of them and the last */
     bool near;       /* nothing but that it comes nearer to 0 than errors of the run may be */
 };
 
-/* event: its place in the targets' lists; LIMIT_EVENTS: the condition. */
+/* Returns the doubt about an event, given by its index in the targets' lists; LIMIT_EVENTS stands
+ * for the condition. */
 struct event_doubt run_event_doubt(const struct run *run, int event);
 size_t run_event_records(const struct run *run);
 const struct event_record *run_event_record(const struct run *run, size_t i);
 const double *run_event_record_state(const struct run *run, size_t i); /* [n] */
 
 struct run_target {
-    double t;      /* [s] go there; HUGE_VAL: no end */
-    int64_t steps; /* at most so many more steps, counted from this call; < 0: no limit */
+    double t; /* Time [s] at which to stop; HUGE_VAL if there is no end. */
+    /* Largest number of further steps, counted from this call; negative if there is no limit. */
+    int64_t steps;
     const struct condition
         *condition; /* stop where it becomes true (looked for as events are, located by steps of the
                        method), or NULL; true at the start, it must become false first; with
                        <= and >= it is true where it touches, within the errors of the run */
-    const struct expr_scope
-        *scope;                /* of the condition; loads observables of this run's current state */
+    /* Scope of the condition; loads observables of this run's current state. */
+    const struct expr_scope *scope;
     const struct event *event; /* [events] */
     int events;
 };
 
-/* Since when dry friction holds the body, by the rows that were recorded [s]; NAN: it does not. */
+/* Returns the time [s] since which dry friction has held the body, according to the recorded rows,
+ * or NAN if it does not hold it. */
 double run_rest(const struct run *run);
 /*
- * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there
- * is more to do. The rows recorded do not depend on how the work is cut into calls. The last
- * partial step is local: settings.dt is unchanged and a later call continues on the grid t0 + i dt
- * where it can: after a partial step (end of a span, condition) and after a turn a new grid starts
- * at the present time. A failed step leaves the state before it, bit for bit, and so does one that
- * cannot be recorded (STOP_FULL); calling again tries again.
+ * Advances until the target, a stop reason, cancellation or the end of `budget_ns`, where 0 means
+ * no limit. Returns true while there is more to do. The rows recorded do not depend on how the work
+ * is cut into calls. The last partial step is local: settings.dt is unchanged and a later call
+ * continues on the grid t0 + i dt where it can: after a partial step (end of a span, condition) and
+ * after a turn a new grid starts at the present time. A failed step leaves the state before it, bit
+ * for bit, and so does one that cannot be recorded (STOP_FULL); calling again tries again.
  */
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
                  const struct cancel *cancel);
@@ -282,11 +288,11 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
  */
 void run_place(struct run *run, int64_t steps, const double *y);
 /*
- * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the
- * start). Restores time, state and the parameters then in force, not what a multistep method
- * remembers or a step control has learnt: these start again; a propagator does not know the middle
- * of its block any more where the trace is decimated. A row inside of a step (RECORD_TIMES) becomes
- * the end of that step.
+ * Goes back by `rows` recorded rows; never integrates backwards. Returns false, and goes to the
+ * start, if there are fewer. Restores time, state and the parameters that were in force, but not
+ * the memory of a multistep method or of a step control: these start again; a propagator does not
+ * know the middle of its block any more where the trace is decimated. A row inside of a step
+ * (RECORD_TIMES) becomes the end of that step.
  */
 bool run_back(struct run *run, int64_t rows);
 /*
@@ -314,37 +320,39 @@ void run_set_jump_slopes(struct run *run, const double *slope);
  * bits, it has to go all the way again. */
 bool run_remembers(const struct run *run);
 /*
- * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
- * allocates. src/run/failure/follow.c has the criterion.
+ * Finds out whether and how the solution through (t, y) ends before `end`. Integrates at most 20000
+ * steps of dop853; allocates. src/run/failure/follow.c has the criterion.
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel);
-/* "goes to infinity", "ends with an infinite slope": follows "the solution" */
+/* Returns "goes to infinity" or "ends with an infinite slope", to follow the words "the
+ * solution". */
 const char *singularity_text(const struct singularity *singularity);
-/* Whether a run has failed because its solution ends there, or has stepped over such an end: then
- * stop becomes STOP_SINGULAR. Looks at the rows since the last call. */
+/* Finds out whether a run has failed because its solution ends there, or has stepped over such an
+ * end; then stop becomes STOP_SINGULAR. Looks at the rows since the last call. */
 void run_diagnose(struct run *run);
-/* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is
- * above …; try dt <= 0.06 s". */
+/* Appends the reason why the run stopped, as a sentence for the user, such as "diverged at t =
+ * 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /*
- * How much work an opinion may be. BRIEF: OPINION_BRIEF_SHARE of the run's own work.
- * DEMANDED: OPINION_BUDGET and OPINION_SHARE of the run's own, and at least that where small values
- * were asked for (atol). WHOLE: to the end. Those within a budget go on with OPINION_BUDGET_DOUBT
- * and OPINION_DOUBT: BRIEF where the error so far says that no digit may be left at the end,
- * DEMANDED where it may get larger than OPINION_WRONG.
+ * Limits of the work on an opinion. BRIEF allows OPINION_BRIEF_SHARE of the run's own work.
+ * DEMANDED allows OPINION_BUDGET and OPINION_SHARE of the run's own, and at least that where small
+ * values were asked for (atol). WHOLE continues to the end. Those within a budget continue with
+ * OPINION_BUDGET_DOUBT and OPINION_DOUBT: BRIEF where the error so far says that no digit may be
+ * left at the end, DEMANDED where it may get larger than OPINION_WRONG.
  */
 enum opinion_effort { OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
 
 /* Fills run->opinion up to the present state of an adaptive run, or as far as its effort goes:
  * nothing else of it changes. Compares recorded states, at most 256 in a call. */
 void run_second_opinion(struct run *run, enum opinion_effort effort, const struct cancel *cancel);
-/* Whether there is one, which has seen what the run may have missed: what no step has seen the
- * second solution has not seen either, unless they differ by much. */
+/* Returns true if an opinion exists and has seen everything that the run may have missed: the
+ * second solution has not seen what no step has seen, unless the two differ by much. */
 bool run_opinion_known(const struct run *run);
-/* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by
- * its second opinion, and not only because it passes through 0: none of its digits is certain, it
- * is less than that [SI]. 0: others. How many. */
+/* Sets below [n] to the size [SI] under which each variable of an adaptive run has no certain
+ * digit, because of the error that the run allows or has by its second opinion, and not only
+ * because the variable passes through 0. Other variables get 0. Returns the number of variables
+ * that are so small. */
 int run_below_tolerance(const struct run *run, double *below);
 /* A short time at which the equations do something that no step has seen, where all steps are
  * recorded; since it was last asked. */
@@ -364,7 +372,7 @@ struct sample { /* one row of a run, or its current state */
     double dissipated;   /* [J] the part that drag took away, >= 0 for real drag; with NEED_WORK */
     double initial;      /* [J] energy at the start; with NEED_WORK */
     const double *exact; /* [n] exact state; with NEED_EXACT */
-    const struct system *system; /* in force on the way to this state */
+    const struct system *system; /* System in force on the way to this state. */
 };
 
 enum observable_need {
@@ -390,9 +398,10 @@ struct observable {
 };
 
 extern const struct catalog observable_catalog;
-const struct observable *observable_by_name(struct text name); /* by name or alias; NULL if none */
+/* Finds an observable by its name or alias; returns NULL if there is none. */
+const struct observable *observable_by_name(struct text name);
 const struct observable *observable_at(size_t i);
-const struct observable *observable_from(const struct row *row); /* of the catalog */
+const struct observable *observable_from(const struct row *row); /* row of the catalog */
 
 /*
  * y, v and a are the first coordinate of the scene (theta of a pendulum), error and exact too;
@@ -401,16 +410,17 @@ const struct observable *observable_from(const struct row *row); /* of the catal
  */
 enum quantity observable_quantity(const struct observable *observable, const struct system *system);
 const char *observable_unit(const struct observable *observable, const struct system *system);
-/* Whether an observable means something for this system. */
+/* Returns true if the observable is defined for this system. */
 bool observable_defined(const struct observable *observable, const struct system *system,
                         bool exact_known);
 /* The energy, or the kinetic energy where that is all there is. */
 const struct observable *observable_energy(const struct system *system);
 
-/* Where the oscillator rests, about which its free motion swings; false: there is no such place. */
+/* Finds the rest position about which the free motion of the oscillator swings; returns false if
+ * there is none. */
 bool run_centre(const struct run *run, double *centre);
-/* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for
- * this run (no exact solution …), with reason. */
+/* Fills out [trace_count] with the observable for all rows of the trace. Returns false, with a
+ * reason, if it is not defined for this run (no exact solution …). */
 bool run_column(const struct run *run, const struct observable *observable, double *out,
                 struct error *error);
 /* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
@@ -428,12 +438,12 @@ double run_observable(const struct run *run, const struct observable *observable
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
-/* What a slot of that scope is: a column of the rows, or a function of them. */
+/* Kinds of slots of that scope: a column of the rows, or a function of them. */
 enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
 
 struct moving {
     enum moving_kind kind;
-    int index; /* of the state variable, or the slot */
+    int index; /* index of the state variable, or of the slot */
 };
 
 struct moving run_scope_moving(const struct run *run, int slot);
@@ -464,9 +474,9 @@ void run_ledger(const struct run *run, struct ledger *ledger);
  * a sample of rows where no work is done, else NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /*
- * Largest energy of a recorded state over that at the start, where the motion went through far
- * larger energies than it began and ended with: what an error "of E0" is then to be seen against.
- * NAN: it did not. Passes over all rows.
+ * Returns the largest energy of a recorded state over that at the start, if the motion went through
+ * far larger energies than it began and ended with: an error "of E0" has to be compared with it.
+ * Otherwise returns NAN. Passes over all rows.
  */
 double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
@@ -478,8 +488,8 @@ double run_energy_peak(const struct run *run, const struct ledger *ledger);
 struct run_errors {
     double end; /* distance at the end */
     double max; /* largest distance on the trace */
-    /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing oscillates
-     * linearly */
+    /* [rad] phase of the numerical relative to the exact oscillation at the end; NAN if nothing
+     * oscillates linearly */
     double phase;
     double amplitude; /* relative amplitude error at the end */
     double floor;     /* conditioning floor of the exact solution */

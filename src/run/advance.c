@@ -7,8 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-/* Between two looks at the clock and at cancellation pass this many steps and about this much time.
- */
+/* Number of steps, and time [ns], between two looks at the clock and at cancellation. */
 #define BATCH_MAX 4096
 #define BATCH_NS_MIN 200000
 #define BATCH_NS_MAX 800000
@@ -179,12 +178,13 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
     return !whole;
 }
 
-/* Does the run stop in the step because the condition became true? It is put there. */
+/* Returns true, and puts the run there, if it stops in the step because the condition became
+ * true. */
 static bool meet(struct run *run, struct segment *segment, double t, double h, bool *inside)
 {
     const bool now = holds(segment);
     double theta = 1;
-    /* What no bounds can follow may be true all the same. */
+    /* A condition that no bounds can follow may be true all the same. */
     const bool met = events_until(run, &theta) || (now && segment->armed && !events_stop(run));
     if (met) {
         *inside |= locate(run, segment, t, h, theta);
@@ -323,7 +323,8 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     struct run_private *p = run->private_state;
     struct segment segment;
     int64_t begin = clock_ns(), now = begin;
-    /* Who draws the energy between slices asks again: its part of a slice may be the larger one. */
+    /* A caller that draws the energy between slices asks again: its part of a slice may be the
+     * larger one. */
     const bool follows = budget_ns > 0 && ledger_is_asked(run);
     run->cancel = cancel ? cancel : run->cancel;
     enum stop stop = segment_begin(run, target, &segment);

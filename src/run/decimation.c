@@ -216,8 +216,9 @@ ALWAYS_INLINE void write_chosen(const struct trace *trace, struct row_writer *wr
 
 /* ---- from each step to buckets ---- */
 
-/* Gives a trace with each step buckets of four: of two both rows stay, unless they are alike. Notes
- * the steps of the rows that stay, and moves these rows if asked to. False: no memory. */
+/* Thins a trace with each step in buckets of four: both of two rows stay, unless they are alike.
+ * Notes the steps of the rows that stay, and moves these rows if `moves`. Returns false if out of
+ * memory. */
 static bool thin(struct trace *trace, bool moves)
 {
     static const int64_t bucket = 4;
@@ -324,8 +325,8 @@ bool trace_coarsen(struct trace *trace)
 
 /* ---- recording many steps ---- */
 
-/* As trace_keep() for each of the rows, none of which begins a bucket: only their extremes can
- * stay. False: no memory. */
+/* Does the same as trace_keep() for each of the rows, none of which begins a bucket, so that only
+ * their extremes can stay. Returns false if out of memory. */
 static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t at[2];
@@ -340,7 +341,8 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
     return true;
 }
 
-/* As trace_keep() for each of the rows, which are whole buckets. False: no memory. */
+/* Does the same as trace_keep() for each of the rows, which are whole buckets. Returns false if out
+ * of memory. */
 static bool keep_buckets(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t place[3 * BUCKETS_MAX];

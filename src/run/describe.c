@@ -18,7 +18,7 @@ static const char *step_word(double count)
     return count == 1 ? "step" : "steps";
 }
 
-/* What the typed equations turned out to be. */
+/* Describes the form that was recognised in the typed equations. */
 static void describe_recognised(const struct system *system, struct buffer *text)
 {
     const struct oscillator *o = &system->oscillator;
@@ -133,7 +133,8 @@ static enum drag describe_drag(const struct system *system, const struct method 
     return drag;
 }
 
-/* What steps do where forces jump or bend; NULL: nothing is said. */
+/* Returns a text about the behaviour of steps where forces jump or bend, or NULL if there is
+ * nothing to report. */
 static const char *about_turns(const struct system *system, const struct method *method,
                                bool adaptive)
 {

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 
 /*
- * Are all numbers within the bound, which is repeated VECTOR_LANES times? Magnitudes of doubles are
- * ordered like their bits, NaN above all: where one is too large, the difference to the bound is
- * negative, and that survives in a sum of bits.
+ * Returns true if all numbers are within the bound, which is repeated VECTOR_LANES times.
+ * Magnitudes of doubles are ordered like their bits, NaN above all: where one is too large, the
+ * difference to the bound is negative, and that survives in a sum of bits.
  */
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
@@ -24,7 +24,7 @@ CLONES static bool all_within(const double *number, int64_t fours, const double 
     return (int64_t)any >= 0;
 }
 
-/* How many of the rows are within bounds, counted from the first: nearly always all of them are
+/* Returns the number of rows within bounds, counted from the first. Nearly always all of them are
  * within the smallest bound. */
 static int64_t rows_within(const double *row, int64_t count, int n, const double *bound)
 {
@@ -42,7 +42,7 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
     return count;
 }
 
-#define HOT_ROWS 1024 /* of two numbers: half of the fastest cache */
+#define HOT_ROWS 1024 /* Rows of two numbers that fill half of the fastest cache. */
 
 static int64_t min(int64_t a, int64_t b)
 {
@@ -62,8 +62,8 @@ static struct propagator *propagator_for(struct run *run, double h)
     return p->propagator;
 }
 
-/* After going back in the middle of a block: where it began was recorded, and belongs to the same
- * scene. */
+/* Finds the beginning of the block after the run went back to the middle of it: that row was
+ * recorded, and belongs to the same scene. */
 static void find_block(struct run *run, const struct segment *segment, int64_t step)
 {
     struct propagator *propagator = run->private_state->propagator;
@@ -146,7 +146,7 @@ static double *open_rows(struct run *run, size_t width, size_t *capacity, bool *
     return p->scratch;
 }
 
-/* Where adaptive steps began, beside run_private's before and work_before. */
+/* Start of adaptive steps, beside run_private's before and work_before. */
 struct adapted_from {
     struct step step;
     struct controller controller;
@@ -178,12 +178,12 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
     enum step_status status = STEP_OK;
     double bound[LIMIT_VARIABLES + 1];
     copy_state(bound, p->bound, n);
-    bound[n] = HUGE_VAL; /* of the time */
+    bound[n] = HUGE_VAL; /* bound of the time */
     controller_copy(&from.controller, &run->controller, &run->system);
     copy_state(p->before, run->y, n);
     const int64_t taken = method_adapt_many(&p->step, &run->controller, end, count, row, &status);
     int64_t good = rows_within(row, taken, n + 1, bound);
-    /* Beyond the bounds nothing was taken: the step there says why. */
+    /* No step beyond the bounds was taken: the step there gives the reason. */
     if (good == taken && good > 0)
         *stop = stop_of_step(status);
     if (good > 0)
@@ -276,8 +276,8 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     } else if (run->steps < p->given_end) {
         taken = take_given(run, &march);
     } else {
-        /* In a block that is not known: by steps, but only to its end, however the calls are cut.
-         */
+        /* Advance step by step in a block that is not known, but only to its end, however the calls
+         * are cut. */
         if (propagator)
             march.count = min(march.count, propagator_rest(march.first));
         taken = march_within(run, &march, &status, &good);

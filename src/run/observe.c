@@ -27,7 +27,7 @@ static double energy_error(const struct sample *s)
     return s->initial != 0 ? error / fabs(s->initial) : NAN;
 }
 
-/* In positions, or in all there is in a first-order scene. */
+/* Returns the distance in positions, or in all variables of a first-order scene. */
 static double distance_from_exact(const struct sample *s)
 {
     const int count = s->system->order == 2 ? s->system->n / 2 : s->system->n;
@@ -37,7 +37,7 @@ static double distance_from_exact(const struct sample *s)
     return distance;
 }
 
-/* About the equilibrium: position [m], velocity over omega0 [m]. */
+/* Point about the equilibrium: position [m], velocity over omega0 [m]. */
 struct phase_point {
     double q, p;
 };
@@ -137,7 +137,7 @@ bool run_centre(const struct run *run, double *centre)
 
 /* ---- asking ---- */
 
-/* What is missing of an observable's needs, as words; NULL: nothing. */
+/* Names what an observable needs and this run lacks; returns NULL if nothing is missing. */
 static const char *missing_need(const struct observable *observable, const struct system *system,
                                 bool exact_known)
 {
@@ -252,14 +252,14 @@ void run_errors(const struct run *run, struct run_errors *errors)
             continue;
         const struct phase_point here = phase_point(sample->system, sample->y),
                                  wanted = phase_point(sample->system, sample->exact);
-        /* what has vanished has none, then and later */
+        /* a motion that has vanished has no phase, then and later */
         if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
             phase = NAN;
         /* it changes little from row to row */
         phase = with_turns(phase_after(here, wanted), phase);
     }
 
-    /* What rounding does to the exact solution at the end. */
+    /* Error of the exact solution at the end because of rounding. */
     const struct epoch *epoch = run_epoch(run, run->steps);
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);

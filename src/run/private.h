@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of this layer share. */
+/* Declarations shared by the files of this layer. */
 #ifndef HOOKE_RUN_PRIVATE_H
 #define HOOKE_RUN_PRIVATE_H
 
@@ -34,12 +34,12 @@ static inline void copy_state(double *to, const double *from, int n)
 struct epoch {
     int64_t first; /* step index of its start */
     double t;      /* [s] */
-    /* where the exact solution starts: its own value at the end of the epoch before */
+    /* Start of the exact solution: its own value at the end of the epoch before. */
     double start[LIMIT_VARIABLES];
     struct system system;
     struct plan plan;
     enum drag drag;
-    double value[PARAM_MAX]; /* SI: of the scene's parameters */
+    double value[PARAM_MAX]; /* values of the scene's parameters in SI */
 };
 
 /* The energy balance up to a state of the run. */
@@ -52,7 +52,7 @@ struct balance {
     struct energy_tally tally;
 };
 
-/* ---- work.c: work between states one step apart ---- */
+/* ---- work between states one step apart (work.c) ---- */
 
 #define WORK_BLOCK 128 /* steps at once: a power of 2 */
 
@@ -65,26 +65,28 @@ struct turns {
 /* `count` steps under one system, from the state `before`; row k is the state after step k. */
 struct work {
     const struct system *system;
-    double factor; /* on all states */
+    double factor; /* Scale factor of all states. */
     int count;
     const double *before, *row;
-    size_t stride; /* from row to row */
-    /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of the index */
+    size_t stride; /* numbers from one row to the next */
+    /* Times [count + 1] of the states; NULL if they are at origin + (index + k) h, in one block of
+     * the index. */
     const double *t;
     double origin, h; /* [s] */
     int64_t index;
     struct turns *turns;
 };
 
-struct work_done { /* in units of factor^2 J */
-    /* in each step; drag is the part of it that drag did */
+struct work_done { /* Results in units of factor^2 J. */
+    /* work in each step; drag is the part of it that drag did */
     double work[WORK_BLOCK], drag[WORK_BLOCK];
-    double energy[WORK_BLOCK]; /* after it */
+    double energy[WORK_BLOCK]; /* energy after each step */
     /* The force jumps inside the step or at one of its ends, so that the quintic does not hold; the
      * acceleration changes so much that it may not. Neither is set where none of them is true. */
     bool jumps[WORK_BLOCK], coarse[WORK_BLOCK];
     bool any_jumps, any_coarse;
-    double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
+    /* totals since the start, set by balance_block() */
+    double all_work[WORK_BLOCK], all_drag[WORK_BLOCK];
 };
 
 void work_between(const struct work *work, struct work_done *done);
@@ -96,7 +98,7 @@ struct kick {
     double energy; /* [J] that it brought */
 };
 
-/* What events noticed, in the order of time. */
+/* Records of events, in order of time. */
 struct event_records {
     struct event_record *at;
     double *state; /* [count][n] */
@@ -105,45 +107,47 @@ struct event_records {
 
 struct run_private {
     struct step step;
-    double *work;   /* of the method */
-    double *side;   /* another one, where states inside of a step need steps of their own; NULL */
-    double *gap;    /* [n] see inside.c: from a step without memory to the one taken, */
-    bool gap_known; /* of this step */
-    double *before; /* [n] state before the step */
+    double *work; /* memory of the method */
+    double *side; /* another one, where states inside of a step need steps of their own; NULL */
+    /* [n] the gap (inside.c) from a step without memory to the one taken, */
+    double *gap;
+    bool gap_known;      /* known for this step */
+    double *before;      /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
-    struct epoch *epoch; /* at least one */
+    struct epoch *epoch; /* at least one epoch */
     size_t epochs, epoch_capacity;
     int64_t batch, look;    /* steps between looks at the clock; the next one of run_creeps() */
     size_t looked, checks;  /* rows that run_diagnose() has seen, and strange steps among them */
     size_t searched;        /* the last row that run_missed_burst() has seen */
     double probed;          /* [s] as far as run_force_unresolved() has looked for pulses */
-    march_function *kernel; /* NULL: none for this method and system */
-    struct propagator *propagator; /* NULL: not (yet) there, or not of use */
-    /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
+    march_function *kernel; /* NULL if this method and system have none */
+    struct propagator *propagator; /* NULL if it does not exist yet or is of no use */
+    /* States [CHUNK_ROWS][n] that do not go into the trace unchanged; NULL until they are
+     * needed. */
     double *scratch;
-    double *work_before; /* the method's memory before many steps; NULL: none were taken */
+    double *work_before; /* The method's memory before many steps; NULL if none were taken. */
     const double *given; /* [n] each, of the steps from given_first to given_end: run_give() */
     int64_t given_first, given_end;
     double factor;              /* power of two on states before their energies are compared */
-    const struct run *original; /* whose steps are taken again, for its balance; or NULL */
+    const struct run *original; /* Run whose steps are taken again, for its balance; or NULL. */
     /* Conditions or events may have ended a step early, or adaptive steps began anew. */
     bool is_unrepeatable;
-    /* up to the last step where rows have marks, else as far as somebody asked */
+    /* balance up to the last step if rows have marks, else as far as it was asked for */
     struct balance balance;
-    struct thinning *thinning; /* ledger.c; NULL: none has begun */
+    struct thinning *thinning; /* see ledger.c; NULL if none has begun */
     struct energy_tally
         *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
     size_t saves, save_capacity;
     struct turns turns;
     struct event_records event_records;
-    struct second *second;                      /* opinion.c; NULL: nobody asked */
-    struct event_watch *watch;                  /* watch.h; NULL: there are no events */
+    struct second *second;                      /* see opinion.c; NULL if nobody asked for it */
+    struct event_watch *watch;                  /* see watch.h; NULL if there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
     struct kick *kick;
     size_t kicks, kick_capacity;
     struct responses responses;
-    enum solution_fate fate; /* by run_diagnose() */
+    enum solution_fate fate; /* set by run_diagnose() */
     double sunk;             /* run_opinion_sunk() */
     /* evaluations and Jacobians of the solutions that regrowth_look() followed */
     double regrowth_work;
@@ -156,35 +160,35 @@ static inline void forget_rounding(struct run_private *p, int n)
         memset(p->step.low, 0, (size_t)n * sizeof *p->step.low);
 }
 
-/* Where one call of run_advance goes. */
+/* Target and grid of one call of run_advance(). */
 struct segment {
     const struct run_target *target;
     struct time_grid grid;
     int64_t last;  /* fixed step: index where the whole steps end */
-    double rest;   /* [s] partial step after it, 0: none */
+    double rest;   /* [s] partial step after it; 0 if there is none */
     bool exact;    /* the whole steps end at the target */
     int64_t limit; /* step index to stop at */
     bool between;  /* rows at even times are between the steps */
     bool armed;    /* the condition was false since it was last true */
 };
 
-/* ---- even.c: rows at even times, where trace->interval is there ---- */
+/* ---- rows at even times, if trace->interval is set (even.c) ---- */
 
 /* The next row is the first beyond t on the way that h goes. */
 void trace_aim(struct trace *trace, double t, double h);
-/* Whether steps of the present grid end where rows are due: each trace->every, from trace->next on.
- */
+/* Returns true if steps of the present grid end where rows are due: every trace->every, from
+ * trace->next on. */
 bool trace_in_step(struct trace *trace);
 /* As trace_record_many() there. */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
 /*
- * Rows of the step just taken from p->before at t over h, the run being at its end. STOP_FULL: also
- * no memory; STOP_DIVERGED: a state inside of the step is out of bounds, though that at its end is
- * not.
+ * Records rows of the step just taken from p->before at t over h, the run being at its end. Returns
+ * STOP_FULL also if out of memory, and STOP_DIVERGED if a state inside of the step is out of
+ * bounds, though that at its end is not.
  */
 enum stop even_record(struct run *run, bool cold, double t, double h);
 void even_drop(struct trace *trace, double t); /* the rows beyond t */
-/* Is the last row the present state? */
+/* Returns true if the last row is the present state. */
 bool even_present(const struct trace *trace, double row_time);
 
 /* ---- event.c, inside.c ---- */
@@ -193,32 +197,34 @@ bool even_present(const struct trace *trace, double row_time);
  * its end. */
 struct inside {
     struct run *run;
-    /* without a dense output where that would be only of a part of the step */
+    /* Copy of the method, without its dense output if that would cover only a part of the step. */
     struct method method;
     double t, h;
 };
 
-/* cold: the step went by method_turning_step(), perhaps in parts. */
+/* Describes the inside of the last step; `cold` means that it was taken by method_turning_step(),
+ * perhaps in parts. */
 struct inside inside_of(struct run *run, bool cold, double t, double h);
 /* The system that the last step was taken of: p->step, or another in *frozen. */
 struct step inside_step(const struct inside *inside, struct sliding *sliding,
                         struct system *frozen);
 void inside_state(const struct inside *inside, double theta, double *y);
 
-/* Compiles the target's events for the run as it is now, signs at its present state. False: no
- * memory. */
+/* Compiles the target's events for the present system of the run, with signs at its present state.
+ * Returns false if out of memory. */
 bool events_begin(struct run *run, const struct segment *segment);
 /* The run has states that were not watched, or went back: sizes of its variables are found anew. */
 void events_forget_sizes(struct run *run);
-/* What happened in the step just taken from p->before at t over h. False: no memory. */
+/* Finds the events in the step just taken from p->before at t over h. Returns false if out of
+ * memory. */
 bool events_find(struct run *run, const struct segment *segment, double t, double h);
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there.
- * False: no memory. */
+ * Returns false if out of memory. */
 bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops);
-/* Did the condition become true in the step? *theta: the share of the step where, the first time.
- */
+/* Returns true if the condition became true in the step, and sets *theta to the first such fraction
+ * of it. */
 bool events_until(const struct run *run, double *theta);
-/* Does another event stop the run in the step? */
+/* Returns true if another event stops the run in the step. */
 bool events_stop(const struct run *run);
 /* The state where it did is known better now: run->t and run->y, for the events at the same moment
  * too. */
@@ -240,15 +246,16 @@ ALWAYS_INLINE void four_raise(four *max, const four *x)
         (*max)[i] = (*x)[i] > (*max)[i] ? (*x)[i] : (*max)[i];
 }
 
-/* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
-/* NULL: no memory, or a step that fails */
+/* Propagator: computes the states after steps first + 1, … of a linear scene without evaluating
+ * forces (propagate.c). */
+/* Returns NULL if out of memory or if a step fails. */
 struct propagator *propagator_create(const struct run *run, double h);
 double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
-/* Where it is: all that does not follow from the scene and the method. */
+/* All of its state that does not follow from the scene and the method. */
 struct propagator_place {
     double h;         /* [s] */
     double anchor[2]; /* state at the beginning of its block */
-    int64_t anchored; /* step of the grid there, -1: none */
+    int64_t anchored; /* step of the grid at the anchor; -1 if there is none */
 };
 
 struct propagator_place propagator_place(const struct propagator *propagator);
@@ -259,15 +266,17 @@ int64_t propagator_block(int64_t step);
 int64_t propagator_rest(int64_t step); /* steps from there to its end */
 bool propagator_knows(const struct propagator *propagator, int64_t step);
 void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
-/* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were
- * written: fewer where the block that `first` stands in was begun by something else. */
+/* Computes up to `count` states after step `first` of the grid. On entry y [2] is the state after
+ * that step, on return the last state. Returns the number of rows written: fewer if the block of
+ * step `first` was begun by something else. */
 int64_t propagator_advance(struct propagator *propagator, int64_t first, int64_t count, double *y,
                            double *row);
-/* Are the rows of the last call within bounds for certain, without a look at each? */
+/* Returns true if the rows of the last call are certainly within bounds, without looking at
+ * each. */
 bool propagator_within(const struct propagator *propagator, const double *bound);
 
-/* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them.
- * False: step by step. */
+/* Takes up to p->batch whole steps at once (many.c), if nothing has to be looked at between them.
+ * Returns false if single steps are needed. */
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
 /* Returns the time [s] that a step to t has reached: `end` if they differ by rounding only, else
@@ -303,8 +312,8 @@ size_t opinion_brief_rows(const struct system *system, const struct method *meth
 bool regrowth_is_likely(struct run *run);
 void regrowth_look(struct run *run, const struct cancel *cancel);
 
-/* run.c: returns the memory of one more epoch, whose system and plan come into force; NULL if there
- * is none. */
+/* Returns the memory of one more epoch (run.c), whose system and plan come into force; NULL if out
+ * of memory. */
 struct epoch *run_push_epoch(struct run *run);
 void run_use_epoch(struct run *run);
 
@@ -320,18 +329,20 @@ struct walk {
     struct balance balance;
     struct work_done done;
     double state[LIMIT_VARIABLES], exact[LIMIT_VARIABLES];
-    struct exact_table *table; /* of the exact solution in the epoch; NULL: not yet, or of no use */
-    const struct epoch *epoch; /* that it was asked for; NULL: none yet */
+    /* table of the exact solution in the epoch; NULL if it does not exist yet or is of no use */
+    struct exact_table *table;
+    const struct epoch *epoch; /* epoch that it was requested for; NULL if there is none yet */
     struct sample sample;
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-/* To be called until false: no more rows, nothing is held any longer; or it is left before. */
+/* Has to be called until it returns false: then there are no more rows and nothing is allocated.
+ * Earlier, walk_leave() has to be called. */
 bool walk_next(struct walk *walk);
 void walk_leave(struct walk *walk);
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
-/* plan.c: fixed steps of the scene are powers of a matrix. */
+/* Returns true if fixed steps of the scene are powers of a matrix (plan.c). */
 bool plan_propagates(const struct system *system, const struct method *method,
                      const struct run_settings *settings, bool adaptive);
 
@@ -344,11 +355,13 @@ bool ledger_waits(const struct run *run); /* nothing is kept before somebody ask
 bool ledger_demand(const struct run *run);
 /* The steps to come do not follow from the run's scene, grids and number of steps. */
 void ledger_will_not_repeat(struct run *run);
-void balance_begin(const struct run *run, struct balance *balance); /* at the start */
+/* starts at the first state */
+void balance_begin(const struct run *run, struct balance *balance);
 /*
- * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
- * each `stride` on. Returns how many of them were taken, at least 1: none of them crosses a change
- * of the scene or of the grid. marking: rows of the trace among them get their marks.
+ * Extends the balance over at most `count` steps whose states follow in `row`, and adaptive ones'
+ * times in `time`, each `stride` on. Returns the number of steps taken, at least 1: none of them
+ * crosses a change of the scene or of the grid. With `marking`, rows of the trace among them get
+ * their marks.
  */
 int balance_block(const struct run *run, struct balance *balance, const double *row,
                   const double *time, size_t stride, int64_t count, struct work_done *done,
@@ -359,14 +372,16 @@ bool balance_present(const struct run *run, struct balance *balance);
 /* Returns true if the next row is one with which the trace leaves some out: the balance has to be
  * kept from there on. */
 bool ledger_is_due(const struct run *run);
-/* Does a part of what is due, at most some 20 ms; and all of it. False: no memory. */
+/* Does a part of the thinning that is due, at most some 20 ms; and all of it. Both return false if
+ * out of memory. */
 bool ledger_thin(struct run *run);
 bool ledger_ready(struct run *run);
 void ledger_forget_thinning(struct run_private *p);
-/* Whether all steps are in the balance, because somebody asked; and puts new ones into it. */
+/* Returns true if all steps are in the balance because it was asked for; and puts new ones into
+ * it. */
 bool ledger_is_asked(const struct run *run);
 void ledger_follow(const struct run *run);
-/* After steps to these states were offered to the trace, whose marks it sets. */
+/* Called after steps to these states were offered to the trace, whose marks it sets. */
 void ledger_take(struct run *run, const double *row, const double *time, size_t stride,
                  int64_t count);
 /* the last row is this state, inside of the next step */

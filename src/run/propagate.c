@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A linear scene of two variables without drive and a step of fixed size: every one-step method is
- * y' = M y + s. M is found by stepping the unit vectors, once; then a block of steps is M, M^2, …
- * M^BLOCK_STEPS times the state at its beginning, all independent of one another. No forces are
- * evaluated.
+ * Propagator of a linear scene of two variables without drive, for steps of fixed size. Every
+ * one-step method is y' = M y + s. M is found by stepping the unit vectors, once; then a block of
+ * steps is M, M^2, … M^BLOCK_STEPS times the state at its beginning, all independent of one
+ * another. No forces are evaluated.
  *
- * Rounding: powers are taken in long double, and the state at a block's end is computed in it, so
- * that of a symplectic method the determinant is 1 to 1e-18 and nothing drifts. Against the
- * step-by-step path the states differ by a few eps a step in units of the amplitude. Blocks begin
- * at multiples of BLOCK_STEPS steps of the grid, so a run that is interrupted and continued gives
- * the same bits.
+ * Powers are taken in long double, and the state at a block's end is computed in it, so that the
+ * determinant of a symplectic method is 1 to 1e-18 and nothing drifts. Against the step-by-step
+ * path the states differ by a few eps a step in units of the amplitude. Blocks begin at multiples
+ * of BLOCK_STEPS steps of the grid, so a run that is interrupted and continued gives the same bits.
  */
 #include "run/private.h"
 
@@ -27,10 +26,10 @@ struct propagator {
         shift[BLOCK_STEPS * STATE_SIZE];
     real last[STATE_SIZE][STATE_SIZE + 1];    /* the last row with all digits */
     double reach[STATE_SIZE][STATE_SIZE + 1]; /* largest magnitudes of first, second and shift */
-    double max[STATE_SIZE];                   /* of the states where blocks of a call began */
-    double h;                                 /* [s] */
-    double anchor[STATE_SIZE];                /* state at the beginning of the block */
-    int64_t anchored;                         /* step of the grid where that is, -1: none */
+    double max[STATE_SIZE];    /* largest state at the beginning of blocks of a call */
+    double h;                  /* [s] */
+    double anchor[STATE_SIZE]; /* state at the beginning of the block */
+    int64_t anchored;          /* step of the grid at the anchor; -1 if there is none */
 };
 
 /* One step of the method on the given state. */

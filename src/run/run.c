@@ -110,7 +110,7 @@ const struct epoch *run_epoch(const struct run *run, int64_t step)
 static bool needs_side_steps(const struct run *run)
 {
     static const int cubic_order = 4;
-    const int order = run->method->order; /* 0: exact */
+    const int order = run->method->order; /* order; 0 if the method is exact */
     if (run->plan.adaptive)
         return !run->method->dense;
     return run->system.pieces || (!run->method->dense && (order == 0 || order > cubic_order));
@@ -271,7 +271,7 @@ bool run_back(struct run *run, int64_t rows)
                p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
-    /* Of an adaptive run the size of the step that led here is the next proposal; the controller's
+    /* For an adaptive run the size of the step that led here is the next proposal; the controller's
      * memory is not recorded. */
     if (run->plan.adaptive)
         ledger_will_not_repeat(run);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How events, and the jumps that they cause, answer to another state. A solution that is off by d
- * meets an event later by dt = -(grad g . d) / (dg/dt), jumps from there, and is off by what it
- * moved in between with the other velocity (the saltation matrix; Aizerman, Gantmakher 1958, J.
- * Appl. Math. Mech. 22:1065; Leine, Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth
- * Mechanical Systems, chapter 7).
+ * Response of events, and of the jumps that they cause, to a change of the state. A solution that
+ * is off by d meets an event later by dt = -(grad g . d) / (dg/dt), jumps from there, and is off by
+ * what it moved in between with the other velocity (the saltation matrix; Aizerman, Gantmakher
+ * 1958, J. Appl. Math. Mech. 22:1065; Leine, Nijmeijer 2004, Dynamics and Bifurcations of
+ * Non-Smooth Mechanical Systems, chapter 7).
  */
 #include <hooke/scene/formula.h>
 
@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What a derivative is taken over, as a share of a size: a compromise of rounding and curvature. */
+/* Difference for derivatives, as a part of a size: a compromise of rounding and curvature. */
 static const double difference = 6e-6;
 
 void responses_free(struct responses *all)

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What events and jumps of a run do to another solution. */
+/* Effect of a run's events and jumps on another solution. */
 #ifndef HOOKE_RUN_SALTATION_H
 #define HOOKE_RUN_SALTATION_H
 
 #include <hooke/run.h>
 
-/* What a response is of, beside the variable that jumped. */
+/* Subject of a response, if it is not the variable that jumped. */
 enum { RESPONSE_MOMENT = -1, RESPONSE_MISS = -2 };
 
 /*
- * How the moment of an event that stopped the run (RESPONSE_MOMENT), an event that nearly happened
- * (RESPONSE_MISS), or the new value of a variable answers to the state there: the derivatives of
+ * Response to the state of the moment of an event that stopped the run (RESPONSE_MOMENT), of an
+ * event that nearly happened (RESPONSE_MISS), or of the new value of a variable: the derivatives of
  * the event's function, or of the value.
  */
 struct response {
     int64_t step;
     double t; /* [s] */
-    /* of the variable after the jump; the function's second derivative along the motion; the
+    /* value of the variable after the jump; the function's second derivative along the motion; the
      * function where it was nearest to 0 */
     double value;
     int variable;
@@ -32,22 +32,25 @@ struct responses {
 
 /* Add a response; false if out of memory. */
 bool responses_add_moment(struct run *run,
-                          int event); /* in the step just taken, where the run is */
-bool responses_add_miss(struct run *run, int event, double theta); /* at that share of the step */
+                          /* event in the step just taken, at the present state of the run */
+                          int event);
+/* at the fraction theta of the step */
+bool responses_add_miss(struct run *run, int event, double theta);
 bool responses_add_jump(struct run *run, int variable, double before);
 /* The run stands at an event whose moment depends on the state: another solution has another. */
 bool responses_moment_moves(const struct run *run);
-void responses_truncate(struct run *run); /* after the present step */
+void responses_truncate(struct run *run); /* removes those after the present step */
 void responses_free(struct responses *all);
 
-/* Where another solution meets the jumps of a run. */
+/* State of another solution that meets the jumps of a run. */
 struct saltation {
     bool begun;
     double t, moved; /* [s] of the last jump, and by how much later this solution meets it */
     size_t next;     /* response */
     size_t miss;     /* response from which on misses were not yet looked at */
     double reach[LIMIT_VARIABLES]; /* largest distances from the run so far */
-    double lost;                   /* [s] of an event that errors decide about; NAN: none so far */
+    /* [s] time of an event that depends on the errors; NAN if there is none so far */
+    double lost;
 };
 
 /* Takes note of the distance of a solution y from the run's state `own`. */

@@ -250,7 +250,7 @@ static bool get_responses(struct run *run, struct text in)
     return true;
 }
 
-/* What the run has beside its rows, whose arrays have to fit each other. */
+/* Reads the parts of a run beside its rows, whose arrays have to fit each other. */
 static bool get_private(struct run *run, struct text in)
 {
     struct run_private *p = run->private_state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the two files of runs as bytes share. */
+/* Declarations shared by the two files that store runs as bytes. */
 #ifndef HOOKE_RUN_STORE_PRIVATE_H
 #define HOOKE_RUN_STORE_PRIVATE_H
 
@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-/* The settings among a run's fields; false: they are not there, or none that a run can have. */
+/* Reads the settings from a run's fields; returns false if they are missing or if no run can have
+ * them. */
 bool run_settings_take(struct text fields, struct run_settings *settings);
 /* All but its rows, of which there are so many, can be what a run has come to. */
 bool run_is_sound(const struct run *run);

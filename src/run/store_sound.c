@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Whether what was read of a run can be a run: anybody can write a session's file, checksums and
- * all. Values of the motion may be any; what is a count, a place, a flag or a choice may not, as
- * other parts of the program go by it.
+ * Checks of everything that was read from a stored run: anybody can write a session's file, with
+ * checksums. Values of the motion may be any; counts, indices, flags and choices may not, because
+ * other parts of the program rely on them.
  */
 #include "run/store_private.h"
 
@@ -82,7 +82,7 @@ bool run_settings_take(struct text in, struct run_settings *settings)
     return true;
 }
 
-/* What the method needs of its scene holds in each epoch, and they follow each other. */
+/* Returns true if the epochs follow each other and each has what the method needs. */
 static bool epochs_sound(const struct run *run)
 {
     const struct run_private *p = run->private_state;

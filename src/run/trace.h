@@ -15,15 +15,15 @@ struct time_grid {
 
 double grid_time(const struct time_grid *grid, int64_t step); /* [s] */
 
-/* From one time to another in steps of dt. */
+/* Interval from one time to another in steps of dt. */
 struct stretch {
     double ratio;   /* |to - from| / dt */
     int64_t whole;  /* full steps, at most LIMIT_STEPS */
-    double partial; /* [s] signed rest after them, 0: none */
+    double partial; /* [s] signed remaining time after them; 0 if there is none */
     bool exact;     /* a whole number of steps, up to rounding */
 };
 
-struct stretch stretch_measure(double from, double to, double dt); /* to may be infinite */
+struct stretch stretch_measure(double from, double to, double dt); /* `to` may be infinite */
 
 /* ---- the energy balance after a state ---- */
 
@@ -32,26 +32,27 @@ struct compensated_sum {
     double high, low;
 };
 
-/* In units of factor^2 J (see run_private). */
+/* Sums in units of factor^2 J (see run_private). */
 struct energy_tally {
     double max;   /* largest |E - E0 - work| after a step so far */
     double scale; /* largest |E|, or |E0| where that is not 0 */
-    /* since the start: drag, drive, jumps and changes of parameters; drag alone */
+    /* totals since the start: work of drag, drive, jumps and changes of parameters; of drag
+     * alone */
     struct compensated_sum work, drag;
 };
 
-/* ---- pool.c: memory that goes back all at once ---- */
+/* ---- memory that is released all at once (pool.c) ---- */
 
 struct pool {
     struct pool_block *blocks;
-    char *free; /* in the last of them: `left` bytes */
+    char *free; /* `left` free bytes in the last block */
     size_t left, bytes;
 };
 
 /* Makes room for one more than `count` things in an array, whose pointer is at `array`. Returns
  * false if out of memory. Arrays that share a capacity each begin from the same one. */
 bool array_reserve(void *array, size_t bytes, size_t count, size_t *capacity);
-/* a multiple of 16 bytes, not cleared; NULL: no memory */
+/* Allocates a multiple of 16 bytes, not cleared; returns NULL if out of memory. */
 void *pool_take(struct pool *pool, size_t size);
 void pool_release(struct pool *pool);
 
@@ -72,22 +73,23 @@ struct trace {
     /* unless it decimates: record each so many steps; the next one to record */
     int64_t every, next;
     size_t width; /* doubles a row */
-    size_t cap;   /* rows: decimated there or full */
+    size_t cap;   /* largest number of rows; then the trace is decimated or full */
     double **chunk;
     int64_t **index; /* [indices] steps of the rows in each chunk, once decimated */
     size_t chunks, indices, capacity, count;
     size_t stored; /* rows before it are as they were when somebody last stored them */
     double **mark; /* [marks] the balance at each row, where there are steps between rows */
     size_t marks, mark_width;
-    struct pool pool, mark_pool; /* of rows and their steps; of marks */
+    struct pool pool, mark_pool; /* memory of rows and their steps; of marks */
 
-    int64_t bucket;         /* steps that share at most three rows; 1: not decimated */
+    /* number of steps that share at most three rows; 1 if the trace is not decimated */
+    int64_t bucket;
     int64_t tail_end;       /* step at which the last bucket ends */
     size_t tail, low, high; /* its rows: first, smallest, largest position */
 
     double interval, origin; /* [s] rows at origin + k interval; interval 0: by steps */
     double due;              /* the k of the next one */
-    int ahead;               /* 1: times increase, -1 */
+    int ahead;               /* 1 if times increase, else -1 */
 
     struct time_grid *grid;
     size_t grids, grid_capacity;
@@ -103,7 +105,7 @@ static inline double *trace_row(const struct trace *trace, size_t i)
     return trace->chunk[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->width;
 }
 
-/* Whether rows carry their steps. */
+/* Returns true if rows carry their steps. */
 static inline bool trace_indexed(const struct trace *trace)
 {
     return trace->bucket > 1 || trace->interval > 0;
@@ -115,22 +117,24 @@ static inline int64_t trace_row_step(const struct trace *trace, size_t i)
                                 : (int64_t)i * trace->every;
 }
 
-/* One that was recorded before, with its mark, whatever the rule; false: no memory. */
+/* Adds a row that was recorded earlier, with its mark, whatever the rule. Returns false if out of
+ * memory. */
 void trace_clear_rows(struct trace *trace);
 bool trace_put_row(struct trace *trace, int64_t step, const double *row,
                    const struct energy_tally *mark);
-/* Another row, which the rule has asked for; false: full or no memory. */
+/* Adds a row that the rule has asked for; returns false if the trace is full or out of memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
-/* NULL: no memory */
+/* Returns NULL if out of memory. */
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory);
 void trace_destroy(struct trace *trace);
-/* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order,
- * each once. */
+/* Offers the state after `step`. Returns false, with nothing recorded, if the trace is full or out
+ * of memory. Steps come in order, each once. */
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y);
 /* The same for the states after `step`, `step` + 1, …, rows as the trace has them; returns how many
  * were taken. */
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count);
-/* The recorded state after `step`; NULL: not recorded, or the trace is decimated. */
+/* Returns the recorded state after `step`, or NULL if it was not recorded or the trace is
+ * decimated. */
 const double *trace_state_after(const struct trace *trace, int64_t step);
 /* Returns the place of the next rows of `width` numbers, with room for *rows of them one after the
  * other, or NULL unless every step is kept in rows of that width. */
@@ -141,13 +145,14 @@ void trace_close(struct trace *trace, size_t rows); /* so many were written ther
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
 /* Drops everything after row i, which becomes the present. */
 void trace_truncate(struct trace *trace, size_t i);
-/* room for so many regrids; false: no memory */
+/* Makes room for `more` regrids; returns false if out of memory. */
 bool trace_reserve_grids(struct trace *trace, size_t more);
-void trace_regrid(struct trace *trace, struct time_grid grid); /* from here on a new grid */
+void trace_regrid(struct trace *trace, struct time_grid grid); /* starts a new grid here */
 const struct time_grid *trace_grid(const struct trace *trace); /* the present one */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
-/* Marks: the balance at each recorded row, its work only where there is any. False: no memory. */
-/* from now on, those that are there are not known or have 0 */
+/* Marks hold the balance at each recorded row, and its work only if there is any. The function
+ * returns false if out of memory. */
+/* Marks rows recorded later; the existing rows have unknown marks or 0. */
 bool trace_mark_rows(struct trace *trace, bool work);
 bool trace_marked(const struct trace *trace);
 void trace_forget_marks(struct trace *trace);
@@ -183,9 +188,9 @@ bool trace_coarsen(struct trace *trace);
 /* Finds the rows of the last bucket, which begins at that step, again. */
 void trace_find_tail(struct trace *trace, int64_t begin);
 /*
- * A trace with each step is decimated in two parts: its steps and its number of rows are those that
- * stay, while trace_rows() still finds each step's row; then rows move to their places. False: no
- * memory.
+ * Decimates a trace with each step in two parts: first its steps and its number of rows are those
+ * that stay, while trace_rows() still finds each step's row; then rows move to their places.
+ * Returns false if out of memory.
  */
 bool trace_thin(struct trace *trace);
 void trace_thinned(struct trace *trace);

@@ -54,7 +54,7 @@ int64_t trace_step(const struct trace *trace, size_t i)
 double trace_time(const struct trace *trace, size_t i)
 {
     int64_t step = trace_step(trace, i);
-    /* at the end of a span this is the time asked for, to the last bit */
+    /* The end of a span is exactly the time that was asked for. */
     if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
         return trace->now_t;
     if (trace->timed)

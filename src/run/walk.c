@@ -72,8 +72,8 @@ static double total(struct compensated_sum sum)
     return sum.high + sum.low;
 }
 
-/* Of the recorded row i of a trace with each step: blocks of rows are taken as the walk comes to
- * them. */
+/* Computes the work at the recorded row i of a trace with each step: blocks of rows are taken as
+ * the walk reaches them. */
 static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a motion ends in. */
+/* Long-term behaviour in which a motion ends. */
 #ifndef HOOKE_RUN_ATTRACTOR_H
 #define HOOKE_RUN_ATTRACTOR_H
 
@@ -7,31 +7,34 @@
 
 struct cancel;
 
-#define ATTRACTOR_VARIABLES 7 /* of a scene whose attractors can be found */
+/* Largest number of variables of a scene whose attractors can be found. */
+#define ATTRACTOR_VARIABLES 7
 
 enum basin_kind {
     BASIN_EQUILIBRIUM,
     BASIN_ORBIT,
-    BASIN_RESPONSE, /* with the drive's period, or a multiple of it */
+    BASIN_RESPONSE, /* periodic with the drive's period, or a multiple of it */
     BASIN_IRREGULAR /* does not repeat */
 };
 
 struct basin {
     enum basin_kind kind;
     double state[ATTRACTOR_VARIABLES]; /* SI, on it */
-    double period;                     /* [s] 0: equilibrium; NAN: it does not repeat */
-    int multiple;                      /* of the drive's period */
-    double growth; /* largest modulus of a multiplier, without the trivial one; of an equilibrium
-                    * largest real part [1/s]; NAN: not known */
+    double period; /* [s]; 0 for an equilibrium, NAN if the motion does not repeat */
+    int multiple;  /* period as a multiple of the drive's */
+    /* Largest modulus of a multiplier, without the trivial one; for an equilibrium the largest real
+     * part [1/s]; NAN if it is not known. */
+    double growth;
     bool stable;
     int64_t count; /* starts that end there */
 };
 
 /*
- * What the motion from the scene's own start ends in, by a number: 0 an equilibrium, 1 a closed
- * orbit, of a drive how many of its periods the response has, ATTRACTOR_IRREGULAR: has not come
- * again in 1000 looks. NAN: escapes, nothing attracts, or cancelled. basin: that attractor, but for
- * its count; NULL.
+ * Returns a number for the attractor that the motion from the scene's own start reaches. 0 stands
+ * for an equilibrium and 1 for a closed orbit; with a drive it is the number of drive periods after
+ * which the response repeats. ATTRACTOR_IRREGULAR means that it has not repeated within 1000 looks,
+ * and NAN that it escapes, that nothing attracts, or that the search was cancelled. Fills *basin
+ * with that attractor, except for its count, unless basin is NULL.
  */
 #define ATTRACTOR_IRREGULAR (-1)
 typedef double find_attractor(const struct scene *scene, const struct cancel *cancel,

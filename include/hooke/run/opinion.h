@@ -18,8 +18,8 @@ double run_opinion_error(const struct run *run);
 /* Returns the time [s] from which on errors of variables that came to rest within the tolerance are
  * multiplied, so that neither solution knows them from opinion.lost on; NAN if there is none. */
 double run_opinion_sunk(const struct run *run);
-/* [s] An event there is met, or missed, by less than errors may be, so that nothing is known of
- * what comes later. NAN: nowhere. */
+/* Returns the time [s] of an event that is met or missed by less than the error, so that everything
+ * after it is unknown, or NAN if there is none. */
 double run_opinion_event(const struct run *run);
 
 #endif

@@ -11,10 +11,10 @@
 
 struct cancel;
 
-/* What a run of a scene by a method does, as counted or tried. */
+/* Work of a run of a scene by a method, as counted or tried. */
 struct run_work {
     double steps;
-    double evals; /* of the whole run, with Jacobians */
+    double evals; /* evaluations in the whole run, with those for Jacobians */
     double force_evals;
     bool failed;   /* no step could be tried */
     int64_t tried; /* steps that were tried to find this out; 0 if none were */
@@ -33,7 +33,8 @@ struct run_scenario {
     const struct run_settings *settings;
     const struct plan *plan;
     double span; /* [s] infinite if the run has no end */
-    int opinion; /* 0: no second opinion, 1: within its budget, 2: to the end */
+    /* 0 without a second opinion, 1 with one within its budget, 2 with one to the end */
+    int opinion;
     bool events;
     const struct cancel *cancel;
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which rows of a run are recorded. */
+/* Rules that select the rows of a run to be recorded. */
 #ifndef HOOKE_RUN_RECORD_H
 #define HOOKE_RUN_RECORD_H
 
@@ -9,8 +9,9 @@ enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
 struct recording_rule {
     enum record_rule rule;
-    int64_t every; /* RECORD_EVERY: each so many steps */
-    /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the present state */
+    int64_t every; /* with RECORD_EVERY, the number of steps between two rows */
+    /* [s], positive. With RECORD_TIMES rows are recorded at t0 + k interval, inside of steps too,
+     * and at the present state. */
     double interval;
 };
 

@@ -20,10 +20,10 @@ void run_store_rows(const struct run *run, size_t first, size_t count, struct bu
 size_t run_rows_stored(const struct run *run);
 void run_set_stored(struct run *run, size_t rows);
 /*
- * The run again, bit for bit, and it goes on as it would have (an external solver, which keeps what
- * it knows to itself, begins anew there); nothing of it is computed. scene: as it was at the start;
- * places: of its parameters in the file; piece [pieces]: all its rows, in order. NULL: not so, and
- * why.
+ * Restores a run bit for bit, so that it continues as it would have; only an external solver, whose
+ * memory is its own, begins anew there. Nothing of the run is computed again. `scene` is the scene
+ * at the start, `places` has the indices of its parameters in the file, and piece [pieces] are all
+ * the rows, in order. Returns NULL, with an error, if they do not make a run.
  */
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
                         const struct field_places *places, const struct stored_rows *piece,

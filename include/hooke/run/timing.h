@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How times are measured and shown: the setting `timing`. */
+/* Definition of how times are measured and shown: the setting `timing`. */
 #ifndef HOOKE_RUN_TIMING_H
 #define HOOKE_RUN_TIMING_H
 

@@ -12,8 +12,8 @@ double system_energy(const struct system *system, const double *y)
 
 /* ---- sums ---- */
 
-/* Knuth, The Art of Computer Programming 2 (1997), 4.2.2: what rounding takes from the sum goes to
- * `low`. */
+/* Adds x; the rounding error of the sum is added to `low` (Knuth, The Art of Computer Programming
+ * 2, 1997, 4.2.2). */
 static inline void sum_add(struct compensated_sum *sum, double x)
 {
     const double total = sum->high + x, part = total - sum->high;
@@ -56,7 +56,7 @@ static inline double largest(const double *x, double min)
     return max > min ? max : min;
 }
 
-/* By comparisons, which pass over numbers that are none: fmax() is a call. */
+/* Uses comparisons, which are false for NaN, since fmax() would be a call. */
 static inline void note_lacks(struct energy_tally *tally, double initial,
                               const struct work_done *done, int from, int to)
 {
@@ -115,7 +115,7 @@ void balance_begin(const struct run *run, struct balance *balance)
     balance->tally.scale = fabs(balance->initial);
 }
 
-/* The first kick after this step; NULL: none. */
+/* Returns the first kick after this step, or NULL if there is none. */
 static const struct kick *next_kick(const struct run_private *p, int64_t step)
 {
     size_t low = 0, high = p->kicks;
@@ -174,7 +174,8 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
     work->index = index;
 }
 
-/* What the steps up to the next change of anything do; the balance itself stays. */
+/* Computes the work of the steps up to the next change of scene or grid; the balance itself is
+ * unchanged. */
 static int block_done(const struct run *run, struct balance *balance, const struct epoch *epoch,
                       const double *row, const double *time, size_t stride, int64_t max,
                       struct work_done *done)
@@ -214,7 +215,8 @@ static int block_done(const struct run *run, struct balance *balance, const stru
     return work.count;
 }
 
-/* The first `count` of what was done go into the balance. `still`: no work at all. */
+/* Adds steps `from` to `to` of the work done to the balance; `still` means that no work is done at
+ * all. */
 static void tally_up(struct balance *balance, bool still, struct work_done *done, int from, int to)
 {
     if (still)

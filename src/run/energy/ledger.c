@@ -358,7 +358,7 @@ void ledger_rescale(struct run *run, double factor)
 
 /* ---- asking ---- */
 
-/* At the start and now; what was done on the way is not looked at. */
+/* Fills only the energies at the start and at present; the work on the way is not computed. */
 static void energies_alone(const struct run *run, struct ledger *ledger)
 {
     const double unit = run->private_state->factor * run->private_state->factor,
@@ -451,7 +451,7 @@ void run_ledger_brief(const struct run *run, struct ledger *ledger)
 
 /* An energy above this many times that at both ends counts as a peak. */
 #define ENERGY_PEAK_FACTOR 100
-#define PEAK_STRIDE 16 /* rows: what fixed steps resolve lasts longer */
+#define PEAK_STRIDE 16 /* Stride in rows: a peak that fixed steps resolve lasts longer. */
 
 static double largest_energy(const struct run *run, size_t stride)
 {

@@ -32,7 +32,7 @@ struct power {
     double all, drag;
 };
 
-/* Is all power that of drag? */
+/* Returns true if drag is the only term that does work. */
 static bool drags_only(const struct system *system)
 {
     for (int i = 0; i < system->terms; i++)
@@ -50,7 +50,7 @@ static struct power power_at(const struct system *system, bool drags, double t, 
 
 /* ---- where drag has a kink: a step across a turning point in two parts ---- */
 
-/* At the share s of the step. */
+/* Computes position and velocity at the fraction s of the step. */
 static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 {
     const double r = 1 - s, rs = r * s, rise = s * s * s * (10 + s * (6 * s - 15)), h = p->h;
@@ -65,10 +65,12 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 /* Tolerance of the steps in which a body turns under dry friction. */
 #define TURN_TOLERANCE 1e-11
 #define TURN_STEPS_MAX 64 /* Largest number of such steps. */
-#define STEP_MEMORY 64    /* with so much memory */
-/* of the step: the power there goes with the square or cube of the velocity */
+#define STEP_MEMORY 64    /* number of bytes for the memory of a step */
+/* Part of the step around a turning point; the power there grows with the square or cube of the
+ * velocity. */
 #define NEAR_REST 1e-9
-/* Of the acceleration: what it changes by within NEAR_REST of the turning point is a jump. */
+/* Part of the acceleration: a change within NEAR_REST of the turning point that is larger counts as
+ * a jump. */
 static const double jump_min = 1e-6;
 
 static double velocity_at(void *context, double s)
@@ -78,7 +80,7 @@ static double velocity_at(void *context, double s)
     return v;
 }
 
-/* Where the velocity, of different signs at the ends, is 0. */
+/* Returns the fraction of the step at which the velocity, whose signs at the ends differ, is 0. */
 static double turning_point(struct quintic p)
 {
     const double v0 = p.v0, v1 = p.v1;

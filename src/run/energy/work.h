@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the two ways to the work between states share. */
+/* Declarations that the two ways to compute the work between states share. */
 #ifndef HOOKE_RUN_ENERGY_WORK_H
 #define HOOKE_RUN_ENERGY_WORK_H
 
@@ -11,7 +11,7 @@
 /* The first inner point of Lobatto's rule on [0, 1]. */
 #define LOBATTO_INNER 0.276393202250021030
 
-/* Of state k. */
+/* Returns the time [s] of state k. */
 static inline double work_time(const struct work *work, int k)
 {
     return work->t ? work->t[k] : work->origin + (double)(work->index + k) * work->h;
@@ -39,8 +39,8 @@ static inline int64_t work_coarse(double h, double v0, double v1, double a0, dou
            (fabs(h * (a1 - a0)) > WORK_COARSE_BEND * size);
 }
 
-/* Is there a kink in the step? A body with dry friction that is at rest at one end has one there.
- */
+/* Returns true if there is a kink in the step. A body with dry friction that is at rest at one end
+ * has one there. */
 static inline bool work_turns(const struct system *system, double v0, double v1)
 {
     return system->kinks && (v0 * v1 < 0 || (system->dry && v0 * v1 == 0 && v0 != v1));
@@ -56,7 +56,8 @@ bool work_turn(const struct system *system, const struct quintic *p, double t, d
 bool work_converges(const struct system *system, double t, double h, const double *y0,
                     const double *y1, double work, double allowed);
 
-/* Systems whose terms are those of the oscillator or the pendulum; false: it is something else. */
+/* Computes the work for systems whose terms are those of the oscillator or the pendulum; returns
+ * false for others. */
 bool work_of_terms(const struct work *work, struct work_done *done);
 
 /* ---- work_check.c ---- */
@@ -68,7 +69,7 @@ void work_check(const struct run *run, struct balance *balance, const struct wor
 
 /* ---- balance.c ---- */
 
-/* Of the run's state, in units of factor^2 J. */
+/* Returns the energy of a state of the run, in units of factor^2 J. */
 double balance_energy(const struct run *run, const struct system *system, const double *state);
 /* A part of a step, from the balance to (t, y). */
 void balance_extend(const struct run *run, struct balance *balance, double t, const double *y);

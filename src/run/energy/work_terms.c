@@ -18,13 +18,13 @@ enum {
 #define POWERED_TERM(name, ...) PLACE_##name,
 #include "scene/model/terms.def"
     OSCILLATOR_PLACES,
-    /* of the pendulum, whose damping and drive are those of the oscillator */
+    /* weight of the pendulum, whose damping and drive are those of the oscillator */
     PLACE_weight = OSCILLATOR_PLACES,
     PLACES
 };
 
 #define HAS(name) (1u << PLACE_##name)
-/* What block_work() knows. */
+/* Terms that block_work() supports. */
 #define OSCILLATOR_TERMS                                                                           \
     (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) |             \
      HAS(vanderpol) | HAS(friction))
@@ -40,7 +40,8 @@ struct oscillator_terms {
 /* Row i of the pendulum's terms is the term here that has its form; those behind have none. */
 static const int pendulum_index[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 
-/* Where a term of the system stands here; PLACES: nowhere. */
+/* Returns the index of a term of the system in this table, or PLACES if the table does not have
+ * it. */
 static ptrdiff_t index_of(const struct system *system, const struct term_row *row)
 {
     const struct term_row *rows =
@@ -51,7 +52,8 @@ static ptrdiff_t index_of(const struct system *system, const struct term_row *ro
     return system->model->terms == &term_catalog && at >= 0 && at < OSCILLATOR_PLACES ? at : PLACES;
 }
 
-/* The terms of an oscillator or a pendulum, one bit each; 0: it is something else. */
+/* Returns the terms of an oscillator or a pendulum, one bit each, or 0 if the system is something
+ * else. */
 static unsigned terms_of(const struct system *system, struct oscillator_terms *line)
 {
     unsigned terms = 0;
@@ -74,9 +76,9 @@ struct work_block {
     double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1],
         d[WORK_BLOCK + 1];
     double h[WORK_BLOCK], rate[WORK_BLOCK]; /* 1/h */
-    /* of the drive, at the states and at the inner points of the steps */
+    /* cosine of the drive, at the states and at the inner points of the steps */
     double cosine[3][WORK_BLOCK + 1];
-    /* of the pendulum's angle and of half of it */
+    /* sines of the pendulum's angle and of half of it */
     double sine[WORK_BLOCK + 1], half[WORK_BLOCK + 1];
 };
 
@@ -111,7 +113,8 @@ ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms 
         cubic_add(line->c[PLACE_cubic], 0, y, &a);
     if (terms & HAS(vanderpol))
         vanderpol_add(line->c[PLACE_vanderpol], 0, y, &a);
-    if (terms & HAS(friction)) /* the last, as in terms.def: at rest it holds against all others */
+    /* the last term, as in terms.def, because at rest friction balances all others */
+    if (terms & HAS(friction))
         friction_add(line->c[PLACE_friction], 0, y, &a);
     return a;
 }
@@ -168,7 +171,7 @@ ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restr
         take_rows(work, work->stride, b);
 }
 
-/* In loops without a choice in them, which vectorise. */
+/* Loops without branches, so that they vectorise. */
 ALWAYS_INLINE void take_lengths(const struct work *work, struct work_block *restrict b)
 {
     const double h = work->h, rate = 1 / h;

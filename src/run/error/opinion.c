@@ -26,12 +26,12 @@
 /* Factor of the tolerance; another method may err ten times as much at the same one. */
 #define OPINION_TOLERANCE_FACTOR 0.01
 #define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
-#define TOL_EXPLICIT 2e-14 /* at least: rounding */
+#define TOL_EXPLICIT 2e-14 /* smallest tolerance, because of rounding */
 #define TOL_IMPLICIT 1e-13
 #define OPINION_ROWS_MAX 256 /* Largest number of rows compared in one call. */
 /* dop853 is not used if stability alone costs it more than this part of the run's evaluations. */
 #define STIFF_EVALS_FRACTION 0.5
-/* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
+/* Evaluations for |J| dt = 1 by dop853 at the edge of stability: 12 evaluations over 6. */
 #define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
 /* no step is longer where forces depend on time: there may be pulses; of a brief opinion no longer
@@ -54,7 +54,7 @@
 /* Distances so far. */
 struct distances {
     double size[LIMIT_VARIABLES]; /* the largest values of the run, */
-    size_t sized;                 /* in as many of its rows */
+    size_t sized;                 /* number of rows that were searched for them */
     double t;                     /* [s] of the last one */
     /* [s] integrals over time, since the start and since struct opinion's lost */
     double sum, lost_sum;
@@ -62,7 +62,7 @@ struct distances {
 };
 
 struct second {
-    /* Without a method it is the closed form, and nothing below `at` is used. */
+    /* Without a method the closed form is used, and no member below `at`. */
     struct follower follower;
     struct distances distances;
     int64_t at;         /* step of the run that it was last compared with */
@@ -75,7 +75,7 @@ struct second {
         double error;
     } past[2];
     int parts;            /* its steps are no longer than that part of the run, see RUN_PARTS */
-    struct system system; /* last: most of it is not used, and not cleared */
+    struct system system; /* The last member, because most of it is not used and not cleared. */
 };
 
 static struct second *second_create(void)
@@ -118,7 +118,7 @@ static double size_of(const struct run *run, const struct distances *d, int i, d
                                                                               : natural;
 }
 
-/* Of state y from the run's `own` at t. */
+/* Compares state y with the run's own state at t. */
 static void compare(struct run *run, struct distances *d, double t, const double *own,
                     const double *y)
 {
@@ -255,7 +255,7 @@ static bool second_begin(struct run *run, bool other, enum opinion_effort effort
     return true;
 }
 
-/* False: it cannot, or has used up what it may. */
+/* Returns false if the solver fails or has used up the work that it is allowed. */
 static bool second_go(const struct run *run, struct second *second, double to, double max,
                       const struct cancel *cancel)
 {
@@ -271,7 +271,7 @@ static bool second_go(const struct run *run, struct second *second, double to, d
     return follower_work(follower) <= max;
 }
 
-/* To the time of the changes before the state after `step`, and across. */
+/* Advances to the time of the changes before the state after `step`, and across them. */
 static bool second_cross(const struct run *run, struct second *second, int64_t step, double max,
                          const struct cancel *cancel)
 {
@@ -317,7 +317,8 @@ static bool is_lost(const struct run *run)
            LOST_CONFIRMATION * fabs(opinion->lost - run->system.t0);
 }
 
-/* On to the present state of the run, comparing on the way; `lost`: to where it is lost. */
+/* Continues to the present state of the run, comparing on the way; with `lost` only up to the time
+ * at which it is lost. */
 static bool second_follow(struct run *run, double max, bool lost, const struct cancel *cancel)
 {
     struct second *second = run->private_state->second;
@@ -381,8 +382,9 @@ static double first_budget(const struct run *run, enum opinion_effort effort)
            solver_evaluation_price(&run->system, run->opinion.by, true);
 }
 
-/* Follows as far as it may, anew by the other method where it fails at first. Sets *max to the work
- * that it was allowed. False: not to the end. */
+/* Follows the run as far as its budget allows, and again with the other method if the first one
+ * fails at once. Sets *max to the work that was allowed. Returns false if the end was not
+ * reached. */
 static bool second_try(struct run *run, enum opinion_effort effort, double *max,
                        const struct cancel *cancel)
 {
@@ -393,7 +395,7 @@ static bool second_try(struct run *run, enum opinion_effort effort, double *max,
         *max = first_budget(run, effort);
         if (second_follow(run, *max, false, cancel))
             return true;
-        assert(p->second); /* which following does not take away */
+        assert(p->second); /* following does not free it */
         if (follower_work(&p->second->follower) > *max || cancelled(cancel) ||
             !isnan(p->second->saltation.lost))
             return false;

@@ -48,10 +48,11 @@ struct regrowth {
     size_t row;                    /* the first one where variables rest */
     bool resting[LIMIT_VARIABLES]; /* those that do so anywhere */
     bool any;
-    bool follows_jumps;                 /* of the run, by starting from each row of it */
+    /* true if it follows the run's jumps, by starting from each of its rows */
+    bool follows_jumps;
     double scale[LIMIT_VARIABLES];      /* sizes along the run, where variables came to rest */
     double rest[LIMIT_VARIABLES];       /* and their values there, */
-    double rest_width[LIMIT_VARIABLES]; /* which are that uncertain */
+    double rest_width[LIMIT_VARIABLES]; /* uncertainty of the rest position */
     double size[LIMIT_VARIABLES];       /* the largest values of the run */
     /* initial distance of the two, in sizes along the run, and the last one that was seen */
     double displacement, before;
@@ -175,19 +176,20 @@ static void move(struct regrowth *r, const double *own, double factor)
     }
 }
 
-/* What has become of errors of the second solution's tolerance. */
+/* Growth of errors as large as the second solution's tolerance. */
 struct growth {
-    double log;     /* of the error over the tolerance */
+    double log;     /* logarithm of the error over the tolerance */
     double error;   /* it, in sizes of the variables */
     double began;   /* [s] where errors were last no larger than the tolerance */
     double large;   /* [s] where it became ERROR_LOST, */
     int large_rows; /* that many rows ago */
-    double lost;    /* [s] where no digit is certain any longer; NAN: nowhere */
+    double lost;    /* [s] time from which no digit is certain; NAN if there is none */
     double t;       /* [s] followed up to there */
-    double agreed;  /* [s] where the run last grew as the base did; NAN: nowhere */
+    /* [s] time at which the run last grew as the base did; NAN if there is none */
+    double agreed;
 };
 
-/* ---- is there any growth? ---- */
+/* ---- finding out whether anything grows ---- */
 
 /* Returns at how many rows the Jacobian is looked at: what takes some percent of the run's work. */
 static size_t jacobians_looked(const struct run *run)
@@ -333,7 +335,7 @@ static void growth_judge(struct growth *growth, double t, bool agrees, bool is_l
         growth->lost = growth->large;
 }
 
-/* From a row to the next one, which may be many growth times away. */
+/* Follows the solutions from one row to the next, which may be many growth times later. */
 static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, double longest,
                        double max, const struct cancel *cancel)
 {
@@ -438,7 +440,7 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
         return;
     }
     if (!followed && fabs(growth.t - run->system.t0) < fabs(opinion->t - run->system.t0))
-        opinion->t = growth.t; /* what comes later is not known */
+        opinion->t = growth.t; /* nothing is known about later times */
     if (growth.agreed == growth.t)
         return;
     opinion->error = fmax(opinion->error, growth.error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How stiff a scene is along a run: the spectral radius of its Jacobian. */
+/* Stiffness of a scene along a run: the spectral radius of its Jacobian. */
 #include <hooke/base/elementary.h>
 
 #include "run/private.h"

@@ -25,7 +25,7 @@ static int sign_of(double value)
     return (value > 0) - (value < 0);
 }
 
-/* Of a state: the share of each variable's size that it may be off. */
+/* Returns the fraction of each variable's size by which a state may be wrong. */
 static double error_fraction(const struct run *run)
 {
     const double rounding = (TIME_ROUNDING_ULPS + (double)run->steps) * DBL_EPSILON;
@@ -116,17 +116,20 @@ bool events_begin(struct run *run, const struct segment *segment)
 
 /* ---- inside of a step ---- */
 
-/* What a search goes by. */
+/* State of a search for an event in one step. */
 struct event_search {
     struct event_watch *watch;
     struct watched *watched;
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
-    double largest; /* of the values at both ends of the stretch that is searched */
-    /* where it comes so near to 0 that nobody knows whether it touches; NAN: nowhere */
+    double largest; /* larger of the values at both ends of the interval that is searched */
+    /* Time at which it is so close to 0 that a touch can be neither proved nor excluded; NAN if
+     * there is none. */
     double near;
-    double miss; /* where an event that would have stopped the run nearly happened; NAN: nowhere */
+    /* Time at which an event that would have stopped the run nearly happened; NAN if there is
+     * none. */
+    double miss;
     const struct root_search *roots; /* that goes on */
 };
 
@@ -211,7 +214,8 @@ static bool add(struct event_watch *watch, const struct event_crossing *crossing
  */
 static bool is_pole(struct event_search *look, double theta)
 {
-    static const double far = 1e-4, near = 1e-10, grows = 30; /* of the step; from far to near */
+    /* fractions of the step, from far to near */
+    static const double far = 1e-4, near = 1e-10, grows = 30;
     if (look->watched->right || !(fabs(look_value(look, theta)) > grows * look->largest))
         return false;
     bool pole = true;
@@ -251,11 +255,12 @@ static bool look_found(void *context, double theta, int sign)
 }
 
 /*
- * Where a segment begins at an event, the value there is rounding; its sign is the one a moment
- * later, up to which bounds of the slope, or of the second derivative, exclude another event. A
- * ball that has just been thrown up may be back long before the end of the step. The share of the
- * step at that moment, where *value is; 0: there is none. Commands that were executed there may
- * have changed the state, so that the value is one.
+ * Finds the sign of the event's function just after a segment has begun at an event, where the
+ * value itself is rounding. Looks at the first moment up to which bounds of the slope, or of the
+ * second derivative, exclude another event: a ball that has just been thrown up may be back long
+ * before the end of the step. Returns that moment as a fraction of the step and sets *value;
+ * returns 0 if there is none. If commands that were executed there have changed the state, the
+ * value is valid.
  */
 static double depart(struct event_search *look, double *value)
 {
@@ -292,7 +297,7 @@ static double depart(struct event_search *look, double *value)
  */
 static int sign_beyond(const struct event_search *look, int before)
 {
-    static const double probe = 0x1p-10; /* of the step */
+    static const double probe = 0x1p-10; /* fraction of the step */
     const struct step_path *path = &look->watch->path;
     const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
     double y[LIMIT_VARIABLES];
@@ -306,8 +311,8 @@ static int sign_beyond(const struct event_search *look, int before)
     return sign != 0 ? sign : before;
 }
 
-/* Where the run ends, an event is there that is due within the rounding of the sums that led there.
- */
+/* Returns true if an event is due within the rounding of the sums that led to the end of the
+ * run. */
 static bool is_due(const struct event_search *look, const struct run_target *target)
 {
     const struct run *run = look->watch->run;
@@ -374,7 +379,7 @@ static void search(struct event_search *look, double from, double value, double 
         watched->budget *= 2;
 }
 
-/* In the step just taken, up to look->until. */
+/* Searches the step just taken, up to look->until. */
 static void look_at(struct event_search *look, const struct run_target *target)
 {
     struct watched *watched = look->watched;
@@ -418,7 +423,8 @@ static int by_time(const void *a, const void *b)
                                 : p->event - q->event;
 }
 
-/* In order; those at the same time but for rounding are at one, in the order of definition. */
+/* Sorts by time; events whose times differ only by rounding count as simultaneous and keep the
+ * order of definition. */
 static void put_in_order(struct event_watch *watch)
 {
     const struct step_path *path = &watch->path;

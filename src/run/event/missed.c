@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What happens in so short a time that no step of a run has seen it. */
+/* Search for bursts that are so short that no step of a run has seen them. */
 #include <hooke/base/cancel.h>
 #include <hooke/run/unresolved.h>
 #include <hooke/scene/bursts.h>
@@ -19,7 +19,8 @@
 #define BURST_MIN_ULPS 1000
 /* A step across a jump is about equally far from either solution, within this factor. */
 #define BURST_DISTANCE_RATIO 4
-#define SIZE_MIN 1e-6 /* of a variable's natural size: what is smaller counts as that large */
+/* Part of a variable's natural size; smaller values count as that large. */
+#define SIZE_MIN 1e-6
 /* Stretches that a search looks at, each of which takes what 200 evaluations of the equations do:
  * so many, and so many more for each way, and one for so many evaluations of the run. */
 enum { LOOKS_MIN = 1024, LOOKS_A_WAY = 8, EVALS_A_LOOK = 5000 };
@@ -62,7 +63,8 @@ static bool solve_pieces(const struct run *run, double t, double *y, double end)
     return true;
 }
 
-/* How far the step from row i to the next is from y [n], in the sizes of the variables. */
+/* Returns the distance from y [n] of the step from row i to the next, in the sizes of the
+ * variables. */
 static double distance_of_step(const struct run *run, size_t i, const double *y)
 {
     const double *from = trace_state(run->trace, i), *to = trace_state(run->trace, i + 1);
@@ -123,8 +125,9 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
 }
 
 /*
- * Is it there along the steps, too? A way over several of them crosses a switch at another time
- * than the step that ended there. What is found in one step is one burst.
+ * Returns true if the burst is found along the single steps, too. A segment over several of them
+ * crosses a switch at another time than the step that ended there. Everything found in one step is
+ * one burst.
  */
 static bool is_on_steps(const struct run *run, size_t first, const struct burst *found,
                         int64_t *allowed, struct burst *there)
@@ -170,7 +173,8 @@ struct burst_search {
     int count;
 };
 
-/* Is one of them missed? The others go, but for one that may go on after `open`. */
+/* Returns true, with *missed, if one of the bursts was missed; removes the others, except one that
+ * may continue after `open`. */
 static bool look_through(struct burst_search *search, double open, struct burst *missed)
 {
     const struct trace *trace = search->run->trace;
@@ -218,7 +222,7 @@ bool run_missed_burst(struct run *run, struct burst *missed)
         rows < 2 || trace_decimated(trace) || run->settings.record.rule > RECORD_ALL ||
         stop_is_failure(run->stop))
         return false;
-    /* From one way before the new rows on: a burst around the first of them is one burst. */
+    /* Start one segment before the new rows: a burst around the first of them is one burst. */
     const size_t all = rows - 1, length = all > MISSED_SEGMENTS_MAX ? all / MISSED_SEGMENTS_MAX : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
     const size_t even = (steps * MISSED_SEGMENTS_MAX + all - 1) / all,

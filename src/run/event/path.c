@@ -173,7 +173,7 @@ static double piece_value(const struct path_piece *piece, int variable, int degr
  */
 static bool is_followed(const struct step_path *path, int k, int pieces, double resolved)
 {
-    static const double uneven = 0.6180339887498949; /* of the part */
+    static const double uneven = 0.6180339887498949; /* fraction of the part */
     const struct path_piece *piece = &path->piece[k];
     const double length = 1. / pieces;
     double y[LIMIT_VARIABLES];
@@ -193,7 +193,8 @@ static bool is_followed(const struct step_path *path, int k, int pieces, double 
  */
 static bool through_middle(struct step_path *path)
 {
-    static const double resolved = 1e-4; /* what is left out is of a higher order: far smaller */
+    /* the omitted terms are of a higher order and far smaller */
+    static const double resolved = 1e-4;
     double middle[LIMIT_VARIABLES];
     bool fine = true;
     path_state(path, 0.5, middle);
@@ -221,7 +222,8 @@ static bool through_middle(struct step_path *path)
 static bool fit_piece(struct step_path *path, int k, int pieces)
 {
     static const double left_out = 0.1, smooth = 1e-2, resolved = 1e-7;
-    static const double sample_noise = 2e4 * DBL_EPSILON; /* of a value, in the last terms */
+    /* relative error of a value, in the last terms */
+    static const double sample_noise = 2e4 * DBL_EPSILON;
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
     struct path_piece *piece = &path->piece[k];
     const double length = 1. / pieces;
@@ -311,7 +313,7 @@ static struct jet piece_jet(const struct step_path *path, int k, int variable, d
     double c[DENSE_DEGREE + 1] = {0};
     for (int j = 0; j <= degree; j++)
         c[j] = path->piece[k].c[j][variable];
-    if (shift != 0) /* about the middle of a and b: Horner's scheme again and again */
+    if (shift != 0) /* shift to the middle of a and b by repeated Horner's scheme */
         for (int i = 0; i < degree; i++)
             for (int j = degree - 1; j >= i; j--)
                 c[j] += shift * c[j + 1];

@@ -21,7 +21,7 @@ static bool keep(struct run *run, const struct event_crossing *crossing, const d
 bool events_until(const struct run *run, double *theta)
 {
     const struct event_watch *watch = run->private_state->watch;
-    bool stopped = false; /* by another event before */
+    bool stopped = false; /* by another event that came earlier */
     for (size_t i = 0; i < watch->count; i++) {
         const struct event_crossing *crossing = &watch->found[i];
         if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {

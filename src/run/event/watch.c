@@ -44,7 +44,7 @@ static int column_of(void *context, int slot)
     return watch->columns++;
 }
 
-/* Where a condition becomes true is an event that stops the run. */
+/* Watches the condition as an event that stops the run when it becomes true. */
 static void take_condition(struct event_watch *watch, const struct run_target *target)
 {
     const struct condition *condition = target->condition;
@@ -161,7 +161,7 @@ static struct jet time_jet(const struct step_path *path, double a, double b)
     return (struct jet){{fmin(from, to) - near, fmax(from, to) + near}, {h, h}, {0, 0}};
 }
 
-/* Of a function of the state: a polynomial through its values, which is no proof. */
+/* Bounds a function of the state by a polynomial through its values, which proves nothing. */
 static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot,
                             double a, double b)
 {

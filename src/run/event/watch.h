@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is watched for while a run goes on, and bounds of it inside of the step just taken. */
+/* Events that are watched in a run, and bounds of their functions inside of the step just taken. */
 #ifndef HOOKE_RUN_EVENT_WATCH_H
 #define HOOKE_RUN_EVENT_WATCH_H
 
@@ -31,13 +31,13 @@ struct step_path {
 void path_begin(struct step_path *path, const struct inside *inside);
 void path_make(struct step_path *path);
 double path_time(const struct step_path *path, double theta);
-/* By the method itself, at the ends the states that were computed. */
+/* Computes the state by the method itself; at both ends it is the state that was computed. */
 void path_state(const struct step_path *path, double theta, double *y);
 struct jet path_jet(const struct step_path *path, int variable, double a, double b);
 /* all variables, by the polynomial */
 void path_estimate(const struct step_path *path, double theta, double *y);
-/* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and
- * about its error. */
+/* Bounds the polynomial through values at even fractions of the interval from a to b, the first one
+ * at a, and estimates its error. */
 struct jet path_fit(const double *value, int degree, double a, double b);
 
 /* ---- watch.c ---- */
@@ -46,12 +46,12 @@ struct jet path_fit(const double *value, int degree, double a, double b);
 struct watched {
     const struct event *event;
     const struct expr *left, *right;
-    double value; /* at the present state, if `known` */
+    double value; /* value at the present state, if `known` */
     bool known;
     bool departs; /* the value is 0 here but for rounding */
-    int sign;     /* where it was last not 0 */
+    int sign;     /* last sign that was not 0 */
     int budget;
-    double touched; /* [s] when it last touched 0, NAN: never */
+    double touched; /* [s] when it last touched 0; NAN if it never did */
     double passed;  /* [s] when it last was an event of either kind; NAN means never */
 };
 
@@ -77,7 +77,8 @@ struct event_watch {
     } left[LIMIT_EVENTS + 1];
     int64_t left_step;
     double left_t;
-    /* with the condition, if there is one: the last, and `until` is its place, else -1 */
+    /* number of events, with the condition, if there is one, as the last; `until` is its index,
+     * else -1 */
     int events;
     int until;
     struct event condition;
@@ -85,12 +86,12 @@ struct event_watch {
     struct step_path path;
     double size[LIMIT_VARIABLES]; /* largest value of each variable in the run, */
     bool sized;                   /* if known */
-    struct event_crossing *found; /* in the step just taken, in order */
+    struct event_crossing *found; /* crossings in the step just taken, in order */
     double *state;                /* [count][n] */
     size_t count, found_capacity;
 };
 
-/* For a run at its present state. False: no memory. */
+/* Begins to watch the events of a run at its present state. Returns false if out of memory. */
 bool events_watch_begin(struct event_watch *watch, struct run *run,
                         const struct run_target *target);
 void events_watch_destroy(struct event_watch *watch);
@@ -98,15 +99,16 @@ double events_watch_value(struct event_watch *watch, const struct watched *watch
                           const double *y);
 struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,
                                double b);
-/* At a state that is known but for a share `error` of each variable's size. */
+/* Returns true if the event's function may be 0 at a state that is known up to the fraction `error`
+ * of each variable's size. */
 bool events_watch_is_zero(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
 /* Half the width of the bounds of its value there. */
 double events_watch_error(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
 
-/* missed.c: returns how many stretches a search for bursts along that many ways may look at, in a
- * run of that many evaluations. */
+/* Returns how many intervals a search for bursts (missed.c) may look at along `ways` segments, in a
+ * run of `evals` evaluations. */
 int64_t run_burst_looks(const struct system *system, size_t ways, int64_t evals);
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Whether a run failed because its solution ends. A run that got where it should is not looked
- * into, unless one of its fixed steps looks strange (strange.c), or the solution does not get
- * across the shortest of its adaptive steps. Of one that failed an accurate solution is followed
- * from where the run last had a start of its own: an unstable method, or a loose tolerance, fails
- * where the solution itself goes on.
+ * Finds out whether a run failed because its solution ends. A run that reached its target is not
+ * examined, unless one of its fixed steps looks strange (strange.c), or the solution does not get
+ * across the shortest of its adaptive steps. For a run that failed, an accurate solution is
+ * followed from the last start that the run had of its own: an unstable method, or a loose
+ * tolerance, fails where the solution itself continues.
  */
 #include <hooke/base/cancel.h>
 
@@ -99,12 +99,12 @@ static bool steps_shrink(const struct run *run, double way)
 
 bool run_creeps(struct run *run)
 {
-    static const int64_t share = 8; /* of the steps, for one look */
+    static const int64_t share = 8; /* one look for this many steps */
     struct run_private *p = run->private_state;
     if (run->steps < p->look)
         return false;
     p->look = 2 * run->steps;
-    if (p->original) /* which has looked */
+    if (p->original) /* the copy has been diagnosed already */
         return false;
     trace_present(run->trace, run->steps, run->t, run->y);
     const double way = run->t - trace_time(run->trace, run_own_start(run));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Why a run stopped, and what to do about it. */
+/* Explanation of why a run stopped, with advice. */
 #include <hooke/base/number.h>
 #include <hooke/base/elementary.h>
 
@@ -21,11 +21,11 @@ static void put_time(struct buffer *text, double seconds, int digits)
     buffer_format(text, " s");
 }
 
-#define STEP_HOPELESS 1e-6 /* of the step in use: nobody wants one that short */
+#define STEP_HOPELESS 1e-6 /* Part of the step in use; nobody wants a shorter one. */
 /* Part of the largest state above which linear growth, not the method, explains it. */
 #define LINEAR_GROWTH_MIN 1e-30
 #define T0_LARGE 1e6    /* times the way: t0 takes its digits from t */
-#define TOL_SMALL 1e-11 /* below it rounding may be what step control sees */
+#define TOL_SMALL 1e-11 /* Below this tolerance step control may see only rounding. */
 
 #define RELIABLE_SIZES 2 /* States above this many natural sizes may come from the method. */
 
@@ -89,7 +89,8 @@ static int undefined_slope(const struct system *system, double t, const double *
  * the end of a square root or a logarithm. Returns false if they have one. */
 static bool explain_domain(const struct run *run, struct buffer *text)
 {
-    static const double ahead[] = {1e-6, 1e-4, 0.01, 0.1, 1}; /* of the step that was set */
+    /* fractions of the step that was set */
+    static const double ahead[] = {1e-6, 1e-4, 0.01, 0.1, 1};
     const struct system *system = &run->system;
     double slope[LIMIT_VARIABLES], y[LIMIT_VARIABLES], ignored[LIMIT_VARIABLES];
     const bool is_backward = !run->plan.adaptive && run->trace && trace_grid(run->trace)->h < 0;
@@ -116,10 +117,12 @@ static bool explain_domain(const struct run *run, struct buffer *text)
     return false;
 }
 
-/* What is wrong with the state that no step leads on from. Returns false if nothing is. */
+/* Describes the fault of a state from which no step can be taken. Returns false if there is
+ * none. */
 static bool explain_state(const struct run *run, struct buffer *text)
 {
-    static const double ahead[] = {0, 0.5, 1}; /* of a fixed step, where its stages are */
+    /* fractions of a fixed step at which its stages are */
+    static const double ahead[] = {0, 0.5, 1};
     const struct system *system = &run->system;
     for (int i = 0; i < system->n; i++) {
         if (fabs(run->y[i]) <= run_bound(system, i))
@@ -191,7 +194,8 @@ static void explain_adaptive_divergence(const struct run *run, struct buffer *te
     }
 }
 
-/* Does the solution itself leave the range of numbers, with an infinite time to infinity? */
+/* Returns true if the solution itself leaves the range of numbers although it reaches infinity only
+ * after infinite time. */
 static bool solution_grows(const struct run *run)
 {
     double largest = 0;

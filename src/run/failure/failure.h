@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Why a run failed, or why what it gives is no solution. */
+/* Diagnosis of why a run failed, or why its result is no solution. */
 #ifndef HOOKE_RUN_FAILURE_H
 #define HOOKE_RUN_FAILURE_H
 
@@ -7,7 +7,7 @@
 
 struct cancel;
 
-/* What an accurate solution does. */
+/* Behaviour of an accurate solution. */
 enum solution_fate {
     SOLUTION_UNKNOWN, /* nobody looked, or it took too long */
     SOLUTION_ENDS,    /* it goes to infinity, or its slope does */
@@ -21,11 +21,12 @@ enum solution_fate {
  * get there, would take too long, or is cancelled. */
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
                        double tol, double *to, const struct cancel *cancel);
-/* How far an accurate solution came. */
+/* State and time that an accurate solution reached. */
 struct followed {
     enum solution_fate fate;
     double t, y[LIMIT_VARIABLES];
-    bool finite; /* with SOLUTION_ENDS: it stays finite, its slope does not */
+    /* with SOLUTION_ENDS, true if the solution stays finite and only its slope does not */
+    bool finite;
 };
 
 #define FOLLOW_STEPS_MAX 20000

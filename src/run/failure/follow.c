@@ -59,7 +59,8 @@ struct pursuit {
     const char *by;
     double tol;
     int64_t steps_max;
-    double creep; /* of the way: shorter steps do not get on, though steps to a switch may be */
+    /* Part of the way: shorter steps make no progress, though steps to a switch may be shorter. */
+    double creep;
 };
 
 /* Natural sizes may have been taken from a solution on its way to infinity: at most those of where

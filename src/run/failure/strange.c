@@ -10,9 +10,9 @@
 
 #include <math.h>
 
-/* Does a variable go another way in a step of h than its slopes at both ends and in the middle say?
- * What is next to nothing beside its natural size is passed over: what begins at 0 grows by any
- * factor. */
+/* Returns true if a variable changes in a step of h in another way than its slopes at both ends and
+ * in the middle predict. Changes that are tiny beside its natural size are ignored, because a
+ * variable that begins at 0 grows by any factor. */
 static bool looks_strange(double h, double y, double slope, double middle_slope, double end,
                           double end_slope, double natural)
 {
@@ -63,7 +63,7 @@ static double scaled_size(const struct system *system, const double *y)
 static void find_sizes(const struct run *run, size_t i, double h, const double *solution,
                        double *size)
 {
-    static const double size_min = 0.01, tol = 1e-7; /* of natural sizes */
+    static const double size_min = 0.01, tol = 1e-7; /* fraction of natural sizes */
     enum { STEPS_AHEAD = 32 };
     const struct system *system = &run->system;
     const double *y = trace_state(run->trace, i), t = trace_time(run->trace, i);
@@ -81,7 +81,8 @@ static void find_sizes(const struct run *run, size_t i, double h, const double *
  * followed: run->unsound is the worst step of which nothing is left. */
 static void check_step(struct run *run, size_t i)
 {
-    /* What is not followed to the end must have grown that much: it is not what oscillates. */
+    /* Values that are not followed to the end must have grown by this factor, so that oscillations
+     * do not count. */
     static const double tol = 1e-7, nothing_left = 0.9, grown = 8;
     const struct trace *trace = run->trace;
     const struct system *system = &run->system;

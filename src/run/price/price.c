@@ -168,7 +168,7 @@ static double opinion_price(const struct run_scenario *s, const struct run_work 
 
 struct entry {
     char what[160];
-    double price; /* instructions; NAN: not listed with a price */
+    double price; /* instructions; NAN if it is not listed with a price */
 };
 
 enum { ENTRIES_MAX = 16 };
@@ -177,7 +177,7 @@ struct list {
     struct entry entry[ENTRIES_MAX];
     int count;
     bool of_the_run;  /* the first entry says what the percentages are of */
-    const char *note; /* behind the last entry */
+    const char *note; /* note after the last entry */
 };
 
 static void list_add(struct list *list, double price, const char *what)

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { TRIAL_STEPS = 2000 }; /* over the number of variables: some milliseconds */
+enum { TRIAL_STEPS = 2000 }; /* Steps tried, over the number of variables: some milliseconds. */
 
 static double evaluations(const struct cost *cost)
 {
