@@ -30,7 +30,8 @@ bool command_exec(struct session *session, struct text line, const struct source
 struct script {
     struct source where;
     struct buffer pending;
-    struct source_piece piece[64]; /* of the joined line; more count as the last */
+    /* pieces of the joined line; if there are more, they count as the last */
+    struct source_piece piece[64];
     int pieces;
     int commands; /* session->history.done at the start */
     bool ok, stopped;
@@ -38,8 +39,8 @@ struct script {
 
 void script_begin(struct script *script, struct session *session, const char *name,
                   const struct source *parent);
-/* One line without its newline. False: the script has stopped (error, quit); feeding more does
- * nothing. */
+/* Executes one line, given without its newline. Returns false if the script has stopped (error,
+ * quit); then further lines are ignored. */
 bool script_feed(struct script *script, struct session *session, struct text line,
                  struct reply *reply);
 /* End of the input: executes what is pending, says where it stopped. True if every command
@@ -50,9 +51,9 @@ bool script_file(struct session *session, const char *path, const struct source 
                  struct reply *reply);
 
 /*
- * The path of a file that the line at `where` names: as it stands, or, where there is no such file,
- * relative to the folder of the command file that the line is in, if it is there. Lives in the
- * arena. NULL: no memory.
+ * Returns the path of a file that the line at `where` names: unchanged or, if there is no such
+ * file, relative to the folder of the command file that the line is in, if it exists there. Lives
+ * in the arena. Returns NULL if out of memory.
  */
 char *script_path(const struct source *where, struct text name, struct arena *arena);
 

@@ -31,10 +31,9 @@ struct responses {
 };
 
 /* Add a response; false if out of memory. */
-bool responses_add_moment(struct run *run,
-                          /* event in the step just taken, at the present state of the run */
-                          int event);
-/* at the fraction theta of the step */
+/* The event is in the step just taken, at the present state of the run. */
+bool responses_add_moment(struct run *run, int event);
+/* The event was nearly met at the fraction theta of the step. */
 bool responses_add_miss(struct run *run, int event, double theta);
 bool responses_add_jump(struct run *run, int variable, double before);
 /* The run stands at an event whose moment depends on the state: another solution has another. */

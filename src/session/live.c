@@ -12,15 +12,15 @@
 
 #define SLICE_NS 5000000    /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
-#define WINDOW_NS 500000000 /* over which the speed achieved is measured */
+#define WINDOW_NS 500000000 /* interval over which the speed achieved is measured */
 /* Wall time [s] by which a run may trail the clock before it stops catching up. */
 #define CLOCK_LAG_MAX 0.2
 
-/* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
+/* Reference of the clock: at `clock` the run was at t, and continues at `speed`. */
 struct clock_pace {
     int64_t clock; /* [ns] */
     double t;      /* [s] */
-    double speed;  /* simulated seconds a second, HUGE_VAL: as fast as possible */
+    double speed;  /* simulated seconds per second; HUGE_VAL for as fast as possible */
     double direction;
 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What names mean in expressions: state and observables of the current run first, then parameters
+ * Meaning of names in expressions: state and observables of the current run first, then parameters
  * and derived quantities of the scene, settings, variables, results. Parameters that a user has
  * typed come before observables.
  */
@@ -62,7 +62,8 @@ static bool has_state(const struct names *names)
     return names->expects_run || run_of(names);
 }
 
-/* Whose state and observables these are: the run's or, without one, the scene's. */
+/* Returns the model whose state and observables these are: the run's or, if there is no run, the
+ * scene's. */
 static const struct model *state_model(const struct names *names)
 {
     const struct run *run = run_of(names);
@@ -75,7 +76,7 @@ static bool in_state(const struct model *model, struct text name, int *index)
     return *index >= 0;
 }
 
-/* Whose parameters have names. */
+/* Returns the scene whose parameters have names. */
 static const struct scene *scene_of(const struct names *names)
 {
     struct in_force *force = names->in_force;
@@ -250,7 +251,7 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
     suggestion_offer(suggestion, "pi");
 }
 
-/* In the scope of the run (run_scope). */
+/* Uses the scope of the run (run_scope). */
 static int scope_moving(const void *context, int slot)
 {
     const struct model *moving = state_model(context);
@@ -267,7 +268,7 @@ static int scope_moving(const void *context, int slot)
     }
 }
 
-/* Of what a typed scene observes nobody has said it. */
+/* The quantity of an observation of a typed scene is unknown. */
 static enum quantity scope_quantity(const void *context, int slot)
 {
     return slot >> SLOT_KIND == NAME_OBSERVED ? QUANTITY_OTHER : slot_value(context, slot).quantity;

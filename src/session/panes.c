@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the screen can be made of: layouts, what cursors snap to. */
+/* Choices for the screen: layouts, and the points that cursors snap to. */
 #include <hooke/session/subject.h>
 
 #define ROW(name, brief)                                                                           \

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a scene has: parameters, derived quantities and variables by name. Which there are depends
- * on its model. */
+/* Parameters, derived quantities and variables of a scene by name. They depend on its model. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/session/subject.h>
@@ -33,8 +32,8 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
 
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
-/* What the parameter does in the scene as it is: the frequency of a drive that is not there does
- * nothing. */
+/* Returns the effect of the parameter in the present scene: the frequency of a drive that does not
+ * exist has none. */
 static enum effect effect_between(const struct scene *scene, int index, struct system *a,
                                   struct system *b)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the runs and the measurements of a session say: to programs and to files. */
+/* Columns of the runs and the measurements of a session, for programs and files. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/unit.h>

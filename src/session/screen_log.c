@@ -66,7 +66,7 @@ struct text log_row(struct text line, size_t *from, int width, int *indent)
     const struct text rest = {line.at + *from, line.len - *from};
     *indent = *from > 0 && width >= INDENT_MIN ? INDENT_CELLS : 0;
     int left = width - *indent;
-    size_t at = 0, end = 0; /* what has been looked at; the end of the last word that fits */
+    size_t at = 0, end = 0; /* bytes examined so far; the end of the last word that fits */
     while (at < rest.len) {
         size_t used;
         left -= codepoint_width(text_codepoint((struct text){rest.at + at, rest.len - at}, &used));

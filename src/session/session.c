@@ -175,7 +175,8 @@ bool session_add_recording(struct session *session, struct recording *recording,
     return true;
 }
 
-/* Where the current one is after place `dropped` has gone from a list of `count`. */
+/* Returns the index of the current item after item `dropped` has been removed from a list of
+ * `count`. */
 static int after_drop(int current, int dropped, int count)
 {
     if (current > dropped)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a series is measured against, and what is left of it. */
+/* References that a series is compared with, and the residuals. */
 
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>

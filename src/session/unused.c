@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What was typed and nothing uses any more: neither the set-up, a run, a result, nor what undo and
- * checkpoints go back to. */
+/* Removal of definitions that nothing uses: neither the set-up, a run, a result, nor undo and
+ * checkpoints. */
 #include <hooke/run.h>
 #include <hooke/session/events.h>
 #include <hooke/module.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the parts of completion share. */
+/* Declarations that the parts of completion share. */
 #ifndef HOOKE_COMMAND_COMPLETE_H
 #define HOOKE_COMMAND_COMPLETE_H
 
@@ -10,16 +10,17 @@
 
 /* variables of the scene, and how to take them back */
 void complete_atol(struct completion *c, bool named);
-void complete_topics(struct completion *c); /* of help */
-/* After NAME of set: the unit of that name, or the choices of that setting. */
+void complete_topics(struct completion *c); /* topics of help */
+/* Completes the value of NAME in `set`: its units if NAME has a unit, or the choices of the
+ * setting. */
 void complete_set(struct completion *c, struct text name, struct text before);
 
 /* ---- where the cursor stands ---- */
 
 struct text last_word(struct text before);
 int count_words(struct text text);
-/* What may come next: the words, keys and options of the command, and the item of the next place.
- */
+/* Completes the words, keys and options that may come next in the command, and the next positional
+ * argument. */
 void complete_next(struct completion *c, const struct command *command, struct text before);
 /* Returns true where the word is an item behind NAME= or a comma or colon after it; sets *name to
  * the last such name, empty if there is none. */
@@ -27,8 +28,8 @@ bool complete_is_item(struct text before, struct text *name);
 /* NAME=FROM:TO of parameters of the scene, dt and tol. */
 void complete_grid(struct completion *c, const struct command *command, struct text before);
 
-/* In a statement that defines a scene or an event; rest: what stands between the command and the
- * word. */
+/* Completes a statement that defines a scene or an event; `rest` is the text between the command
+ * and the word. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest);
 
 #endif

@@ -16,11 +16,11 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
 bool make_figure(struct session *session, const struct arguments *args,
                  struct figure_request *request, struct figure *figure, struct error *error);
 
-/* Where there is room for the legend that stands below a text figure: in the figure itself. */
+/* Puts the legend below a text figure into the figure itself, where there is room for it. */
 bool label_curves(const struct session *session, const struct figure_request *request,
                   struct arena *arena, struct figure *figure, struct error *error);
 
-/* What both take; WHAT and what is special stand before and behind. */
+/* Arguments that both commands take; WHAT and special arguments are placed before and behind. */
 #define FIGURE_ARGUMENTS                                                                           \
     WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),                         \
         WORD("of", TYPE_CHOICE, .choices = &result_catalog),                                       \

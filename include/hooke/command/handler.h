@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the handlers of commands share. */
+/* Declarations that the handlers of commands share. */
 #ifndef HOOKE_COMMAND_HANDLER_H
 #define HOOKE_COMMAND_HANDLER_H
 
@@ -59,7 +59,7 @@ bool find_slopes(const struct parser *value, struct run *run, const char *what,
                  enum quantity quantity, double *slope);
 /* Returns true for a value that an event sets, and that depends on the state of the run. */
 bool value_depends(struct session *session, const struct parser *value);
-/* From here on it is not known how the run answers to another state. */
+/* Marks the run's response to another state as unknown from the present state on. */
 void forget_jump_slopes(struct session *session);
 /* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (scene/scene.c). */
 struct parser value_parser(struct session *session, const struct arguments *args);
@@ -98,9 +98,11 @@ void reply_unsound(struct run *run, struct reply *reply);
 void reply_below_tolerance(const struct run *run, struct reply *reply);
 /* As `set opinion` says, and as far as the reply shows errors. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
+/* Appends the cost of the opinion on the run that is planned. */
 void plan_opinion(const struct session *session, const struct system *system,
-                  const struct plan *plan, struct buffer *text); /* what it will cost */
-/* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
+                  const struct plan *plan, struct buffer *text);
+/* Replies with the opinion's line, and a warning if the error is large. Returns false, with an
+ * error, if nothing of the result is right. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error);
 /* Warns of a state whose squares underflow. */
@@ -113,7 +115,7 @@ void reply_unchosen(struct session *session, struct reply *reply);
  * by_setting: 'duration' will be used.
  */
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
-/* Of a study: that it takes the setting, although the present run took longer. */
+/* Replies that a study uses the duration that is set, although the present run took longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
 /* Warns where the scene rules out the method that is set, and says what to do. */
 void reply_inapplicable(const struct session *session, struct reply *reply);
@@ -130,7 +132,8 @@ bool command_set(HANDLER_PARAMETERS);
 /* Watches for another event: its name, then "when EXPR do …" (scene/event.c). */
 bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
                struct error *error);
-/* Where the present scene is all typed: `scene` finds it by its name as it is now. */
+/* Keeps the present scene, if all of it was typed, so that `scene` finds it by its present name and
+ * form. */
 bool keep_own_scene(struct session *session, struct error *error);
 extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;
 

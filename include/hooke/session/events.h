@@ -14,24 +14,25 @@ struct event_line {
     char name[LIMIT_NAME + 1];
     enum event_action action;
     const char *when; /* EXPR [rising|falling|touching], as typed */
-    const char
-        *commands; /* EVENT_COMMANDS: executed where the run has stopped; may end in `continue` */
+    /* With EVENT_COMMANDS, the commands executed where the run has stopped; they may end in
+     * `continue`. */
+    const char *commands;
 };
 
-/* In the order in which they were typed. */
+/* List of event lines in the order in which they were typed. */
 struct events {
-    struct events
-        *older; /* of the session, none of which changes: set-up, runs and undo share them */
+    /* Older lists of the session, none of which changes: set-up, runs and undo share them. */
+    struct events *older;
     struct arena arena;
     int count;
     struct event_line line[LIMIT_EVENTS];
 };
 
-/* A list with this line, which takes the place of one of the same name; texts are copied. NULL:
- * error. */
+/* Returns a list with this line, which replaces one of the same name; texts are copied. Returns
+ * NULL on error. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error);
-/* Without the line of that name. */
+/* Sets *events to the list without the line of that name. */
 bool events_without(struct session *session, struct text name, const struct events **events,
                     struct error *error);
 void events_destroy(struct events *events); /* and all older ones */
@@ -43,14 +44,14 @@ void events_sweep(struct session *session,
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);
 void events_save(const struct events *events, bool as_stop, struct buffer *text);
 void events_plan(const struct events *events, struct buffer *text); /* a line of `plan` */
-/* For a run: the list in the arena, *count of them. */
+/* Compiles the events of a run into a list in the arena, and sets *count. */
 bool events_compile(const struct events *events, const struct expr_scope *scope,
                     struct arena *arena, const struct event **event, int *count,
                     struct error *error);
 /* The events the run has just stopped at, in order: how many. */
 int events_stopped_at(const struct run_slot *slot, const struct event_line *stopped[LIMIT_EVENTS]);
-/* What is to be executed; *passes: a `continue` at its end, which is not part of it, lets the run
- * go on. */
+/* Returns the commands to execute, without a `continue` at the end; *passes is set if there was
+ * one, which lets the run continue. */
 struct text event_commands(struct text commands, bool *passes);
 
 #endif

@@ -28,7 +28,7 @@ enum feed_end {
 struct feed_request {
     const char *source; /* a device, a pipe, a file that grows, STANDARD_INPUT */
     int file;           /* descriptor that each complete line is appended to; the feed closes it */
-    long baud;          /* of a serial line */
+    long baud;          /* baud rate of a serial line */
     double from;        /* [s] time at which it begins */
     uint64_t max;       /* lines */
     bool safe;          /* devices are refused */
@@ -78,10 +78,11 @@ struct front {
     /* Is called after each line, also of a file, when the session can be saved. */
     void (*executed)(void *context);
     /*
-     * Live runs. watched: true if a person watches a screen of panes. Then run and continue advance
-     * in slices of at most 10 ms and call `slice` between them: it polls the terminal, executes
-     * typed lines (command_exec() may be called again from inside; commands that would disturb the
-     * run are refused) and draws. It returns at `until` [clock_ns] or earlier; false means pause.
+     * Live runs. `watched` is true if a person watches a screen of panes. Then run and continue
+     * advance in slices of at most 10 ms and call `slice` between them: it polls the terminal,
+     * executes typed lines (command_exec() may be called again from inside; commands that would
+     * disturb the run are refused) and draws. It returns at `until` [clock_ns] or earlier; false
+     * means pause.
      */
     bool watched;
     bool (*slice)(void *context, struct session *session, int64_t until);

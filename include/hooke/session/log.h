@@ -9,9 +9,9 @@
 /* ---- what was asked of a run (journal.c) ---- */
 
 /*
- * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a
- * saved session, by `record`. How the work was cut into slices, and where it was paused, leaves no
- * trace in the samples and stands here only as the step at which something else was asked.
+ * Requests made of a run since its start, so that it can be made again bit for bit: by undo, by a
+ * saved session, by `record`. Slices of the work and pauses leave no trace in the samples; they
+ * appear here only as the step at which something else was requested.
  */
 
 enum request_kind {
@@ -32,18 +32,19 @@ struct request {
     enum request_kind kind;
     int64_t from;  /* step of the run at which it was asked for */
     double from_t; /* [s] */
-    double t;      /* REQUEST_GO: the target [s], T_UNREACHABLE either way: none */
-    /* REQUEST_GO: step at which it ends, INT64_MAX: none; REQUEST_BACK: step it led to */
+    /* target time [s] of REQUEST_GO; T_UNREACHABLE with either sign if there is none */
+    double t;
+    /* Step at which REQUEST_GO ends, INT64_MAX if there is none; step that REQUEST_BACK led to. */
     int64_t end;
-    char *condition; /* REQUEST_GO: as typed, NULL: none */
-    int64_t met;     /* step at which the condition became true, 0: it did not */
-    int param;       /* REQUEST_SET; REQUEST_KICK: variable */
+    char *condition; /* condition of REQUEST_GO as typed; NULL if there is none */
+    int64_t met;     /* step at which the condition became true; 0 if it did not */
+    int param;       /* parameter of REQUEST_SET, variable of REQUEST_KICK */
     struct measured value;
     bool by_event; /* asked for by the commands of an event of the run */
     int64_t rows;  /* REQUEST_BACK */
 
     /* Private to journal.c. */
-    int references, count; /* of requests up to this one */
+    int references, count; /* owners of this request; number of requests up to it */
     bool backs;            /* one of them is a REQUEST_BACK */
     struct request *before;
     const struct request *go; /* the latest REQUEST_GO before it */
@@ -53,23 +54,25 @@ struct request {
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error);
 void journal_drop(struct run_slot *slot); /* the last one */
-/* another owner of the list that ends there; NULL: an empty one */
+/* Returns another owner of the list that ends there; NULL is an empty list. */
 struct request *journal_fraction(struct request *last);
 void journal_release(struct request *last);
 int journal_count(const struct request *last);
-/* The requests from place `first` on, in order, *count of them; free() the list, not them. False:
- * no memory, *count 0. */
+/* Lists the requests from index `first` on, in order, *count of them. The caller frees the list,
+ * not the requests. Returns false, with *count 0, if out of memory. */
 bool journal_list(const struct request *last, int first, const struct request ***list, int *count);
 /* The times [s] of the latest changes of parameters, at most `max`, in order; not those by events.
  * Returns how many. */
 int journal_changes(const struct request *last, double *t, int max);
-/* The last REQUEST_GO up to this request; NULL: none. */
+/* Returns the last REQUEST_GO up to this request, or NULL if there is none. */
 const struct request *journal_last_go(const struct request *last);
-/* What is still to be done after a pause: the last REQUEST_GO; NULL: nothing. */
+/* Returns the last REQUEST_GO if it was paused and has to be completed, or NULL if nothing is left
+ * to do. */
 const struct request *journal_pending(const struct run_slot *slot);
-/* The same, of this run alone, so that it may be changed. NULL: no memory (there has to be one). */
+/* Returns a copy of the same request that belongs to this run alone, so that it may be changed.
+ * Returns NULL if out of memory; there has to be such a request. */
 struct request *journal_edit_pending(struct run_slot *slot, struct error *error);
-/* Where an event has stopped the run: on towards the same. */
+/* Adds a request to continue towards the same target after an event has stopped the run. */
 bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error);
 /* The run has been taken back by `rows`, from step `before`. */
 bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_t rows,
@@ -77,7 +80,7 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
 /* The parameters in force now: those of the start and what was changed since, by events too or
  * without them. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene);
-/* Has something been changed since request `first`, not by an event? */
+/* Returns true if something has been changed since request `first`, other than by an event. */
 bool journal_changed(const struct run_slot *slot, int first);
 /*
  * Takes the run to the state at the end of the list that ends at `last`: `steps`, at time `t`. It
@@ -86,21 +89,22 @@ bool journal_changed(const struct run_slot *slot, int first);
  */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t);
-/* What a REQUEST_SET or REQUEST_KICK changed, and to what: "gamma 0.1 1/s". */
+/* Appends the change of a REQUEST_SET or REQUEST_KICK, such as "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct request *request, struct buffer *text);
 /*
- * Appends the commands that do what was done since request `first` and step `since` (0, -1: all):
- * run, continue, change, back. number: of the run, 0: the next. by_events: also what the run's
- * events did, which does it again where they only stop. False: a condition needs names that no
- * saved session knows; then nothing is appended.
+ * Appends the commands that repeat everything done since request `first` and step `since` (0 and -1
+ * for all of it): run, continue, change, back. `number` is the number of the run, or 0 for the next
+ * one. With `by_events` also the effects of the run's events are written; events that only stop the
+ * run have them again. Returns false, with nothing appended, if a condition needs names that no
+ * saved session knows.
  */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t since, int number, bool by_events, struct buffer *text);
 
 /* ---- lines and statements, and the file that `record` appends to (history.c) ---- */
 
-/* A line was read, sourced: by a statement that reads a file. *index: of its entry. False: no
- * memory, and nothing of it may be executed. */
+/* Adds a line that was read; `sourced` if by a statement that reads a file. Sets *index to that of
+ * its entry. Returns false if out of memory; then nothing of the line may be executed. */
 bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
                   struct error *error);
 /* A statement of that line begins, which is `within` in memory: all that is executed until its end
@@ -117,28 +121,32 @@ void history_free(struct session *session);
  * as many are left. Not while a statement is executed.
  */
 void history_trim(struct session *session);
-struct entry *history_entry(const struct session *session, size_t index); /* from first on */
+/* Returns the entry; `index` counts from history.first on. */
+struct entry *history_entry(const struct session *session, size_t index);
 struct text history_text(const struct session *session, const struct entry *entry);
 /* A line of its own that is not empty, as `history` counts them. */
 bool history_is_typed(const struct session *session, const struct entry *entry);
 
 enum history_reading {
-    HISTORY_RECORD, /* what succeeded, as it came */
-    HISTORY_SCRIPT, /* what led here, without other files: what these held; nothing is written */
+    HISTORY_RECORD, /* statements that succeeded, as typed */
+    /* statements that led here, with the content of other files instead of the files; nothing is
+     * written */
+    HISTORY_SCRIPT,
 };
 
 /* Appends those from `first` on that are read so, a line each. */
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text);
-/* Line of the script on which a statement stands (both counted from 1), with its first line; 0: it
- * is not there. */
+/* Returns the line of the script that contains a statement (both counted from 1), and its first
+ * line; returns 0 if the script does not contain it. */
 int history_script_line(const struct session *session, size_t statement, struct text *line);
 /* One of the script's statements ends in an error, as it did. */
 bool history_fails(const struct session *session);
-/* What `undo` calls a statement: as it was typed, as much of it as fits. */
+/* Fills in the label by which `undo` names a statement: its text as typed, as much as fits. */
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1]);
 bool record_open(struct session *session, const char *path, struct error *error);
-/* Puts the rest on the disk; false: that failed. There need not be such a file. */
+/* Puts the remaining statements on the disk; returns false if that failed. There need not be such a
+ * file. */
 bool record_close(struct session *session, struct error *error);
 /* Appends the statements from `first` on to the file of `record`, if there is one, at once; on the
  * disk they are put once a second at most. A failure ends the recording. */
@@ -154,8 +162,9 @@ void scene_kind_script(const struct scene *scene, struct buffer *text);
 
 #define RECORDING_FIELDS 5
 struct recording_field {
-    struct field field; /* of struct recording */
-    /* Its command, where there is something to say; NULL: it needs the other recordings. */
+    struct field field; /* field of struct recording */
+    /* Appends the command that sets the field, if one is needed; NULL if the command needs the
+     * other recordings. */
     void (*save)(const struct recording *recording, struct buffer *text);
 };
 extern const struct recording_field recording_fields[RECORDING_FIELDS];

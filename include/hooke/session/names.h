@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What can be called by name: parameters, variables, observables, and all that expressions may use.
- */
+/* Names of everything that expressions may use: parameters, variables, observables and others. */
 #ifndef HOOKE_SESSION_NAMES_H
 #define HOOKE_SESSION_NAMES_H
 
@@ -10,7 +9,7 @@ struct observable;
 
 /* ---- what a scene has, by name ---- */
 
-/* What was typed, a line each after `before`. */
+/* Appends the scene's lines as typed, each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was
  * typed after it, where it has taken the place of another. */
@@ -19,23 +18,23 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
  */
 void atol_describe(const struct scene *scene, int variable, struct buffer *text);
 void atol_script(const struct scene *scene, const char *end, struct buffer *text);
-/* place, -1: none; y' is vy of a typed model */
+/* Returns the index of a variable, or -1 if there is none; y' is vy of a typed model. */
 int model_variable(const struct model *model, struct text name);
-/* place of what a typed model observes, -1: none */
+/* Returns the index of an observation of a typed model, or -1 if there is none. */
 int model_observation(const struct model *model, struct text name);
 /* the first with such a parameter, derived quantity or variable */
 const struct model *model_with(struct text name);
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
-/* NULL: none. In what a user has typed `y` is no other name of the first coordinate. */
+/* Returns NULL if there is none. In a typed model `y` is no other name of the first coordinate. */
 const struct observable *model_observable(const struct model *model, struct text name);
 /* as far as the model decides it */
 bool model_offers(const struct model *model, const struct observable *observable);
-/* Says where the name belongs, if it is to another model; false: it does not. */
+/* Adds a hint if the name belongs to another model; returns false if it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
-/* A scene of the user's own, by its name; NULL: there is none. */
+/* Finds a scene of the user's own by its name; returns NULL if there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
-/* The parameter that is the start of what moves, y0 of y; of x, too, where nothing is called so and
- * y moves; NULL: none. */
+/* Returns the parameter that is the start of a variable, such as y0 of y, or NULL if there is none.
+ * `x` stands for y if nothing is called x and y is a variable. */
 const char *start_of(const struct session *session, struct text name);
 /* value: what it was to become, as `= 5 cm`, or nothing. False, always. */
 bool unknown_parameter(const struct session *session, struct text name, struct text value,
@@ -53,30 +52,32 @@ struct in_force {
 
 struct names {
     const struct session *session;
-    struct in_force *in_force; /* whose parameters; NULL: those of the set-up */
+    struct in_force *in_force; /* owner of the parameters; NULL for those of the set-up */
     /* state and observables are known although there is no run yet: it is about to start */
     bool expects_run;
-    /* without variables and results: what means the same when a saved session is read again */
+    /* Excludes variables and results, so that the meaning is the same when a saved session is read
+     * again. */
     bool saved_only;
-    const struct run *run; /* whose state and observables; NULL: those of the current run */
+    const struct run *run; /* owner of state and observables; NULL for the current run */
 };
 
 struct expr_scope names_scope(const struct names *names);
-/* Of a slot of that scope: the place of a parameter, or a derived quantity, of the scene; -1: of
- * something else. */
+/* Returns the index of the scene's parameter, or derived quantity, in a slot of that scope, or -1
+ * if the slot is something else. */
 int names_of_scene(int slot, bool *derived);
-/* Value, uncertainty and quantity of one name; false: unknown. */
-/* After a failed compilation: says what has to come first where the unknown name is that of
- * something not there yet. False, always. */
+/* Called after a failed compilation: explains what has to be done first if the unknown name is that
+ * of something that does not exist yet. Always returns false. */
 bool names_explain(const struct session *session, struct error *error);
+/* Finds value, uncertainty and quantity of one name; returns false if it is unknown. */
 bool names_value(const struct session *session, struct text name, struct named_value *value);
-/* Of a name in a scope made by names_scope; QUANTITY_OTHER: unknown. */
+/* Returns the quantity of a name in a scope made by names_scope(), or QUANTITY_OTHER if it is
+ * unknown. */
 enum quantity name_quantity(const struct expr_scope *scope, struct text name);
 /* Everything that can be named: offers candidates for completion and help. */
 void names_each(const struct session *session,
                 void (*offer)(void *context, const char *name, const char *brief), void *context);
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
-/* By the scene alone: a parameter, a derived quantity, a variable, what is observed. */
+/* Looks only at the scene: a parameter, a derived quantity, a variable or an observation. */
 bool scene_has_name(const struct scene *scene, struct text name, const char **kind);
 
 #endif

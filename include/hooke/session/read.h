@@ -16,7 +16,7 @@ struct read_record {
 
 struct reader {
     struct session *session;
-    const char *name, *temporary; /* of the file; folder for other files */
+    const char *name, *temporary; /* name of the file; folder for other files */
     struct buffer *notes;
     struct arena arena;
     struct read_record *record; /* that count, in order */
@@ -24,7 +24,7 @@ struct reader {
     struct read_run *run;
     size_t runs, run_capacity;
     struct text state;          /* the last S */
-    struct field_places places; /* of the parameters of its scene */
+    struct field_places places; /* indices of the parameters of its scene */
     struct made *made;
     size_t mades;
     size_t damaged, unknown;

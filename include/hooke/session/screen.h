@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the screen shows: changed by commands only, drawn by the view layer. */
+/* Content of the screen: changed by commands only, drawn by the view layer. */
 #ifndef HOOKE_SESSION_SCREEN_H
 #define HOOKE_SESSION_SCREEN_H
 
@@ -30,7 +30,7 @@ static inline const struct layout_row *layout_row(enum layout layout)
     return (const struct layout_row *)(const void *)catalog_row(&layout_catalog, (size_t)layout);
 }
 
-/* What a screen of that size shows of it. */
+/* Returns the layout that a screen of that size can show. */
 enum layout layout_drawn(enum layout layout, int width, int height);
 
 enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
@@ -47,32 +47,34 @@ struct cursors {
     struct {
         bool set;
         double t, t_uncertainty, y; /* [s] [s] SI */
-        int crossing;               /* number of the up-crossing, 0: not on one */
-        double amplitude;           /* of the motion there; NAN: not known */
+        int crossing;               /* number of the up-crossing; 0 if it is not at one */
+        double amplitude;           /* amplitude of the motion there; NAN if not known */
     } at[2];
     enum snap snap;
-    double periods;           /* between A and B, as counted; NAN: not known */
-    char of[LIMIT_NAME + 16]; /* what they stand on: "run 2", "data swing3" */
-    size_t samples;           /* it had then */
-    enum quantity quantity;   /* of y */
+    double periods; /* number of periods between A and B; NAN if not known */
+    /* name of the data below the cursors, such as "run 2" or "data swing3" */
+    char of[LIMIT_NAME + 16];
+    size_t samples;         /* it had then */
+    enum quantity quantity; /* quantity of y */
 };
 
 #define LIMIT_STARTS 16
-#define STARTS_VARIABLES 7 /* of a scene that has a portrait */
+#define STARTS_VARIABLES 7 /* Largest number of variables of a scene that has a portrait. */
 
 struct view {
     enum layout layout;
-    /* pane that commands and zooming act on, of plot_catalog; NULL: the position */
+    /* Pane of plot_catalog that commands and zooming act on; NULL for the position. */
     const struct row *focus;
     bool full;         /* the focused pane alone */
-    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;     /* [s] of time shown; 0: automatic */
-    double trail;      /* periods of the phase trail; HUGE_VAL: all */
+    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN for automatic */
+    double window;     /* [s] of time shown; 0 for automatic */
+    double trail;      /* periods of the phase trail; HUGE_VAL for all */
     int scroll;        /* rows the log is scrolled up */
     bool reading;      /* the log has the whole screen */
     int found;         /* line that was found last, from the newest */
-    char wanted[LIMIT_NAME + 1]; /* what it has */
-    const char *recipe;          /* topic of help that was shown by the last line; NULL: none */
+    char wanted[LIMIT_NAME + 1]; /* text that was searched for */
+    /* topic of help that was shown by the last line; NULL if there is none */
+    const char *recipe;
     bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
     /* numbers of the runs drawn besides the present one; those that are gone are passed over */
     int overlay[LIMIT_OVERLAY];
@@ -100,8 +102,9 @@ const char *log_line(const struct log *log, int i); /* i = 0: the newest */
  * is then where the next row begins: line.len after the last.
  */
 struct text log_row(struct text line, size_t *from, int width, int *indent);
-int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
-int log_rows_newest(const struct log *log, int lines, int width); /* of so many newest lines */
+int log_rows(struct text line, int width); /* number of rows that the line takes, at least 1 */
+/* Returns the number of rows of the newest `lines` lines. */
+int log_rows_newest(const struct log *log, int lines, int width);
 void log_clear(struct log *log);
 
 #endif

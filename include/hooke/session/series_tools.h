@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the core asks of the module that measures series and reads recordings. A build has one such
- * module or none; recordings exist only in a build with it.
+ * Functions of the module that measures series and reads recordings. A build has one such module or
+ * none; recordings exist only in a build with it.
  */
 #ifndef HOOKE_SESSION_SERIES_TOOLS_H
 #define HOOKE_SESSION_SERIES_TOOLS_H
@@ -38,8 +38,8 @@ struct series_tools {
      * is the arena's. Returns false if out of memory. */
     bool (*errors)(const struct recording *recording, const struct series *series,
                    struct arena *arena, const double **half);
-    /* Finds velocities, and energies where they are asked for, from positions. `series`: a part of
-     * the recording; NULL: its window. */
+    /* Finds velocities, and energies if they are asked for, from positions. `series` is a part of
+     * the recording; NULL stands for its window. */
     bool (*motion)(const struct session *session, const struct recording *recording,
                    const struct series *series, bool energy, struct arena *arena,
                    struct data_motion *motion, struct error *error);

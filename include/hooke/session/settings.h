@@ -23,7 +23,7 @@ const struct figure_words *charset_words(void);
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
 enum sync_choice {
-    /* whether the next frame waits until the terminal has answered */
+    /* Decides whether the next frame waits until the terminal has answered. */
     SYNC_AUTO,
     SYNC_ON,
     SYNC_OFF
@@ -44,38 +44,42 @@ struct settings {
 #define SETTING_PAIR(type, field, second, ...) type field, second;
 #include "session/settings.def"
     int of_modules[8]; /* choices of settings of modules, in the order of their list */
-    /* by the user: else tol and duration are those of the scene */
+    /* set by the user; otherwise tol and duration are those of the scene */
     bool dt_chosen, tol_chosen, duration_chosen;
 };
 
-/* What methods make of it: `set` says so. */
+/* Use of the setting by methods, for `set`. */
 enum setting_use { USE_ANY, USE_STEP, USE_TOLERANCE };
 
 struct setting {
     struct row row;
     enum quantity quantity;
-    size_t offset, bytes; /* of the field in struct settings */
+    size_t offset, bytes; /* position and size of the field in struct settings */
     size_t chosen;        /* 0, or the offset of the bool that says the user has set it */
-    /* its value where he has not; NULL: a new session's */
+    /* Value if the user has not set it; NULL if it is that of a new session. */
     double (*natural)(const struct preset *preset);
     bool plots; /* `show plot` shows it although it belongs to the experiment */
     enum setting_use use;
-    bool of_run;  /* a run keeps its own */
-    bool display; /* how results look, not part of the experiment: neither saved nor undone */
-    bool typed;   /* only at a prompt: no file, no -c and no saved session can set it */
-    const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
-    double min, max; /* of a number: allowed are least < x <= most; most 0: not a number */
-    /* For those that are neither; NULL otherwise. */
+    bool of_run; /* a run keeps its own */
+    /* concerns only how results look, not the experiment: neither saved nor undone */
+    bool display;
+    bool typed; /* only at a prompt: no file, no -c and no saved session can set it */
+    /* The field is an int, the index of the choice; NULL if it is a double. */
+    const struct catalog *choices;
+    /* Bounds of a number, min < x <= max; max is 0 if it is not a number. */
+    double min, max;
+    /* Functions for other types of fields; otherwise NULL. */
     bool (*parse)(struct settings *settings, struct text value, struct error *error);
     void (*show)(const struct settings *settings, struct buffer *text);
 };
 
 extern const struct catalog setting_catalog;
-const struct setting *setting_by_name(struct text name); /* by exact name or alias; NULL if none */
+/* Finds a setting by its exact name or alias; returns NULL if there is none. */
+const struct setting *setting_by_name(struct text name);
 const struct setting *setting_at(size_t i);
 /* Returns the choice of a setting of a module, which has to be in this build. */
 int setting_of_module(const struct settings *settings, const char *name);
-const struct setting *setting_from(const struct row *row); /* of the catalog */
+const struct setting *setting_from(const struct row *row); /* row of the catalog */
 
 bool setting_same(const struct setting *setting, const struct settings *a,
                   const struct settings *b);
@@ -88,7 +92,7 @@ extern const struct catalog format_choice_catalog;
 
 /* ---- values of settings ---- */
 
-/* That which was chosen; NULL: it is no choice alone. */
+/* Returns the choice that is set, or NULL if the setting has no choices. */
 const struct row *setting_choice(const struct setting *setting, const struct settings *settings);
 void setting_show(const struct setting *setting, const struct settings *settings,
                   struct buffer *text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a session file keeps of the parts of modules. */
+/* Content that a session file keeps of the parts of modules. */
 #ifndef HOOKE_SESSION_STORED_H
 #define HOOKE_SESSION_STORED_H
 
@@ -9,7 +9,7 @@
 /* lists of equilibria, orbits and branches together */
 #define STORE_FOUND (1 + LIMIT_ORBITS + LIMIT_BRANCHES)
 
-/* What a file has of a session. All zeros: nothing yet. */
+/* Content of a file for a session; all zeros if there is nothing yet. */
 struct stored {
     struct stored_run *run;
     int runs, run_capacity;
@@ -17,15 +17,15 @@ struct stored {
     int recordings;
     uint64_t found_id[STORE_FOUND]; /* of B */
     int found;
-    uint64_t content;     /* its sum; 0: none */
-    size_t entries, text; /* of session->history */
-    uint64_t said;        /* of session->log */
+    uint64_t content;     /* its checksum; 0 if there is none */
+    size_t entries, text; /* entries and bytes of session->history */
+    uint64_t said;        /* lines of session->log */
     uint64_t state;       /* sum of the last S */
     uint64_t bytes;       /* written */
     int left_out;         /* runs whose rows found no room */
     struct buffer record; /* the last one, of which `sent` bytes are written */
     size_t sent;
-    bool unfinished; /* stopped: the next time goes on where this one ended */
+    bool unfinished; /* saving was stopped; the next call continues where this one ended */
 };
 
 enum record_kind {
@@ -41,12 +41,13 @@ enum record_kind {
 /* An array of a session, or of a module's part of one: a field for each element. */
 struct store_array {
     const char *name;
-    size_t offset, item;        /* of the array, bytes of an element */
+    size_t offset, item;        /* offset of the array, bytes of an element */
     size_t count;               /* offset of the int */
-    int max;                    /* 0: the array is allocated */
+    int max;                    /* 0 if the array is allocated */
     const struct field *member; /* [members] of an element that are kept; others are 0 */
     size_t members;
-    /* Whether what was read can stand in a session, where the fields do not say it; or NULL. */
+    /* Returns true if an element that was read is valid in a session, beyond what its fields check;
+     * or NULL. */
     bool (*sound)(const void *item);
 };
 #define STORE_ARRAY(name, owner, array, counted, limit, members, sound)                            \
@@ -55,7 +56,7 @@ struct store_array {
             limit, members, COUNT_OF(members), sound                                               \
     }
 
-/* What the module that keeps sessions does for the parts of others. */
+/* Functions that the module for saved sessions provides for the parts of others. */
 struct reader; /* hooke/session/read.h */
 struct store_tools {
     /* Append fields to a record. `owner` is what the array's offsets count from. */

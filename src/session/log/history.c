@@ -14,7 +14,8 @@
 
 /* ---- writing ---- */
 
-/* Doubles, so that an entry costs the same however many there are. NULL: no memory. */
+/* Doubles the capacity, so that an entry costs the same however many there are. Returns NULL if out
+ * of memory. */
 static struct entry *new_entry(struct history *log)
 {
     if (log->count - log->first == log->capacity) {
@@ -35,7 +36,7 @@ static bool put_text(struct history *log, struct text text, size_t *at)
     *at = log->text_first + log->text.len;
     buffer_put(&log->text, text);
     const bool ok = !log->text.failed;
-    log->text.failed = false; /* what is there stays readable */
+    log->text.failed = false; /* the existing text stays readable */
     return ok;
 }
 
@@ -253,7 +254,7 @@ bool record_open(struct session *session, const char *path, struct error *error)
         free(copy);
         return copy ? false : error_memory(error);
     }
-    if (!record_close(session, error)) { /* of another file */
+    if (!record_close(session, error)) { /* closes the record of another file */
         close(fd);
         free(copy);
         return false;

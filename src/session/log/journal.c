@@ -51,7 +51,7 @@ void journal_release(struct request *last)
     }
 }
 
-/* What a request knows of those before it. */
+/* Computes the totals of a request from those before it. */
 static void link_request(struct request *request, struct request *before)
 {
     request->references = 1;
@@ -176,7 +176,7 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
     return true;
 }
 
-/* Of each parameter the last change holds: in any order each is a value that the scene had. */
+/* The last change of each parameter is valid: in any order each is a value that the scene had. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
     bool is_known[PARAM_MAX] = {false};
@@ -202,7 +202,7 @@ bool journal_changed(const struct run_slot *slot, int first)
 
 /* ---- doing it again ---- */
 
-/* On along a request until step `end`; so_far: the run with the requests done before. */
+/* Advances along a request until step `end`; `so_far` is the run with the earlier requests done. */
 static void go(struct session *session, const struct run_slot *so_far,
                const struct request *request, int64_t end)
 {
@@ -217,7 +217,7 @@ static void go(struct session *session, const struct run_slot *so_far,
     struct error ignored;
     size_t used;
     struct run_target target = {.t = request->t, .steps = end - run->steps, .scope = &scope};
-    if (target.steps < 0) /* 0: may be where a time is reached to the last bit */
+    if (target.steps < 0) /* with 0 steps left the last bits of t may differ */
         return;
     if (request->condition &&
         condition_compile(text_of(request->condition), &scope, &arena, &condition, &used, &ignored))
@@ -277,7 +277,8 @@ static bool same_request(const struct request *a, const struct request *b)
  * say. */
 static int64_t common_way(const struct request *a, const struct request *b)
 {
-    int64_t mine = INT64_MAX, other = INT64_MAX; /* where the first that differ were asked for */
+    /* steps at which the first differing requests were made */
+    int64_t mine = INT64_MAX, other = INT64_MAX;
     if ((a && a->backs) || (b && b->backs))
         return 0;
     while (a != b) {
@@ -313,8 +314,8 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
     way = steps < way ? steps : way;
     const bool changed = slot->last != last && (sets_at(slot->last, steps) || sets_at(last, steps));
     if (run->steps != steps || run->t != t || way < steps || changed) {
-        /* What these remember of earlier steps comes back only by doing them again; a row at an
-         * even time is no step, and a step control starts anew from any but the first. */
+        /* A method's memory of earlier steps comes back only by doing them again; a row at an even
+         * time is no step, and a step control starts anew from any but the first. */
         if (run_remembers(run) || run->settings.record.rule == RECORD_TIMES ||
             (run->settings.record.rule == RECORD_EVERY && run->plan.adaptive))
             way = 0;

@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Whether a condition reads the same in a session that has no variables and results. */
+/* Returns true if a condition has the same meaning in a session that has no variables and
+ * results. */
 static bool portable(const struct session *session, const struct run *run, const char *condition)
 {
     struct names names = {.session = session, .run = run, .saved_only = true};
@@ -28,7 +29,7 @@ static bool portable(const struct session *session, const struct run *run, const
 struct composer {
     const struct session *session;
     const struct run *run;
-    int number;   /* of the run, 0: the next */
+    int number;   /* number of the run; 0 for the next one */
     bool started; /* it exists already */
     bool waits;   /* it has not got where the last line of these sends it */
     struct buffer *text;
@@ -51,8 +52,8 @@ static void put_start(struct composer *c)
     c->started = true;
 }
 
-/* Along a request from step `from` to step `to`, which was reached at time t. last: nothing was
- * asked of the run after it. */
+/* Writes a request from step `from` to step `to`, which was reached at time t. `last` means that it
+ * is the run's last request. */
 static bool put_go(struct composer *c, const struct request *request, int64_t from, int64_t to,
                    double t, bool last)
 {
@@ -76,7 +77,7 @@ static bool put_go(struct composer *c, const struct request *request, int64_t fr
     if (met) {
         buffer_format(c->text, " until %s", request->condition);
     } else {
-        /* Without a target any time that is far enough does. */
+        /* If there is no target, any time that is far enough will do. */
         const double far = copysign(2 * (double)(to + 1) * run->settings.dt, request->t);
         if (t != request->t)
             buffer_format(c->text, " --steps %lld", (long long)(to - from));

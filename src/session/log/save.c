@@ -67,10 +67,10 @@ static void save_setting(const struct setting *setting, const struct settings *s
     buffer_char(text, '\n');
 }
 
-/* For whom the commands are. */
+/* Purpose of the commands. */
 enum save_extent {
     SAVE_MOTION,  /* only that by which trajectories are what they are */
-    SAVE_FILE,    /* what a person saves */
+    SAVE_FILE,    /* file that a person saves */
     SAVE_SESSION, /* also how results look, and scenes that are not the present one */
 };
 
@@ -104,8 +104,8 @@ static const struct row *scene_without(struct text name)
     return NULL;
 }
 
-/* Before the scene, which may have something of such a name; each where it can be made. True: the
- * scene is another now. */
+/* Saves variables before the scene, which may have something of such a name; each is saved where it
+ * can be made. Returns true if the scene has changed. */
 static bool save_let(const struct setup *setup, struct buffer *text)
 {
     const struct row *now = catalog_row(&preset_catalog, 0), *first = now;
@@ -183,8 +183,8 @@ static void save_recording(const struct recording_slot *slot, struct buffer *tex
             recording_fields[i].save(recording, text);
 }
 
-/* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to
- * runs. */
+/* Saves the differences of the screen from that of a new session. Cursors are not kept: they belong
+ * to runs. */
 static void save_view(const struct view *view, struct buffer *text)
 {
     const struct {
@@ -208,7 +208,8 @@ static void save_view(const struct view *view, struct buffer *text)
     }
     if (view->focus)
         buffer_format(text, "focus %s\n", view->focus->name);
-    if (view->full) /* without its name: in a new session the pane has nothing to show */
+    /* the name is left out: in a new session the pane has nothing to show */
+    if (view->full)
         buffer_put(text, TEXT("focus full\n"));
     for (size_t i = 0; i < COUNT_OF(ranges); i++) {
         if (isnan(ranges[i].range[0]))

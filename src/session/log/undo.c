@@ -21,9 +21,9 @@ struct run_mark {
     int64_t steps;
     double t; /* [s] */
     enum stop stop;
-    struct controller controller; /* of an adaptive method: what the next step would be */
+    struct controller controller; /* for an adaptive method, the proposal for the next step */
     char name[LIMIT_NAME + 1];
-    struct request *last; /* of its journal then */
+    struct request *last; /* last request of its journal then */
 };
 
 struct marked_run {
@@ -39,12 +39,12 @@ struct shared_setup {
 
 struct recording_mark {
     struct recording_slot *slot;
-    struct recording then; /* of it only recording_fields */
+    struct recording then; /* only its recording_fields are used */
 };
 
 struct snapshot {
-    char label[LIMIT_NAME + 1]; /* of a checkpoint */
-    size_t statement;           /* of the history: what is undone */
+    char label[LIMIT_NAME + 1]; /* name of a checkpoint */
+    size_t statement;           /* statement of the history that is undone */
     struct shared_setup *setup;
     int current_run, current_recording, next_run;
     bool data_is_latest;
@@ -86,7 +86,7 @@ static bool same_controller(const struct run *run, const struct controller *then
            memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
 }
 
-/* NULL: no memory. */
+/* Returns NULL if out of memory. */
 static struct run_mark *mark_run(struct run_slot *slot)
 {
     const struct run *run = slot->run;
@@ -111,7 +111,7 @@ static void release_setup(struct shared_setup *setup)
         free(setup);
 }
 
-/* That of the latest entry, where nothing was set since. NULL: no memory. */
+/* Returns that of the latest entry if nothing was set since. Returns NULL if out of memory. */
 static struct shared_setup *share_setup(const struct session *session)
 {
     struct shared_setup *setup =
@@ -194,7 +194,7 @@ bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
     return uses;
 }
 
-/* Without memory for its journal a run stays where it is. */
+/* The run is unchanged if there is no memory for its journal. */
 static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
     struct run *run = slot->run;
@@ -263,7 +263,7 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session->current_recording = snapshot->current_recording;
     session->runs.next_number = snapshot->next_run;
     session->data_is_latest = snapshot->data_is_latest;
-    /* What the front end was told (form of results, characters) is not part of the experiment. */
+    /* Options of the front end (form of results, characters) are not part of the experiment. */
     const struct settings now = session->setup.settings;
     memcpy(&session->setup, &snapshot->setup->setup, sizeof session->setup);
     settings_display(&session->setup.settings, &now);
