@@ -29,12 +29,13 @@ struct hooke {
     struct buffer output, messages;
     bool has_error;
     struct hooke_error error;
-    struct error said; /* what it points to */
+    struct error said; /* message and position that the error points to */
     struct buffer file;
-    struct hooke_table *table; /* what `export -` gives goes there; NULL: to the output */
+    /* Receives the table of `export -`; NULL if it goes to the output. */
+    struct hooke_table *table;
 };
 
-static const char place[] = "hooke_run"; /* of lines that are in no file */
+static const char place[] = "hooke_run"; /* name of lines that are in no file */
 
 const char *hooke_version(void)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What newcomers type, and what they mean by it. */
+/* Hints for the words that newcomers type: the meaning of each in this program. */
 #include "command/finding.h"
 #include "command/session/topics.h"
 
@@ -23,7 +23,7 @@ const struct catalog word_catalog = CATALOG("word", words);
 
 #define SETTING_HINT "'%1 = VALUE', before it, sets it"
 
-/* What to type with a name of it; %1 stands for the name. */
+/* Text that shows how to use a name of the catalog; %1 stands for the name. */
 static const struct use {
     const struct catalog *catalog;
     const char *use;
@@ -42,7 +42,8 @@ static const struct use {
      "'%1' is a command: 'help %1'"}, /* the last: who is near a name wants that */
 };
 
-/* Of what kind is the word that is not known? NULL: another error. */
+/* Returns true if the kind of the unknown word begins with `wanted`; kind is NULL for other
+ * errors. */
 static bool is_kind(const char *kind, const char *wanted)
 {
     return kind && text_starts(text_of(kind), text_of(wanted));
@@ -59,13 +60,15 @@ static void put_use(const char *use, struct text name, struct buffer *text)
         }
 }
 
-/* At most two, by the catalogs' order; not that which was to be chosen from. */
+/* Appends at most two uses, in the order of the catalogs, except for the catalog that was to be
+ * chosen from. */
 static bool put_uses(struct text name, const char *kind, bool guessed, struct buffer *text)
 {
     int count = 0;
     for (size_t i = 0; i < COUNT_OF(uses) - guessed && count < 2; i++) {
         const struct row *row = catalog_find(uses[i].catalog, name);
-        /* what print shows stands for no choice, and expressions know it where it is there */
+        /* A result or an observable does not replace a choice, and expressions know it if it
+         * exists. */
         if (!row || text_starts(text_of(kind), text_of(uses[i].catalog->kind)) ||
             (uses[i].catalog == &result_catalog && !is_kind(kind, "plot")) ||
             (uses[i].catalog == &observable_catalog && *kind && !is_kind(kind, "command") &&
@@ -77,7 +80,7 @@ static bool put_uses(struct text name, const char *kind, bool guessed, struct bu
     return count > 0;
 }
 
-/* Is it a setting, or a parameter of the scene? */
+/* Appends the hint for a name that is a setting or a parameter of the scene. */
 static void put_setting(const struct session *session, struct text name, struct buffer *text)
 {
     if (catalog_find(&setting_catalog, name) ||
@@ -93,7 +96,7 @@ bool text_mentions(const char *where, struct text word)
     return false;
 }
 
-/* Is it one of these, between blanks? */
+/* Returns true if the text contains the word between blanks. */
 static bool mentions_whole(const char *where, struct text word)
 {
     const char *at = strchr(where, ' ');
@@ -102,7 +105,7 @@ static bool mentions_whole(const char *where, struct text word)
     return at;
 }
 
-/* Does a row say something about it? */
+/* Returns true if the description of any row mentions the word. */
 static bool is_mentioned(struct text word)
 {
     for (size_t i = 0; i < COUNT_OF(uses); i++)
@@ -125,7 +128,7 @@ static struct text whole_word(struct text statement, struct text where)
 #define MEANINGS_SHOWN 3
 #define USAGE_SHORT 48 /* [B] a line of usage that leaves room beside it */
 
-/* How the word was typed. */
+/* Returns the form in which the word was typed. */
 static enum argument_form form_of(struct text statement, struct text where)
 {
     struct text rest = {where.at + where.len,
@@ -136,7 +139,7 @@ static enum argument_form form_of(struct text statement, struct text where)
     return rest.len > 0 && rest.at[0] == '=' ? FORM_KEY : FORM_WORD;
 }
 
-/* In another form than it was typed. */
+/* Returns true if the command takes the name in another form. */
 static bool takes_name(const struct command *command, struct text name)
 {
     int i = 0;
@@ -145,7 +148,8 @@ static bool takes_name(const struct command *command, struct text name)
     return i < command->arguments;
 }
 
-/* collect: a sensor's lines come once. */
+/* Returns true for commands that record to a file, such as collect: a sensor sends its lines only
+ * once. */
 static bool overwrites_nothing(const struct command *command)
 {
     int i = 0;
@@ -156,8 +160,8 @@ static bool overwrites_nothing(const struct command *command)
     return i < command->arguments;
 }
 
-/* What has this name elsewhere, what is meant by it, which commands take it; guessed: something was
- * suggested. */
+/* Appends the things elsewhere that have this name, its probable meaning, and the commands that
+ * take it. `guessed` is true if a suggestion was made already. */
 static void put_meanings(const struct session *session, const struct command *command,
                          struct text statement, struct text where, const char *kind, bool guessed,
                          struct buffer *text)
@@ -222,7 +226,8 @@ static bool put_misplaced(const struct session *session, const char *kind, struc
     return text->len > 0;
 }
 
-/* Is it an expression of a scene's law, which knows no variables of let? */
+/* Returns true if the statement is an expression of a scene's law, which cannot use variables of
+ * let. */
 static bool is_law(const struct command *command, struct text statement)
 {
     const struct text name = peek_name(statement);
@@ -232,8 +237,8 @@ static bool is_law(const struct command *command, struct text statement)
                    : name.len < statement.len && name.at[name.len] == '\'';
 }
 
-/* "i have a spring and a recording": what is known of its other words, two at most; not of a few
- * words behind a command that was only misspelt. */
+/* Appends hints about at most two other words of a sentence such as "i have a spring and a
+ * recording", but not about the few words behind a misspelt command. */
 static void put_sentence(struct text statement, bool guessed, struct buffer *text)
 {
     struct text rest = statement;

@@ -20,7 +20,7 @@ static bool is_inside(struct text part, struct text whole)
     return part.len > 0 && part.at >= whole.at && part.at + part.len <= whole.at + whole.len;
 }
 
-/* The choice that begins first at `from` or after it; NULL: none. */
+/* Returns the choice that begins first at `from` or after it, or NULL if there is none. */
 static const struct item *next_choice(const struct arguments *arguments, struct text statement,
                                       const char *from)
 {

@@ -7,7 +7,7 @@
 
 /* All it does is to write a file that it may replace. */
 bool writes_file(const struct arguments *arguments);
-/* Without abbreviations, with the consent that was asked for. */
+/* Writes the statement without abbreviations, with the consent that was given. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
                        struct text statement, struct buffer *out);
 

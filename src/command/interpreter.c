@@ -85,13 +85,13 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
     session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
-    /* What changes while a run goes on, or by its events, is undone with the run. */
+    /* Changes during a run, or by its events, are undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
         !session->execution.reacting && !session->growing && !(before = snapshot_take(session, "")))
         return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
-    /* What was ended where it could say no more than that it failed. */
+    /* A cancelled command may report only that it failed. */
     if (!ok && cancelled(session->front.cancel) && error->code != ERROR_CANCELLED)
         error_set(error, ERROR_CANCELLED, "stopped");
     for (size_t i = 0; module_list[i]; i++)
@@ -105,7 +105,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     return ok;
 }
 
-/* What it finds is kept, and goes to the file where there is one. */
+/* Runs a command whose results are kept, and writes them to the file if there is one. */
 static bool run_collected(struct session *session, const struct arguments *arguments, size_t entry,
                           struct redirect *redirect, struct reply *reply, struct error *error)
 {
@@ -147,8 +147,8 @@ static bool is_typed_only(const struct arguments *arguments)
            catalog_find(setting->choices, text_of(choice->name)) == choice;
 }
 
-/* What the log keeps of a statement that is over; what was typed while a run went on is recorded
- * with the run, or the file that it is in. */
+/* Logs a statement that has ended. A statement typed during a run is recorded with the run, or with
+ * the file that it is in. */
 static bool log_statement(struct session *session, const struct arguments *arguments, size_t entry,
                           struct text typed, size_t output, unsigned flags, struct error *error)
 {
@@ -170,7 +170,7 @@ static bool refuse_in_saved(struct error *error)
     return error_set(error, ERROR_COMMAND, "this command does not belong into a saved session");
 }
 
-/* log_line: of the line that it is in. */
+/* Executes one statement; `log_line` is the log's index of the line that contains it. */
 static bool exec_statement(struct session *session, struct text line, size_t log_line,
                            struct text statement, const struct source *where, struct reply *reply,
                            struct arena *arena, struct error *error)
@@ -221,7 +221,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     const uint64_t changes = session->changes;
     struct error lost = {0};
     size_t entry = 0;
-    /* What events execute is part of the statement that ran into them. */
+    /* Statements that events execute are part of the statement that ran into them. */
     if (!session->execution.reacting &&
         !history_begin(session, log_line, line, typed, &entry, error))
         return false;
@@ -272,7 +272,7 @@ static void note_left_out(struct text rest, struct reply *reply)
                    rest.len > 0 ? "; ..." : "");
 }
 
-/* What a Ctrl-C leaves is given back by the next statement. */
+/* Frees memory that a cancelled statement left, when the next one begins. */
 static void give_back(struct session *session, struct arena *arena)
 {
     arena_move(arena, &session->execution.leftover);
@@ -295,7 +295,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         ok = history_line(session, line, where && where->parent, &entry, &error);
     while (ok && rest.len > 0 && !session->execution.quit && !session->execution.halted) {
         struct arena arena = {0};
-        statement = rest; /* where it has no end */
+        statement = rest; /* for the error if the statement has no end */
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 ||
               exec_statement(session, line, entry, statement, where, reply, &arena, &error));
@@ -303,7 +303,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
             explain_unknown(session, statement, &error);
-            /* which of several it was */
+            /* several statements are on the line: name the one that failed */
             if (!error.where.at && statement.len < line.len)
                 error.where = statement;
             reply_error(reply, &error, where, line);

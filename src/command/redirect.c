@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What stands behind the last > outside of quotes; {NULL, 0}: there is none. */
+/* Returns the text behind the last > outside of quotes, or {NULL, 0} if there is none. */
 static struct text behind_sign(struct text statement)
 {
     struct text found = {NULL, 0};
@@ -49,7 +49,8 @@ static const struct row *format_of(struct text file)
     return catalog_find(&table_format_catalog, (struct text){file.at + dot, file.len - dot});
 }
 
-/* The name of the file, and whether --force stands behind it; false: there is something else. */
+/* Reads the name of the file and an optional --force behind it; returns false if there is anything
+ * else. */
 static bool read_file(struct text rest, struct redirect *redirect)
 {
     rest = text_trim(rest);

@@ -10,9 +10,9 @@
 struct row;
 
 struct redirect {
-    struct text file;     /* as typed, without quotes; empty: there is none */
+    struct text file;     /* as typed, without quotes; empty if there is none */
     bool force;           /* --force stands behind it */
-    table_format *format; /* by its ending */
+    table_format *format; /* chosen by its ending */
     struct writer writer;
 };
 
@@ -23,13 +23,14 @@ void redirect_take(const struct command *command, struct text *statement,
 /* Opens the file before anything is computed: one that exists is refused. */
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
                    struct error *error);
-/* `of`: which result the statement has found, NULL: none. */
+/* Writes the result `of` that the statement has found; NULL if there is none. */
 bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,
                      struct reply *reply, struct error *error);
-/* Where a statement that cannot be read ends in a file of another name: says which there are. */
+/* Lists the possible endings if a statement that cannot be read ends in the name of a file with
+ * another ending. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error);
 
-/* False, always: which endings a table's file can have. */
+/* Sets an error with the possible endings of a table's file. Always returns false. */
 bool refuse_ending(struct text file, struct error *error);
 
 #endif

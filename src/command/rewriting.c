@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What other programs' notation is here: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
+/* Translation of other programs' notation: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
 #include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
 #include "command/finding.h"
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What stands behind `sign`, which has to come first; {NULL, 0}: it does not. */
+/* Returns the text behind `sign`, which has to come first; otherwise {NULL, 0}. */
 static struct text behind_sign(struct text text, const char *sign)
 {
     text_skip_blanks(&text);
@@ -22,7 +22,7 @@ static void put_suggested(struct buffer *text, const char *name, struct text val
     buffer_format(text, "'%s%s%.*s'", name, value.len ? " = " : "", (int)value.len, value.at);
 }
 
-/* A number that `NAME = VALUE` sets; NULL: none. */
+/* Returns the name of a number that `NAME = VALUE` can set, or NULL. */
 static const char *settable(const struct session *session, struct text name)
 {
     const struct catalog *const catalogs[] = {scene_params(&session->setup.scene),
@@ -139,8 +139,8 @@ static bool put_equation(struct text statement, struct buffer *text)
     return true;
 }
 
-/* What is called: plot of plt.plot(t, y), ode45 of [t,y] = ode45(..); *arguments: what stands in
- * the parentheses. */
+/* Returns the name of the called function, such as plot of plt.plot(t, y) or ode45 of [t,y] =
+ * ode45(..), and sets *arguments to the text in its parentheses. */
 static struct text called(struct text statement, struct text *whole, struct text *arguments)
 {
     const char *end =
@@ -191,7 +191,7 @@ struct text called_word(struct text statement)
     return called(statement, &whole, &arguments);
 }
 
-/* method: rk4 */
+/* Translates statements such as "method: rk4". */
 static bool put_command(struct text statement, struct buffer *text)
 {
     const struct text name = peek_name(statement), rest = text_behind(statement, name.len);

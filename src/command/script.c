@@ -87,7 +87,7 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;
-    const char *const name_of_argument = script->where.name; /* NULL: one line, typed */
+    const char *const name_of_argument = script->where.name; /* NULL for one typed line */
     const bool one_line =
         !name_of_argument || (script->where.line <= 1 && strcmp(name_of_argument, "-c") == 0);
     if (script->stopped && outermost && !one_line && reply->format != FORMAT_JSON) {

@@ -10,9 +10,9 @@
 
 /* Holds what a statement says until its length is known. */
 struct short_form {
-    struct sink outer;   /* of the reply, given back by short_form_end() */
+    struct sink outer;   /* sink of the reply, restored by short_form_end() */
     int width, rows_max; /* [cell] of a line; [row] of the answer */
-    bool active;         /* false: the statement shows everything, nothing is held */
+    bool active;         /* false if the statement shows everything and nothing is held back */
     struct buffer text;  /* results, and messages at their places */
     struct {
         size_t at, len;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which commands take an argument that was given to another one. */
+/* Search for the commands that take an argument that was given to another one. */
 #include "command/finding.h"
 
 #include <string.h>
 
-/* Is it named so, or one of its choices? A bare word names no key: print x, plot x=0:5. */
+/* Returns true if the argument has that name, or such a choice. A bare word is no key: print x,
+ * plot x=0:5. */
 static bool is_named(const struct argument *argument, struct text word, bool as_choice,
                      enum argument_form form)
 {

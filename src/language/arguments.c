@@ -52,14 +52,14 @@ static struct item *next_item(struct parser *parser, struct argument_value *valu
     return item;
 }
 
-/* Where one argument's items go, and what is still expected. */
+/* Progress of reading a statement's arguments. */
 struct argument_progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
     /* argument that may take more items without a new introduction, -1 if there is none */
     int open;
-    const struct item *number; /* that was read last, NULL: something else */
+    const struct item *number; /* the last item if it was a number, else NULL */
 };
 
 static bool read_into(struct argument_progress *progress, int index, const char *start,
@@ -187,8 +187,8 @@ static int next_index(const struct argument_progress *progress, struct text word
             (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
             continue;
         last = i;
-        /* What is no recording, or a name and no number, goes to the next place, if there is one
-         * and none came before it. */
+        /* A word that is not a recording, or a name for a number, goes to the next place, if there
+         * is one and none came before it. */
         if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) || has(progress->arguments, i) ||
             (command->argument[i].type == TYPE_INTEGER
                  ? word.len == 0 || !is_name_start(word.at[0])
@@ -228,7 +228,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
             if (!argument_is_in(progress->command, FORM_KEY, name, error))
                 return false;
         }
-        /* `let NAME = value`: the = belongs to what follows. */
+        /* In `let NAME = value` the = belongs to the value. */
         if (index < 0 && next_index(progress, name) >= 0 &&
             type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
             index = next_index(progress, name);
@@ -239,8 +239,8 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     } else if (index >= 0 && type_is(&progress->command->argument[index], TYPE_BEFORE_WORDS) &&
                !has(progress->arguments, index) &&
                catalog_find(progress->command->argument[index].choices, name)) {
-        /* `measure energy`: what the place wants comes before a word of the same name, as in `of
-         * energy` */
+        /* In `measure energy` a word that the place accepts has priority over a keyword such as in
+         * `of energy`. */
         used = 0;
     } else if ((index = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {

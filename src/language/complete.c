@@ -129,7 +129,8 @@ static void count_offer(void *context, const char *candidate, const char *brief)
     ++*count;
 }
 
-/* Where the operand begins that is being typed. A hyphen may belong to a name: phase-error. */
+/* Returns the beginning of the operand that is being typed. A hyphen may belong to a name, as in
+ * phase-error. */
 static size_t operand(const struct completion *c, void (*names)(struct completion *c))
 {
     const struct text word = c->word;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What measure and fit act on: a run or a recording as a series. */
+/* Subject of measure and fit: a run or a recording as a series. */
 
 #include <hooke/run.h>
 #include <hooke/data.h>

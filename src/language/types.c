@@ -160,7 +160,7 @@ static bool typed_column(const struct session *session, struct text name)
     return known;
 }
 
-/* Whether the word `of` stands in the rest of the statement. */
+/* Returns true if the rest of the statement contains the word `of`. */
 static bool is_of_table(struct text rest)
 {
     for (struct text word; (rest = text_trim(rest)).len > 0;) {

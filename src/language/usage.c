@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* What stands for an item in usage: "V", "FILE", the choices themselves where they are few. */
+/* Appends the usage of an item: "V", "FILE", or the choices themselves if they are few. */
 static void put_item(const struct argument *argument, struct buffer *out)
 {
     const struct argument_type_row *type = argument_type(argument);

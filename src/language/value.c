@@ -25,7 +25,7 @@ static struct text text_between(const char *from, const char *to)
     return text_trim(text);
 }
 
-/* How much of a text a message quotes. */
+/* Returns the number of bytes of a text that a message quotes. */
 static int shown_length(struct text text)
 {
     return (int)(text.len < 80 ? text.len : 80);
@@ -395,7 +395,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
                                           shown_length(number->text), number->text.at);
 }
 
-/* "12", "120mm": in cm unless a unit of length follows. */
+/* Reads "12" or "120mm"; the unit is cm unless a unit of length follows. */
 static bool read_length(struct text text, double *side)
 {
     size_t used;

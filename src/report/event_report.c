@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What events have noticed, for people, programs and files. */
+/* Records of events, for people, programs and files. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/session/events.h>

@@ -33,7 +33,7 @@ bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed)
     return keeps;
 }
 
-/* Which rows of a run are written: mark[i], and how many. */
+/* Sets mark[i] for the rows of a run that are written, and returns their number. */
 static size_t select_rows(const struct run *run, struct thinning thinning, bool *mark)
 {
     const size_t n = trace_count(run->trace);
@@ -140,7 +140,8 @@ bool export_runs(const struct session *session, const struct argument_value *run
         rows += select_rows(run, thinning, mark[r]);
         largest = n > largest ? n : largest;
     }
-    for (int r = 1; r < count && system->energy; r++) /* what all of them have */
+    /* keep the columns that all of them have */
+    for (int r = 1; r < count && system->energy; r++)
         system = &session->runs.slot[index[r]]->run->system;
     int columns = 0;
     if (!list_columns(system, column, list, &columns, error))

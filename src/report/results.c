@@ -76,7 +76,7 @@ static const struct result_row *result_at(const struct row *row)
     return (const struct result_row *)(const void *)row;
 }
 
-/* Of the records that are its rows. */
+/* Returns the kind of the records that are its rows. */
 static struct text kind_of(const struct result_row *row)
 {
     return text_of(row->kind ? row->kind : row->row.name);
@@ -189,7 +189,7 @@ const struct row *session_keep_results(struct session *session, struct table_sto
         if (row && (!of || !table_store_find(said, kind_of(result_at(of)))))
             of = &row->row;
     }
-    /* What was found by another statement is none of this one's. */
+    /* A result that another statement found does not belong to this one. */
     const struct result_row *row = result_at(of);
     if (row && !row->table && !row->say && !table_store_find(said, kind_of(row)))
         of = NULL;

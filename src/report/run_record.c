@@ -28,7 +28,7 @@ void run_record_init(struct run_record *record, const struct session *session,
         .status = stop_name(run->stop)};
 }
 
-static bool is_mechanical(const void *row) /* without a potential for all of it */
+static bool is_mechanical(const void *row) /* without a potential that covers all forces */
 {
     const struct system *system = &((const struct run_record *)row)->run->system;
     return system->order == 2 && !system->energy;
@@ -39,7 +39,7 @@ static bool has_data(const void *row)
     return isfinite(((const struct run_record *)row)->data.rms);
 }
 
-/* What takes long, and only records say. */
+/* Computes the slow fields, which only records have. */
 static void run_record_complete(struct run_record *record)
 {
     const struct run *run = record->run;

@@ -61,7 +61,8 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
                   unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->at[i].crossing > 0)
         buffer_format(out, "  up-crossing #%d", cursors->at[i].crossing);
-    else if (isfinite(cursors->at[i].amplitude)) /* on the sheet it is read off here */
+    /* on the portrait sheet the amplitude is read here */
+    else if (isfinite(cursors->at[i].amplitude))
         buffer_format(out, "  amplitude %.2f %s",
                       cursors->at[i].amplitude / (unit ? unit->factor : 1),
                       unit ? unit->row.name : quantity_unit(cursors->quantity));
@@ -91,7 +92,7 @@ static void put_theory(struct buffer *out, const struct cursor_reading *reading)
         buffer_format(out, "   log decrement %.3g  Q = %.3g", reading->decrement, reading->quality);
 }
 
-/* Of the point on a portrait. */
+/* Draws the table of the point on a portrait. */
 static void plane_table(const struct screen *screen, struct rectangle at)
 {
     struct buffer said = {0};
@@ -117,7 +118,7 @@ void cursors_table(const struct screen *screen, struct rectangle at)
         plane_table(screen, at);
         return;
     }
-    /* Which rows stay when there is no room for all: the most important first. */
+    /* The most important rows come first; the last ones are left out if there is no room. */
     static const int order[TABLE_ROWS] = {2, 0, 1, 3, 4, 5};
     bool shown[TABLE_ROWS] = {false};
 

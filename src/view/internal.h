@@ -11,14 +11,14 @@ struct screen {
     const struct session *session;
     struct canvas *canvas;
     const struct charset *charset;
-    struct arena arena; /* of this frame */
+    struct arena arena; /* memory of this frame */
 };
 
 struct rectangle {
     int x, y, width, height;
 };
 
-/* ---- layouts.c: which panes stand where ---- */
+/* ---- positions of the panes on the screen (layouts.c) ---- */
 
 #define PLACED_MAX 8
 
@@ -32,7 +32,8 @@ struct placed_pane {
     int number;  /* written in the frame; 0 if there is none */
 };
 
-/* What the heights of the screen are used for; 0 if it is not there. The prompt is the last row. */
+/* Heights [cell] of the parts of the screen; 0 for a part that is not shown. The prompt is the last
+ * row. */
 struct division {
     int state, plots, log, numbers; /* [cell] */
 };
@@ -59,12 +60,12 @@ bool ranges_settle(struct screen *screen, const struct placed_pane *placed, stru
  * false if out of memory. */
 bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure);
-/* of its figure: the lowest rows may lie under the pane below */
+/* Returns the height of the pane's figure, whose lowest rows may lie under the pane below. */
 int pane_drawn_height(const struct placed_pane *placed);
 /* Returns false if out of memory */
 bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count);
-/* What a cell is of the axes of the pane, across and up; returns false if it is not on the
- * screen. */
+/* Finds the coordinates of a cell on the axes of the pane, across and up; returns false if it is
+ * not on the screen. */
 bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, int placed_count,
                       enum plot_kind pane, double cell[2]);
 /* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns, 0

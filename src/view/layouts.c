@@ -7,13 +7,14 @@
 /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
 #define PLOT_ROWS 8
 #define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
-#define CURVE_ROWS 3   /* at least, of each of them */
+#define CURVE_ROWS 3   /* smallest number of rows of each curve */
 #define PHASE_MIN 24   /* [cell] */
 #define PHASE_LABELS 7 /* [cell] frame and labels of the phase plot beside its square */
 
 /*
- * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log
- * but one, then the plots lose labels and frame by themselves; at last there is only the prompt.
+ * Divides the height. If it shrinks, the parts give way in this order (INTERFACE.md, section 6):
+ * the numbers line, the rows of the log but one, then the plots lose labels and frame by
+ * themselves; at last only the prompt is left.
  */
 struct division screen_division(const struct session *session, int height)
 {
@@ -100,8 +101,7 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
         rows = area.height - common - frames, y = area.y;
     for (int i = 0; i < count; i++) {
         bool last = i == count - 1;
-        /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows.
-         */
+        /* The upper one of two full plots is a little higher: 15 and 12 of 27 rows. */
         /* the rest needs its own */
         int max = rows - (y - area.y - (shared ? i : 0)) - CURVE_ROWS * (count - 1 - i);
         int fraction = smaller((rows * (i ? 1 : a->first) + fractions / 2) / fractions, max);
@@ -163,7 +163,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
                                  {area.x + area.width - width, area.y, width, area.height}};
     int n = stack_column(sides[0], a, left, lefts, placed),
         all = n + stack_column(sides[1], a, right, rights, placed + n);
-    for (int i = 0; i < all && a->numbered; i++) /* by rows, as one reads */
+    for (int i = 0; i < all && a->numbered; i++) /* by rows, in reading order */
         placed[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;
 }

@@ -17,7 +17,7 @@ static double present(const struct run *run, const char *name)
     return run_observable(run, observable_from(row));
 }
 
-/* "E=1.741 mJ": four digits, in the unit of the start as long as that is near. */
+/* Appends "E=1.741 mJ" with four digits, in the unit of the start as long as that is near. */
 static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
     double start = system_kinetic(&run->system, run->system.start) +

@@ -40,7 +40,7 @@ static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLA
     return count;
 }
 
-/* What `range` has fixed; NULL if there is nothing. */
+/* Returns the range fixed by `range`, or NULL if there is none. */
 static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
 {
     struct figure_range *fixed =
@@ -87,7 +87,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
     return request;
 }
 
-/* Before anything has run: axes as the run will need them. */
+/* Fills the figure with axes as the run will need them, before anything has run. */
 static void empty_figure(const struct screen *screen, const struct placed_pane *placed,
                          struct figure *figure)
 {
@@ -131,7 +131,7 @@ int pane_drawn_height(const struct placed_pane *placed)
     return placed->at.height + (placed->open ? 3 : 0);
 }
 
-/* What the time plots of a screen have in common. */
+/* Time axis that the time plots of a screen share. */
 struct shared_time {
     struct figure_window window;
     bool known;
@@ -278,7 +278,7 @@ static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
     return true;
 }
 
-/* What the labels of all panels of a figure need. */
+/* Returns the width that the labels of all panels of a figure need. */
 static int widest_gutter(const struct screen *screen, const struct placed_pane *placed,
                          const struct figure *figure)
 {

@@ -118,7 +118,7 @@ static void extend_expected(const struct session *session, const struct figure *
     extend(extent, system->order == 2 ? -size : 0);
 }
 
-/* To whole decades. */
+/* Extends the axis to whole decades. */
 static void settle_decades(struct axis *axis, struct extent extent)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
@@ -158,7 +158,7 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
     if (first)
         extend_expected(session, figure, placed->pane, false, &across);
     axis_settle(x, across, placed->at.height);
-    if (figure->equal && (!x->fixed || !y->fixed)) { /* at rest */
+    if (figure->equal && (!x->fixed || !y->fixed)) { /* a body at rest has no range */
         double margin = 0.1 * fmax(fabs(across.low), fabs(across.high));
         x->fixed = y->fixed = margin > 0 && isfinite(margin);
         x->from = across.low - margin;

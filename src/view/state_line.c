@@ -12,10 +12,10 @@
 
 #include <string.h>
 
-/* What each form contains, from the longest to the shortest. */
+/* Parts of each form of the line, from the longest to the shortest. */
 struct line_form {
     bool scene, start, parameters, method, step, steps, state;
-    bool blanks; /* between numbers and units, bars between the parts */
+    bool blanks; /* blanks between numbers and units, bars between the parts */
 };
 
 static const struct line_form forms[] = {
@@ -129,7 +129,7 @@ static void put_step(struct buffer *out, const struct solving *by, const struct 
         put_quantity(out, by->settings.dt, QUANTITY_TIME, form->blanks);
 }
 
-/* What the curve was computed with, and what the next run will be, where that is something else. */
+/* Appends the method of the curve, and that of the next run if it differs. */
 static void put_method(struct buffer *out, const struct session *session,
                        const struct line_form *form)
 {

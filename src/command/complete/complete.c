@@ -37,7 +37,7 @@ static const struct argument *find_by_form(const struct command *command, enum a
     return NULL;
 }
 
-/* Can it have an expression that goes on over blanks? */
+/* Returns true if the command can take an expression that continues over blanks. */
 static bool takes_values(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
@@ -48,7 +48,7 @@ static bool takes_values(const struct command *command)
 
 void complete_next(struct completion *c, const struct command *command, struct text before)
 {
-    /* After `of` only what it leads to. */
+    /* Offer only the arguments that belong to `of` after that word. */
     const struct text last = last_word(before);
     bool led = false;
     for (int i = 0; i < command->arguments; i++)
@@ -158,8 +158,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
         complete_next(c, command, before);
 }
 
-/* The command of a statement that defines a scene or an event, and what stands behind its name;
- * NULL: another one. */
+/* Returns the command of a statement that defines a scene or an event, with *rest set to the text
+ * behind its name, or NULL for another statement. */
 static const struct command *formula_command(struct text statement, struct text *rest)
 {
     text_skip_blanks(&statement);
@@ -180,7 +180,8 @@ static void offer_nothing(void *context, const char *candidate, const char *brie
     UNUSED(brief);
 }
 
-/* Of which file the string that begins behind `before` is the name, as command_complete() says. */
+/* Returns the kind of file that the string beginning behind `before` names, as described at
+ * command_complete(). */
 static const char *file_string(struct session *session, struct text before)
 {
     size_t start = before.len;
@@ -189,7 +190,8 @@ static const char *file_string(struct session *session, struct text before)
                : NULL;
 }
 
-/* Where the commands of an unfinished event begin; NULL: it is another string. */
+/* Returns the beginning of the commands of an unfinished event, or NULL if the string is another
+ * one. */
 static const char *event_string(struct text statement)
 {
     text_skip_blanks(&statement);
@@ -231,7 +233,7 @@ command_complete(struct session *session, struct text line, size_t cursor, size_
         }
         if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
             statement = rest;
-        /* with the blanks at its end */
+        /* includes the blanks at its end */
         else if (rest.len == 0)
             statement.len = (size_t)(rest.at - statement.at);
     }

@@ -45,7 +45,7 @@ static bool has_line(const struct completion *c, enum typed_kind kind)
     return false;
 }
 
-/* What stands behind the first '='; false: there is none. */
+/* Finds the text behind the first '='; returns false if there is none. */
 static bool behind_equals(struct text text, struct text *value)
 {
     const char *equals = memchr(text.at, '=', text.len);

@@ -121,7 +121,7 @@ static bool act(struct session *session, const struct arguments *args, struct gr
         return true;
     case GO_KEEP:
         return keep(session, reply, error);
-    case GO_OFF: /* which the handler does */
+    case GO_OFF: /* done by the handler */
         return true;
     case GO_UP:
     case GO_DOWN:
@@ -179,7 +179,8 @@ static bool draw_plane(const struct session *session, struct arena *arena, struc
            session_figure(session, &request, arena, &figure, error);
 }
 
-/* Where nothing is said the point appears, or goes; first where the motion is. */
+/* Moves the point on the plane. Without arguments the point appears, at first at the motion, or
+ * disappears. */
 static bool point(struct session *session, const struct arguments *args, bool any,
                   struct reply *reply, struct error *error)
 {

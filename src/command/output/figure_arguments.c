@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which figure is meant: the arguments that plot and describe share. */
+/* Choice of a figure: the arguments that plot and describe share. */
 #include <hooke/base/unit.h>
 #include <hooke/command/figure_arguments.h>
 
@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Which runs: those named, every one, or the current one unless only a recording was named. */
+/* Chooses the runs: those named, every one, or the current one unless only a recording was
+ * named. */
 static bool choose_runs(struct session *session, const struct arguments *args,
                         struct figure_request *request, struct error *error)
 {
@@ -93,7 +94,7 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
            error_at(error, data->where, "a recording has no columns of that name beside it");
 }
 
-/* Of a plot against time the range of x is a window, too. */
+/* Reads the ranges; that of x is also a window if the plot is against time. */
 static bool choose_ranges(const struct arguments *args, struct figure_request *request,
                           struct error *error)
 {
@@ -136,7 +137,8 @@ static bool add_side(const struct session *session, struct figure_request *reque
     return true;
 }
 
-/* Of a portrait, where x= and y= are variables of these names, in the order of typing. */
+/* Reads the sides of a portrait, where x= and y= are variables of these names, in the order of
+ * typing. */
 static bool choose_sides(const struct session *session, const struct arguments *args,
                          struct figure_request *request, struct error *error)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* panes, plain, redraw: requests that the front end carries out */
+/* Requests that the front end carries out: panes, plain, redraw. */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
 

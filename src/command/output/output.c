@@ -18,7 +18,7 @@
 
 #define SHOWN_CHUNK_BYTES 65536u /* Bytes that are shown at least between two looks at Ctrl-C. */
 
-/* Without an ending: CSV. */
+/* Chooses the format by the ending of the file; CSV if there is none. */
 static bool choose_format(const struct arguments *args, struct text path, table_format **format,
                           struct error *error)
 {
@@ -200,7 +200,7 @@ HANDLER(print)
     struct buffer text = {0}, unit = {0};
     if (!item->is_string && expr_dimension(item->expr)->unit)
         dimension_put_unit(expr_dimension(item->expr), &unit);
-    /* Of a single name the uncertainty is known, too. */
+    /* A single name has an uncertainty, too. */
     if (!item->is_string && peek_name(item->text).len == item->text.len &&
         names_value(session, item->text, &named))
         item->value.uncertainty = named.uncertainty;

@@ -14,7 +14,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is typed */
+/* Rows of a screen for the state line, the numbers and the prompt; the hint and two more after
+ * 'layout log'. */
 #define OTHER_ROWS 6
 #define MIN_ROWS 8
 
@@ -76,7 +77,7 @@ static bool write_file(const struct session *session, const struct arguments *ar
     return ok;
 }
 
-/* Where a figure that is read on the whole screen can be kept in sight. */
+/* Explains how a figure that fills the whole screen can be kept in sight. */
 static void reply_where(const struct session *session, const struct figure_request *request,
                         struct reply *reply)
 {
@@ -84,7 +85,7 @@ static void reply_where(const struct session *session, const struct figure_reque
         reply_line(reply, "'focus %s full' keeps it in a pane", plot_row(request->kind)->row.name);
 }
 
-/* How wide the band of the adopted fit is at most; plots with bands of their own have words of
+/* Reports the largest width of the adopted fit's band; plots with bands of their own have texts of
  * their own. */
 static void report_band(const struct figure *figure, enum plot_kind kind, struct reply *reply)
 {
@@ -154,7 +155,7 @@ static bool choose_words(const struct arguments *args, struct figure *figure, st
     return ok || error_memory(error);
 }
 
-/* What only a picture has: its size, a grid. */
+/* Refuses arguments that only a picture has: its size, a grid. */
 static bool refuse_in_text(const struct arguments *args, struct error *error)
 {
     static const char *const names[] = {"size", "grid"};
@@ -168,7 +169,8 @@ static bool refuse_in_text(const struct arguments *args, struct error *error)
     return true;
 }
 
-/* Asked for pixels: can they be shown? If not, the figure is drawn in text, and why is said. */
+/* Returns true if pixels were asked for and can be shown. If they cannot, the figure is drawn in
+ * text, and the reply says why. */
 static bool shows_pixels(const struct session *session, const struct arguments *args,
                          struct reply *reply)
 {
@@ -184,7 +186,7 @@ static bool shows_pixels(const struct session *session, const struct arguments *
     return false;
 }
 
-/* Behind the figure: what it holds in numbers. */
+/* Appends the numbers of the figure behind it. */
 static void reply_numbers(const struct session *session, const struct figure_request *request,
                           const struct figure *figure, struct reply *reply)
 {

@@ -24,7 +24,8 @@ static void show_line(struct session *session, int i)
     session->view.found = i;
 }
 
-/* From the line behind the last that was found; behind the newest the oldest follows. */
+/* Searches from the line behind the last one that was found; after the newest line the oldest
+ * follows. */
 static bool find_line(struct session *session, struct text word, struct error *error)
 {
     const struct log *log = &session->log;

@@ -26,7 +26,7 @@ static void free_ranges(struct view *view)
 
 /* ---- layout, focus ---- */
 
-/* What it has, and what is drawn of it where the screen is too small. */
+/* Describes the layout, and the part of it that is drawn on a screen that is too small. */
 static void describe_layout(const struct session *session, struct buffer *text)
 {
     const struct view *view = &session->view;
@@ -192,7 +192,8 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
     return true;
 }
 
-/* Into the whole span; all of it means: automatic, where that shows all of it. */
+/* Moves the range into the whole span. A range as wide as that becomes automatic, if the automatic
+ * range shows all of it. */
 static void set_span(struct session *session, double from, double width, const double whole[2])
 {
     struct view *view = &session->view;
@@ -217,7 +218,7 @@ HANDLER(zoom)
     double shown[2] = {0}, whole[2] = {0};
     if (!shown_span(session, shown, whole, error))
         return false;
-    /* About the cursor that moves, where it is in sight. */
+    /* Zoom about the active cursor if it is in sight. */
     const double t = view->cursors.at[view->cursors.active].t;
     const bool about = view->cursors.shown && !view->cursors.plane &&
                        view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What events do where a run has stopped because of them, and how it passes them. */
+/* Execution of the commands of events that have stopped a run, and continuation after them. */
 #include <hooke/scene/formula.h>
 #include "command/run/event_pass.h"
 
@@ -11,8 +11,9 @@
 #define PILE_TIME_RELATIVE 1e-6
 
 /*
- * What the event that stopped it wants executed, in the parameters that the run has; those that it
- * sets are the run's alone. The run's statement stands for it in what is recorded and saved.
+ * Executes the commands of the event that stopped the run, with the run's parameters; those that
+ * they set belong to the run alone. In records and saved sessions the run's statement stands for
+ * them.
  */
 bool event_react(struct session *session, const struct event_line *event,
                  const struct arguments *args, struct reply *reply, struct error *error)
@@ -89,7 +90,7 @@ bool events_pass(struct session *session, const struct run_target *target, struc
     const bool met = is_met(target);
     for (int i = 0; i < pass->count && *ok; i++)
         *ok = event_react(session, pass->stopped[i], args, reply, error);
-    if (*ok && !met && is_met(target)) { /* by what they changed */
+    if (*ok && !met && is_met(target)) { /* met because of their changes */
         pass->count = 0;
         return false;
     }

@@ -8,9 +8,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#define SECONDS_ASKED 60    /* predicted run times above it need --force or a yes */
-#define STEPS_JUDGED 100000 /* of an adaptive run, before its speed says how long it will take */
-#define SLICE_NS 10000000   /* 10 ms between looks at the front end */
+#define SECONDS_ASKED 60 /* predicted run times above it need --force or a yes */
+/* Steps of an adaptive run before its speed shows how long it will take. */
+#define STEPS_JUDGED 100000
+#define SLICE_NS 10000000 /* 10 ms between looks at the front end */
 
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error)
@@ -20,7 +21,7 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
         return true;
     snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
     if (session->execution.typed && (session->front.watched || session->front.confirm)) {
-        /* Who watches it can pause it. */
+        /* A person who watches the run can pause it. */
         session->execution.confirmed =
             session->front.watched || session->front.confirm(session->front.context, question);
         return session->execution.confirmed || error_set(error, ERROR_CANCELLED, "not run");
@@ -48,7 +49,7 @@ struct advance {
     double left; /* [s] that it would have taken when it was given up */
 };
 
-/* Where an adaptive run was last looked at, on its way. */
+/* Steps and time at the last look at an adaptive run. */
 struct step_pace {
     int64_t steps;
     double t, seconds;
@@ -104,8 +105,9 @@ static bool set_out(struct session *session, const struct arguments *args, int64
 }
 
 /*
- * How many steps an adaptive run takes nobody knows before. Each time that their number has doubled
- * the last half says how long the rest takes [s]; 0: not yet known.
+ * Returns the estimated remaining time [s], or 0 if it is not yet known. The number of steps of an
+ * adaptive run is not known beforehand: each time that it has doubled, its last half is the basis
+ * of the estimate.
  */
 static double time_left(const struct run *run, const struct run_target *target, int64_t first,
                         struct step_pace *pace)
@@ -121,7 +123,7 @@ static double time_left(const struct run *run, const struct run_target *target, 
     return left;
 }
 
-/* False: it would take too long, and nobody wants that. */
+/* Returns false if the run would take too long and this has not been confirmed. */
 static bool goes_on(struct session *session, const struct run *run, struct advance *advance,
                     int64_t first, struct step_pace *pace)
 {
@@ -169,8 +171,8 @@ static void travel(struct session *session, struct run *run, struct advance *adv
     session->live.advancing = false;
 }
 
-/* What the log of the session has to say where the statement alone does not
- * tell what happened. What events did it does again. */
+/* Adds to the log of the session what the statement alone does not tell. Effects of events are not
+ * added, since events have them again. */
 static void tell(struct session *session, const struct advance *advance)
 {
     const bool paused = stop_is_pause(advance->slot->run->stop);

@@ -6,8 +6,8 @@
 #include <hooke/command/handler.h>
 
 /*
- * On along the last request. `steps` ends it early on purpose: the run is then as good as paused,
- * what is left of the request can be done by `continue`.
+ * Continues along the last request. `steps` ends it early on purpose: the run then counts as
+ * paused, and `continue` can complete the request.
  */
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error);

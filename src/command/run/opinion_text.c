@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is said about the digits of an adaptive run: how far it may be from the solution. */
+/* Report on the digits of an adaptive run: its estimated distance from the solution. */
 #include <hooke/run/opinion.h>
 
 #include <hooke/command/handler.h>
@@ -9,7 +9,8 @@
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply)
 {
     const int kind = session->setup.settings.opinion;
-    const bool recorded = reply_wants_records(reply); /* which have the error among them */
+    /* records have the error among their fields */
+    const bool recorded = reply_wants_records(reply);
     const enum opinion_effort effort = kind == OPINIONS_FULL ? OPINION_WHOLE
                                        : recorded            ? OPINION_DEMANDED
                                                              : OPINION_BRIEF;
@@ -69,8 +70,8 @@ static bool is_exact_available(const struct run *run)
     return method && method_applies(method, &run->system, &drag, &ignored);
 }
 
-/* Where no digit is right any longer: by the second solution, or because variables fell below their
- * tolerance, where neither solution knows them. */
+/* Reports the time from which no digit is correct, according to the second solution or because
+ * variables fell below their tolerance, where neither solution knows them. */
 static bool say_lost(const struct session *session, const struct run *run, struct reply *reply,
                      struct error *error)
 {
@@ -148,7 +149,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     return ok;
 }
 
-/* In text; JSON has a list of them. */
+/* Names the variables in text; JSON has a list of them. */
 void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };

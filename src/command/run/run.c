@@ -147,7 +147,7 @@ static double direction(const struct run *run)
     return run->t < run->system.t0 ? -1 : 1;
 }
 
-/* Whether something is left of what was asked for before a pause, or an event. */
+/* Returns true if a part of the last request is left after a pause or an event. */
 static bool is_paused(const struct session *session, const struct run *run)
 {
     const struct request *request = journal_pending(session->runs.slot[session->runs.current]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is said about a run as it is now. */
+/* Description of the current state of a run. */
 #include <hooke/data.h>
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
@@ -27,8 +27,8 @@ static double gravity_in(const struct recording *recording)
                                                                                          : NAN;
 }
 
-/* Why a recording of the same time is neither drawn over the run nor compared with it; or how,
- * where it has no unit. */
+/* Explains why a recording of the same time is neither drawn over the run nor compared with it, or
+ * how, if it has no unit. */
 static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
@@ -64,7 +64,7 @@ static void say_apart(const struct session *session, const struct run *run, stru
                   quantity_unit(first.quantity), needs);
 }
 
-/* How a recording of a quantity that is no motion is laid over the run. */
+/* Explains how a recording of a quantity that is no motion is scaled to the run. */
 static void say_scale(const struct session *session, const struct run *run,
                       const struct data_distance *data, struct reply *reply)
 {
@@ -102,7 +102,7 @@ static void say_offset(const struct session *session, const struct data_distance
  * that is large only because the energy was far larger on the way names that. */
 static void put_energy(const struct run *run, struct buffer *text)
 {
-    const double notable = 1e-3; /* of E0: a smaller error asks for no reason */
+    const double notable = 1e-3; /* relative to E0; smaller errors need no explanation */
     const bool balanced = run->plan.ledger;
     struct ledger ledger;
     run_ledger_brief(run, &ledger);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is wrong with a run, its step or its method; what was assumed for it. */
+/* Warnings about a run, its step or its method, and the assumptions made for it. */
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include <hooke/run/unresolved.h>
@@ -239,7 +239,7 @@ static void reply_phase_unknown(const struct run *run, struct reply *reply)
 static void reply_vanished(const struct run *run, struct reply *reply)
 {
     const int n = run->system.n;
-    const bool rests = run->controller.switches.slides > 0; /* where forces hold it: it is at 0 */
+    const bool rests = run->controller.switches.slides > 0; /* forces hold it at 0 */
     if (largest_of(run->system.start, n) >= DBL_MIN && largest_of(run->y, n) < DBL_MIN &&
         run->steps > 0 && !rests)
         reply_warning(reply,

@@ -46,7 +46,7 @@ HANDLER(runs)
     return true;
 }
 
-/* What is no run is something that a module has found. */
+/* Uses a name that is not a run as that of a module's result. */
 static bool use_label(HANDLER_PARAMETERS)
 {
     for (size_t i = 0; module_list[i]; i++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* var, param, equation, force, potential, observe: scenes that a user types */
+/* Scenes that a user types: var, param, equation, force, potential, observe. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/statement.h>
 #include <hooke/scene/typed.h>
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What stands behind the "=" that has to come first. */
+/* Skips the "=" that has to come first. */
 static bool skip_equals(struct text *rest, const char *usage, struct error *error)
 {
     text_skip_blanks(rest);
@@ -22,7 +22,7 @@ static bool skip_equals(struct text *rest, const char *usage, struct error *erro
 
 /* ---- lines of a scene ---- */
 
-/* What would hide something that the commands need. */
+/* Refuses names that would hide something that the commands need. */
 static bool free_name(struct text name, struct error *error)
 {
     if (!catalog_find(&setting_catalog, name))
@@ -91,7 +91,7 @@ static bool suits(const struct scene *scene, const struct model *model,
     return false;
 }
 
-/* uncertainty: of the line's value, 0: none */
+/* Adds the line; `uncertainty` is that of its value, or 0 if there is none. */
 static bool add_line(struct session *session, const struct typed_line *line, double uncertainty,
                      struct reply *reply, struct error *error)
 {
@@ -112,7 +112,7 @@ static bool add_line(struct session *session, const struct typed_line *line, dou
     return true;
 }
 
-/* Do the events of the next run still know all their names? */
+/* Returns true if the events of the next run can still be compiled. */
 static bool events_know(struct session *session, struct arena *arena, struct error *error)
 {
     const struct names names = {.session = session, .expects_run = true, .saved_only = true};
@@ -122,7 +122,7 @@ static bool events_know(struct session *session, struct arena *arena, struct err
     return events_compile(session->setup.events, &scope, arena, &event, &count, error);
 }
 
-/* what: how it is called where it has no name. */
+/* Removes a line; `what` describes it if it has no name. */
 static bool remove_line(struct session *session, const struct arguments *args, enum typed_kind kind,
                         struct text name, const char *what, struct reply *reply,
                         struct error *error)
@@ -184,7 +184,7 @@ static bool add_value(struct session *session, const struct arguments *args, enu
     line.quantity = item.quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : item.quantity;
     if (!add_line(session, &line, item.value.uncertainty, reply, error))
         return false;
-    /* What was set before the line was typed again is no longer meant. */
+    /* A value that was set before the line was typed again is no longer valid. */
     const int index = param_of(&session->setup.scene, &line);
     if (index >= 0)
         scene_unset(&session->setup.scene, index);

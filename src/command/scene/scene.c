@@ -71,7 +71,7 @@ static void reply_scene(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
-/* In another scene a name may be a parameter that was free for a variable before. */
+/* Warns of variables whose names are parameters in the new scene. */
 static void warn_hidden(const struct session *session, struct reply *reply)
 {
     for (int i = 0; i < session->setup.lets; i++) {
@@ -148,11 +148,11 @@ HANDLER(scene)
 
 /* ---- set, unset, let ---- */
 
-/* What stands after NAME, without the "=" of an assignment. */
+/* Returns the text after NAME, without the "=" of an assignment. */
 struct parser value_parser(struct session *session, const struct arguments *args)
 {
     struct text value = argument_value(args, "VALUE")->item->text;
-    if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
+    if (value.len > 0 && value.at[0] == '\'') /* part of a velocity's name */
         value = (struct text){value.at + 1, value.len - 1};
     text_skip_blanks(&value);
     if (value.len > 0 && value.at[0] == '=')
@@ -166,7 +166,7 @@ bool read_value(struct parser *parser, const char *what, enum quantity quantity,
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
 
-/* What was set; events that happen often keep silent. */
+/* Replies with the value that was set; events that happen often are not reported. */
 static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
 {
     if (!session->execution.passing)
@@ -174,7 +174,7 @@ static void reply_set(const struct session *session, struct buffer *text, struct
     buffer_free(text);
 }
 
-/* Of what moves in the current run, where it may be set; -1: none. */
+/* Returns the variable of the current run's state with that name, if it may be set, or -1. */
 static int state_named(const struct session *session, struct text name, struct text value)
 {
     const struct run *run = session_run(session);
@@ -211,7 +211,7 @@ static bool set_param(struct session *session, int param, const struct item *ite
     return true;
 }
 
-/* What moves: a jump of the current run. */
+/* Sets a variable of the current run: a jump. */
 static bool set_state(struct session *session, int variable, struct parser *parser,
                       struct reply *reply, struct error *error)
 {
@@ -343,7 +343,7 @@ HANDLER(set)
         ok = check_typed(session, setting, args->where, error) &&
              setting_read(setting, &parser, &changed, error);
         if (ok) {
-            value->row = setting_choice(setting, &changed); /* which may be abbreviated */
+            value->row = setting_choice(setting, &changed); /* the choice may be abbreviated */
             session->setup.settings = changed;
             setting_choose(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);

@@ -11,9 +11,9 @@
 #include <math.h>
 #include <string.h>
 
-/* What a name stands for. */
+/* Value or text of a name. */
 struct shown {
-    const char *name, *text; /* text: of a setting, whose value is no number */
+    const char *name, *text; /* `text` is that of a setting whose value is no number */
     double value, uncertainty;
     const char *unit;
 };
@@ -152,7 +152,7 @@ static void show_summary(const struct session *session, struct reply *reply)
                   session->measurements, plural_s(session->measurements));
 }
 
-/* What moves, then what follows from it. */
+/* Shows the variables and then the quantities derived from them. */
 static void show_state(const struct session *session, const struct model *model,
                        struct reply *reply)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How values that events set depend on the state of the run: see run_set_jump_slopes(). */
+/* Derivatives, by the run's state, of values that events set; see run_set_jump_slopes(). */
 #include <hooke/command/handler.h>
 
 #include <float.h>

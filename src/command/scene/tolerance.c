@@ -32,7 +32,7 @@ static bool no_variable(const struct model *model, struct text name, struct erro
     return false;
 }
 
-/* Of one variable. */
+/* Sets the tolerance of one variable. */
 static bool set_atol(struct session *session, int i, struct parser *parser, struct reply *reply,
                      struct error *error)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is said of a name that is no parameter. */
+/* Error message for a name that is no parameter. */
 #include <hooke/command/handler.h>
 #include <hooke/module.h>
 

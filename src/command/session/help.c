@@ -222,7 +222,8 @@ static void help_preset(const struct row *row, struct buffer *text)
                   row->name, row->name);
 }
 
-/* Where a command or a method of that name was explained only the lines. */
+/* Appends the guide, but only its lines if a command or a method of that name has been
+ * explained. */
 static void help_guide(const struct row *row, struct buffer *text)
 {
     const struct guide_topic *topic = (const struct guide_topic *)(const void *)row;
@@ -236,7 +237,7 @@ static void help_guide(const struct row *row, struct buffer *text)
 
 static const struct topic {
     const struct catalog *catalog;
-    void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
+    void (*help)(const struct row *row, struct buffer *text); /* NULL if one line is enough */
 } topics[] = {
     {&command_catalog, help_command},
     {&setting_catalog, help_setting},
@@ -377,7 +378,7 @@ HANDLER(help)
         buffer_free(&text);
         return true;
     }
-    /* where everybody begins stands before a command of that name */
+    /* the first guide has priority over a command of that name */
     const bool begins = guide && guide == catalog_row(&guide_catalog, 0);
     if (begins)
         help_guide(guide, &text);

@@ -6,7 +6,8 @@
 
 #include <string.h>
 
-/* The argument that `dt=5ms`, `--force` or `until` gives the command; NULL: none. */
+/* Returns the argument that `dt=5ms`, `--force` or `until` gives the command, or NULL if there is
+ * none. */
 static const struct argument *find_argument(const struct command *command, struct text word)
 {
     const char *equals = memchr(word.at, '=', word.len);
@@ -25,7 +26,7 @@ static const struct argument *find_argument(const struct command *command, struc
     return NULL;
 }
 
-/* "dt=", "--force", "until": as it stands in a sentence. */
+/* Appends the argument's name as used in a sentence, such as "dt=", "--force" or "until". */
 static void put_name(const struct argument *argument, struct buffer *text)
 {
     buffer_format(text, "%s%s%s", argument->form == FORM_OPTION ? "--" : "", argument->name,
@@ -45,7 +46,7 @@ static bool stands_in(struct text sentence, struct text name)
     return false;
 }
 
-/* The sentences of the text that name it; false: none does. */
+/* Appends the sentences of the text that contain the name; returns false if there are none. */
 static bool put_sentences(struct text text, struct text name, struct buffer *out)
 {
     const char *between = "\n";
@@ -142,7 +143,7 @@ static size_t word_around(struct text line, size_t *from, const char *ends)
 void help_line(struct text line, size_t cursor, struct buffer *text)
 {
     size_t from = cursor < line.len ? cursor : line.len;
-    /* Behind a word and blanks it is about that word. */
+    /* If the cursor is after a word and blanks, explain that word. */
     while (from > 0 && strchr(" \t", line.at[from - 1]) &&
            (from == line.len || strchr(WORD_ENDS, line.at[from])))
         from--;

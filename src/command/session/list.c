@@ -76,8 +76,8 @@ static void list_measurements(const struct session *session, struct reply *reply
     }
 }
 
-/* What the scene's runs have to show: what moves, what is observed, and of the observables those
- * that make sense. */
+/* Lists the columns of the scene's runs: variables, observations, and the observables that are
+ * defined for it. */
 static void list_observables(const struct model *model, struct reply *reply)
 {
     for (int i = 0; i < model->n + model_observed(model); i++) {

@@ -75,7 +75,7 @@ static bool is_wanted(const struct wanted_methods *wanted, const struct method *
     return is;
 }
 
-/* What people take it for, by its properties. */
+/* Returns the usual purpose of a method, by its properties. */
 static const char *use_of(const struct method *method)
 {
     const unsigned flags = method->flags;

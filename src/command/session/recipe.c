@@ -17,7 +17,7 @@ HANDLER(recipe)
         reply_line(reply, "hooke> %.*s", (int)line.len, line.at);
         script_feed(&script, session, line, reply);
     }
-    /* What went wrong was reported where it happened; the error stays without a code. */
+    /* The script has already reported its error; the error stays without a code. */
     return script_end(&script, session, reply);
 }
 #endif

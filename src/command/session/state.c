@@ -60,7 +60,8 @@ HANDLER(restore)
     return true;
 }
 
-/* What ends as a picture or a table has another command. */
+/* Returns true if a file of that name can hold a set-up: pictures and tables have other
+ * commands. */
 static bool is_setup_file(struct text path, struct error *error)
 {
     const struct text end = text_ending(path);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What `help` alone offers: ways to begin, of the core and of modules, each with lines that can be
- * pasted one after another. */
+/* Topics that `help` alone lists: ways to begin, of the core and of modules, each with lines that
+ * can be pasted one after another. */
 #include "command/session/topics.h"
 
 #include <string.h>
