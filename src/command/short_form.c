@@ -96,7 +96,7 @@ void short_form_begin(struct short_form *form, const struct session *session,
 /* ---- what is left out ---- */
 
 /* The line at *at, with its newline, and whether it belongs to a message. */
-static struct text next_line(const struct short_form *form, size_t *at, int *message)
+static struct text form_next_line(const struct short_form *form, size_t *at, int *message)
 {
     const struct text all = buffer_text(&form->text);
     size_t end = *at;
@@ -128,7 +128,7 @@ void short_form_end(struct short_form *form, struct reply *reply)
     reply->sink = form->outer;
     int total = 0, said = 0, before = 0, at_message = 0, left_out = 0;
     for (size_t at = 0; at < form->text.len;) {
-        const struct text line = next_line(form, &at, &at_message);
+        const struct text line = form_next_line(form, &at, &at_message);
         *(is_message(form, at_message, line) ? &said : &total) += text_rows(line, form->width);
     }
     enum { RESULT_ROWS_MIN = 6 };
@@ -138,7 +138,7 @@ void short_form_end(struct short_form *form, struct reply *reply)
     bool ok = !form->text.failed;
     at_message = 0;
     for (size_t at = 0; at < form->text.len && ok;) {
-        const struct text line = next_line(form, &at, &at_message);
+        const struct text line = form_next_line(form, &at, &at_message);
         const bool message = is_message(form, at_message, line);
         const int rows = text_rows(line, form->width);
         const bool cut = !message && before + rows > head && total - before > tail;

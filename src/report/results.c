@@ -77,7 +77,7 @@ static const struct result_row *result_at(const struct row *row)
 }
 
 /* Returns the kind of the records that are its rows. */
-static struct text kind_of(const struct result_row *row)
+static struct text result_kind(const struct result_row *row)
 {
     return text_of(row->kind ? row->kind : row->row.name);
 }
@@ -85,7 +85,7 @@ static struct text kind_of(const struct result_row *row)
 static const struct result_row *row_of(struct text kind)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (text_equal(kind, kind_of(&rows[i])))
+        if (text_equal(kind, result_kind(&rows[i])))
             return &rows[i];
     return NULL;
 }
@@ -110,7 +110,7 @@ bool export_result(struct session *session, const struct row *of, struct export 
         return row->table(session, export, error);
     if (row->say)
         say_now(session, row);
-    const struct stored_table *stored = table_store_find(&session->studies.found, kind_of(row));
+    const struct stored_table *stored = table_store_find(&session->studies.found, result_kind(row));
     if (!stored) {
         error_set(error, ERROR_COMMAND, "there is no table of %s yet", of->name);
         return error_hint(error, "type: %s", row->type);
@@ -121,7 +121,7 @@ bool export_result(struct session *session, const struct row *of, struct export 
 
 bool result_is_kept(const struct session *session, const struct row *of)
 {
-    return table_store_find(&session->studies.found, kind_of(result_at(of))) != NULL;
+    return table_store_find(&session->studies.found, result_kind(result_at(of))) != NULL;
 }
 
 bool export_latest(struct session *session, struct export *export, struct error *error)
@@ -186,12 +186,12 @@ const struct row *session_keep_results(struct session *session, struct table_sto
         const struct result_row *row = row_of(text_of(said->of[i]->kind));
         if (!row && of && said->count == 1) /* rows of a catalog have the kind that it has */
             said->of[i]->kind = of->name;
-        if (row && (!of || !table_store_find(said, kind_of(result_at(of)))))
+        if (row && (!of || !table_store_find(said, result_kind(result_at(of)))))
             of = &row->row;
     }
     /* A result that another statement found does not belong to this one. */
     const struct result_row *row = result_at(of);
-    if (row && !row->table && !row->say && !table_store_find(said, kind_of(row)))
+    if (row && !row->table && !row->say && !table_store_find(said, result_kind(row)))
         of = NULL;
     table_store_take(&session->studies.found, said, stored_table_keep, session);
     return of;

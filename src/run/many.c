@@ -44,7 +44,7 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
 
 #define HOT_ROWS 1024 /* Rows of two numbers that fill half of the fastest cache. */
 
-static int64_t min(int64_t a, int64_t b)
+static int64_t min_steps(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -86,7 +86,7 @@ static int64_t take_given(struct run *run, const struct march *march)
 {
     struct run_private *p = run->private_state;
     const size_t n = (size_t)run->system.n, size = n * sizeof(double);
-    const int64_t taken = min(march->count, p->given_end - run->steps);
+    const int64_t taken = min_steps(march->count, p->given_end - run->steps);
     memcpy(march->row, p->given + (size_t)(run->steps - p->given_first) * n, (size_t)taken * size);
     memcpy(run->y, march->row + (size_t)(taken - 1) * n, size);
     p->step.warm = false;
@@ -208,7 +208,7 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     const int n = run->system.n;
     const size_t width = (size_t)n + 1;
     const double end = segment->target->t;
-    const int64_t left = min(segment->limit, p->look) - run->steps;
+    const int64_t left = min_steps(segment->limit, p->look) - run->steps;
     size_t capacity = 0;
     bool in_trace;
     if (!method_adapts_many(&p->step, &run->controller) || run->t == end || left <= 0)
@@ -217,7 +217,7 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     if (!row || !keep_work(run))
         return false;
     p->step.t = run->t;
-    const int64_t count = min(min(left, p->batch), (int64_t)capacity),
+    const int64_t count = min_steps(min_steps(left, p->batch), (int64_t)capacity),
                   good = adapt_within(run, end, count, row, in_trace, stop);
     if (good == 0)
         return false; /* one step says why */
@@ -240,7 +240,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
 {
     struct run_private *p = run->private_state;
     const int n = run->system.n;
-    const int64_t left = min(segment->limit, segment->last) - run->steps;
+    const int64_t left = min_steps(segment->limit, segment->last) - run->steps;
     if (segment->target->condition || segment->target->events > 0 || segment->between ||
         ledger_is_due(run))
         return false;
@@ -258,12 +258,12 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     struct march march = {.step = &p->step,
                           .origin = segment->grid.origin,
                           .first = run->steps - segment->grid.first,
-                          .count = min(min(left, p->batch), (int64_t)capacity),
+                          .count = min_steps(min_steps(left, p->batch), (int64_t)capacity),
                           .row = row};
     enum step_status status = STEP_OK;
     struct propagator *propagator = propagator_for(run, segment->grid.h);
     if (!propagator)
-        march.count = min(march.count, HOT_ROWS);
+        march.count = min_steps(march.count, HOT_ROWS);
     if (propagator)
         find_block(run, segment, march.first);
     int64_t taken = propagator
@@ -279,7 +279,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         /* Advance step by step in a block that is not known, but only to its end, however the calls
          * are cut. */
         if (propagator)
-            march.count = min(march.count, propagator_rest(march.first));
+            march.count = min_steps(march.count, propagator_rest(march.first));
         taken = march_within(run, &march, &status, &good);
     }
     if (good < 0)

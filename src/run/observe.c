@@ -156,7 +156,8 @@ static const char *missing_need(const struct observable *observable, const struc
     return NULL;
 }
 
-static bool refuse(const struct observable *observable, const char *missing, struct error *error)
+static bool refuse_observable(const struct observable *observable, const char *missing,
+                              struct error *error)
 {
     error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name,
               missing);
@@ -182,7 +183,7 @@ bool run_column(const struct run *run, const struct observable *observable, doub
 {
     const char *missing = missing_need(observable, &run->system, run->plan.exact_known);
     if (missing)
-        return refuse(observable, missing, error);
+        return refuse_observable(observable, missing, error);
     struct walk walk;
     walk_begin(&walk, run, observable->needs);
     for (size_t row = 0; walk_next(&walk); row++) {

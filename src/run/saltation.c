@@ -220,8 +220,8 @@ static double moment_moved(const struct run *run, const struct saltation *saltat
 }
 
 /* Moves y by the motion over the time between the two moments (midpoint rule). */
-static void move(const struct saltation *saltation, const struct system *system, double sign,
-                 double *y)
+static void saltation_shift(const struct saltation *saltation, const struct system *system,
+                            double sign, double *y)
 {
     double f[LIMIT_VARIABLES], middle[LIMIT_VARIABLES];
     const double by = sign * saltation->moved;
@@ -280,7 +280,7 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
             saltation->lost = isnan(saltation->moved) ? t : saltation->lost;
         }
     }
-    move(saltation, system, 1, y);
+    saltation_shift(saltation, system, 1, y);
     return isfinite(saltation->moved);
 }
 
@@ -316,5 +316,5 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
 
 void saltation_leave(const struct saltation *saltation, const struct system *system, double *y)
 {
-    move(saltation, system, -1, y);
+    saltation_shift(saltation, system, -1, y);
 }

@@ -35,7 +35,7 @@ static struct events *copy_without(const struct events *from, struct text name, 
     return events;
 }
 
-static void keep(struct session *session, struct events *events)
+static void event_list_add(struct session *session, struct events *events)
 {
     events->older = session->definitions.events;
     session->definitions.events = events;
@@ -80,7 +80,7 @@ const struct events *events_with(struct session *session, const struct event_lin
         *own = added;
         memcpy(own->name, line->name, sizeof own->name);
         events->count++;
-        keep(session, events);
+        event_list_add(session, events);
         return events;
     }
     events->older = NULL;
@@ -105,7 +105,7 @@ bool events_without(struct session *session, struct text name, const struct even
         suggestion_hint(&near, error);
         return now ? error_hint(error, "('event' lists them)") : false;
     }
-    keep(session, events);
+    event_list_add(session, events);
     *left = events->count ? events : NULL;
     return true;
 }

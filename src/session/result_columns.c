@@ -9,7 +9,7 @@
 
 /* ---- measurements ---- */
 
-static const char *unit_of(const void *row)
+static const char *measurement_unit(const void *row)
 {
     return quantity_unit(((const struct measurement *)row)->unit);
 }
@@ -21,7 +21,7 @@ static const struct result_column of_measurement[] = {
     {.name = "quantity", .kind = COLUMN_CHARS, AT(quantity)},
     {.name = "value", AT(value.value)},
     {.name = "uncertainty", AT(value.uncertainty)},
-    {.name = "unit", .kind = COLUMN_NAME, .text = unit_of},
+    {.name = "unit", .kind = COLUMN_NAME, .text = measurement_unit},
     {.name = "periods", AT(periods)},
     {.name = "of", .kind = COLUMN_CHARS, AT(of)},
 };

@@ -42,7 +42,8 @@ static const struct row actions[] = {
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
 /* Moves the other cursor as far as the active one, where they are locked. */
-static void follow(struct cursors *c, const struct ground *ground, double by, double reach)
+static void move_locked_cursor(struct cursors *c, const struct ground *ground, double by,
+                               double reach)
 {
     if (c->locked)
         cursor_put(c, ground, !c->active, c->at[!c->active].t + by, reach);
@@ -52,7 +53,7 @@ static void follow(struct cursors *c, const struct ground *ground, double by, do
 static void move_by(struct cursors *c, const struct ground *ground, double by)
 {
     cursor_put(c, ground, c->active, c->at[c->active].t + by, 0.5 * fabs(by));
-    follow(c, ground, by, 0.5 * fabs(by));
+    move_locked_cursor(c, ground, by, 0.5 * fabs(by));
 }
 
 static bool jump(struct cursors *c, const struct ground *ground, bool forward, struct error *error)
@@ -61,11 +62,11 @@ static bool jump(struct cursors *c, const struct ground *ground, bool forward, s
     if (!cursor_jump(c, ground, forward, error))
         return false;
     const double by = c->at[c->active].t - before;
-    follow(c, ground, by, 0.25 * fabs(by));
+    move_locked_cursor(c, ground, by, 0.25 * fabs(by));
     return true;
 }
 
-static bool keep(struct session *session, struct reply *reply, struct error *error)
+static bool cursor_keep_period(struct session *session, struct reply *reply, struct error *error)
 {
     struct cursor_reading r;
     const struct cursors *c = &session->view.cursors;
@@ -120,7 +121,7 @@ static bool act(struct session *session, const struct arguments *args, struct gr
         cursors_put_again(c, ground);
         return true;
     case GO_KEEP:
-        return keep(session, reply, error);
+        return cursor_keep_period(session, reply, error);
     case GO_OFF: /* done by the handler */
         return true;
     case GO_UP:

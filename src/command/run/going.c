@@ -137,7 +137,8 @@ static bool goes_on(struct session *session, const struct run *run, struct advan
     return advance->force = allow_long(session, advance->left, more, false, &ignored);
 }
 
-static void go(struct session *session, struct run *run, struct advance *advance, bool clocked)
+static void run_to_target(struct session *session, struct run *run, struct advance *advance,
+                          bool clocked)
 {
     const struct front *front = &session->front;
     const struct run_target *target = &advance->target;
@@ -167,7 +168,7 @@ static void go(struct session *session, struct run *run, struct advance *advance
 static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
 {
     session->live.advancing = true;
-    go(session, run, advance, clocked);
+    run_to_target(session, run, advance, clocked);
     session->live.advancing = false;
 }
 

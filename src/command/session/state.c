@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-static bool move(struct session *session, const struct arguments *args, bool back,
-                 struct reply *reply, struct error *error)
+static bool undo_or_redo(struct session *session, const struct arguments *args, bool back,
+                         struct reply *reply, struct error *error)
 {
     const struct argument_value *count = argument_value(args, "N");
     const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
@@ -27,12 +27,12 @@ static bool move(struct session *session, const struct arguments *args, bool bac
 
 HANDLER(undo)
 {
-    return move(session, args, true, reply, error);
+    return undo_or_redo(session, args, true, reply, error);
 }
 
 HANDLER(redo)
 {
-    return move(session, args, false, reply, error);
+    return undo_or_redo(session, args, false, reply, error);
 }
 
 HANDLER(checkpoint)

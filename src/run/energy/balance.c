@@ -50,7 +50,7 @@ static void same_work(const struct energy_tally *tally, struct work_done *done, 
 }
 
 /* The largest of them in pairs; `min` at least. */
-static inline double largest(const double *x, double min)
+static inline double largest_of_four(const double *x, double min)
 {
     const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], max = a > b ? a : b;
     return max > min ? max : min;
@@ -81,7 +81,7 @@ CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
         four_raise(&max, &lack);
     }
     memcpy(first, &max, sizeof first);
-    tally->max = largest(first, tally->max);
+    tally->max = largest_of_four(first, tally->max);
     note_lacks(tally, initial, done, k, to);
 }
 
@@ -145,7 +145,7 @@ static void enter(const struct run *run, struct balance *balance, const struct e
                                           balance_energy(run, &epoch[-1].system, balance->y));
 }
 
-static int64_t min(int64_t a, int64_t b)
+static int64_t min_steps(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -165,9 +165,9 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
         return;
     }
     const int64_t index = balance->step - grid->first;
-    int64_t count = min(work->count, WORK_BLOCK - (index & (WORK_BLOCK - 1)));
+    int64_t count = min_steps(work->count, WORK_BLOCK - (index & (WORK_BLOCK - 1)));
     if (grid + 1 < trace->grid + trace->grids)
-        count = min(count, grid[1].first - 1 - balance->step);
+        count = min_steps(count, grid[1].first - 1 - balance->step);
     work->count = (int)count;
     work->origin = grid->origin;
     work->h = grid->h;
@@ -189,11 +189,11 @@ static int block_done(const struct run *run, struct balance *balance, const stru
         done->drag[0] = 0;
         return 1;
     }
-    int64_t count = min(max, WORK_BLOCK);
+    int64_t count = min_steps(max, WORK_BLOCK);
     if (kick)
-        count = min(count, kick->step - 1 - balance->step);
+        count = min_steps(count, kick->step - 1 - balance->step);
     if (epoch + 1 < p->epoch + p->epochs)
-        count = min(count, epoch[1].first - balance->step);
+        count = min_steps(count, epoch[1].first - balance->step);
     struct work work = {.system = &epoch->system,
                         .factor = p->factor,
                         .count = (int)count,

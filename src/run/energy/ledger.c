@@ -40,7 +40,7 @@ static bool save(struct run_private *p, size_t index)
 
 /* Takes the recorded rows that are new into the balance, each once. Returns false if Ctrl-C came
  * before the last one. */
-static bool settle(const struct run *run)
+static bool balance_add_rows(const struct run *run)
 {
     struct run_private *p = run->private_state;
     struct balance *balance = &p->balance;
@@ -238,7 +238,7 @@ bool ledger_is_asked(const struct run *run)
 
 void ledger_follow(const struct run *run)
 {
-    settle(run);
+    balance_add_rows(run);
 }
 
 bool ledger_ready(struct run *run)
@@ -279,7 +279,7 @@ void ledger_inside(struct run *run, double t, const double *y)
 
 bool balance_present(const struct run *run, struct balance *balance)
 {
-    if (!trace_marked(run->trace) && !settle(run)) {
+    if (!trace_marked(run->trace) && !balance_add_rows(run)) {
         *balance = (struct balance){.tally = {.work = {NAN, 0}, .drag = {NAN, 0}}};
         return false;
     }

@@ -168,7 +168,7 @@ static void displace(struct regrowth *r)
 
 /* Multiplies the distance by a factor, along its direction, and moves both so that the base is at
  * `own`. */
-static void move(struct regrowth *r, const double *own, double factor)
+static void rescale_displacement(struct regrowth *r, const double *own, double factor)
 {
     for (int i = 0; i < r->run->system.n; i++) {
         r->displaced.y[i] = own[i] + factor * (r->displaced.y[i] - r->base.y[i]);
@@ -312,7 +312,7 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
     }
     if (now > DISPLACEMENT_GROWTH_MAX * r->displacement)
         factor = r->displacement / now;
-    move(r, own, factor);
+    rescale_displacement(r, own, factor);
     if (growth->log <= 0 || now == 0)
         displace(r);
     r->before = distance(r);
@@ -354,8 +354,8 @@ static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, 
 
 /* Follows both until no digit is certain, or to the end of the run. Returns false if that takes too
  * long. */
-static bool follow(struct regrowth *r, struct growth *growth, double max,
-                   const struct cancel *cancel)
+static bool regrowth_follow(struct regrowth *r, struct growth *growth, double max,
+                            const struct cancel *cancel)
 {
     const struct trace *trace = r->run->trace;
     const size_t rows = trace_count(trace) - 1 - r->row,
@@ -383,7 +383,7 @@ static bool follow_both(struct regrowth *r, struct growth *growth, double max,
     run_sizes_add(r->run, 0, trace_count(r->run->trace), r->size);
     displace(r);
     r->before = distance(r);
-    return follow(r, growth, max, cancel);
+    return regrowth_follow(r, growth, max, cancel);
 }
 
 static bool look_by(struct regrowth *r, const struct method *method, struct growth *growth,

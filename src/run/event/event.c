@@ -196,7 +196,7 @@ static bool look_misses(void *context, double theta)
     return false;
 }
 
-static bool add(struct event_watch *watch, const struct event_crossing *crossing)
+static bool crossing_add(struct event_watch *watch, const struct event_crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
     size_t capacity = watch->found_capacity;
@@ -248,7 +248,7 @@ static bool look_found(void *context, double theta, int sign)
         look->watched->touched = path_time(path, theta);
     look->watched->passed = path_time(path, theta);
     const struct event_crossing crossing = {theta, path_time(path, theta), look->event, direction};
-    look->failed = look->failed || !add(look->watch, &crossing);
+    look->failed = look->failed || !crossing_add(look->watch, &crossing);
     if (event->stop)
         look->until = fmin(look->until, theta);
     return !look->failed && !event->stop && look->watch->count <= LIMIT_EVENT_RECORDS;

@@ -2,7 +2,8 @@
 /* Events that have happened: which of them stop a run, and what is kept of them. */
 #include "run/event/watch.h"
 
-static bool keep(struct run *run, const struct event_crossing *crossing, const double *state)
+static bool event_record_add(struct run *run, const struct event_crossing *crossing,
+                             const double *state)
 {
     struct event_records *all = &run->private_state->event_records;
     const size_t n = (size_t)run->system.n;
@@ -69,7 +70,7 @@ bool events_keep(struct run *run, const struct segment *segment, double h, bool 
             break;
         if (crossing->event == watch->until)
             continue;
-        if (!keep(run, crossing, state))
+        if (!event_record_add(run, crossing, state))
             return false;
         if (!segment->target->event[crossing->event].stop || *stops)
             continue;

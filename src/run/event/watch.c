@@ -143,7 +143,7 @@ static struct interval less_interval(struct interval a, struct interval b)
     return (struct interval){lo - slack * fabs(lo), hi + slack * fabs(hi)};
 }
 
-static struct jet evaluate(const struct event_watch *watch, const struct watched *watched)
+static struct jet event_value_jet(const struct event_watch *watch, const struct watched *watched)
 {
     const struct jet left = expr_jet(watched->left, watch->jet);
     if (!watched->right)
@@ -187,7 +187,7 @@ struct jet events_watch_bounds(struct event_watch *watch, const struct watched *
                             ? path_jet(path, column->index, a, b)
                             : other_jet(watch, watched, column->index, a, b);
     }
-    return evaluate(watch, watched);
+    return event_value_jet(watch, watched);
 }
 
 /*
@@ -209,7 +209,7 @@ static struct interval value_within(struct event_watch *watch, const struct watc
         const double off = size * (column->kind == MOVING_TIME ? 16 * DBL_EPSILON : error);
         watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
     }
-    return evaluate(watch, watched).value;
+    return event_value_jet(watch, watched).value;
 }
 
 bool events_watch_is_zero(struct event_watch *watch, const struct watched *watched, double t,

@@ -203,8 +203,8 @@ bool journal_changed(const struct run_slot *slot, int first)
 /* ---- doing it again ---- */
 
 /* Advances along a request until step `end`; `so_far` is the run with the earlier requests done. */
-static void go(struct session *session, const struct run_slot *so_far,
-               const struct request *request, int64_t end)
+static void request_repeat(struct session *session, const struct run_slot *so_far,
+                           const struct request *request, int64_t end)
 {
     struct run *run = so_far->run;
     struct names names = {.session = session, .run = run};
@@ -244,7 +244,7 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
     struct run_slot so_far = {.run = run, .events = slot->events, .last = done};
     for (int i = 0; i < count; i++) {
         if (going)
-            go(session, &so_far, going, list[i]->from);
+            request_repeat(session, &so_far, going, list[i]->from);
         so_far.last = i + 1 < count ? list[i + 1]->before : last;
         if (list[i]->from < run->steps && list[i]->kind != REQUEST_GO)
             continue;
@@ -261,7 +261,7 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
         }
     }
     if (going)
-        go(session, &so_far, going, steps);
+        request_repeat(session, &so_far, going, steps);
     free(list);
     return true;
 }
