@@ -52,7 +52,8 @@ struct hooke_error {
 /* "0.1.0" */
 HOOKE_PUBLIC const char *hooke_version(void);
 
-/* A new session with the defaults of the lab. flags: of enum hooke_open_flag. NULL: no memory. */
+/* Creates a session with the defaults of the lab. The flags are those of enum hooke_open_flag.
+ * Returns NULL if out of memory. */
 HOOKE_PUBLIC struct hooke *hooke_open(unsigned flags);
 HOOKE_PUBLIC void hooke_close(struct hooke *hooke);
 
@@ -67,17 +68,17 @@ HOOKE_PUBLIC void hooke_cancel(struct hooke *hooke);
  * NULL. */
 HOOKE_PUBLIC const char *hooke_output(const struct hooke *hooke);
 HOOKE_PUBLIC const char *hooke_messages(const struct hooke *hooke);
-/* Of the last hooke_run() or hooke_table(); NULL: it succeeded. */
+/* Returns the error of the last hooke_run() or hooke_table(), or NULL if it succeeded. */
 HOOKE_PUBLIC const struct hooke_error *hooke_error(const struct hooke *hooke);
 
-/* Anything with a name, in SI units: a parameter, a derived quantity, a variable of the current
- * run, a result such as measured_period. uncertainty: standard uncertainty, 0 where none is known;
- * both may be NULL. Returns 1; 0: there is no such name, or it has no value. */
+/* Finds anything with a name, in SI units: a parameter, a derived quantity, a variable of the
+ * current run, a result such as measured_period. The standard uncertainty is 0 if none is known;
+ * both pointers may be NULL. Returns 1, or 0 if there is no such name or if it has no value. */
 HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double *value,
                              double *uncertainty);
 
-/* The names of the results that the session keeps, place 0, 1, ...: "compare", "sweep"; NULL: no
- * more. Each is hooke_table(hooke, "table of NAME"). */
+/* Returns the names of the results that the session keeps, such as "compare" and "sweep", at place
+ * 0, 1, …, or NULL if there are no more. Each is hooke_table(hooke, "table of NAME"). */
 HOOKE_PUBLIC const char *hooke_result(const struct hooke *hooke, size_t place);
 
 /* What `export FILE WHAT` would write: "" the current run, "t y energy" columns of it, "run 1 y",
@@ -87,13 +88,14 @@ HOOKE_PUBLIC struct hooke_table *hooke_table(struct hooke *hooke, const char *wh
 HOOKE_PUBLIC void hooke_table_free(struct hooke_table *table);
 HOOKE_PUBLIC size_t hooke_rows(const struct hooke_table *table);
 HOOKE_PUBLIC size_t hooke_columns(const struct hooke_table *table);
-/* Of the column at that place, from 0; NULL: there is none. A unit is "" where there is none. */
+/* Return name and unit of the column at that place, from 0, or NULL if there is none. A unit is ""
+ * if the column has none. */
 HOOKE_PUBLIC const char *hooke_column_name(const struct hooke_table *table, size_t place);
 HOOKE_PUBLIC const char *hooke_column_unit(const struct hooke_table *table, size_t place);
-/* [hooke_rows] of the first column of that name, NAN where a row has no value; NULL: none is called
- * so, or it has texts. */
+/* Returns the values [hooke_rows] of the first column of that name, NAN where a row has no value,
+ * or NULL if there is no such column or if it has texts. */
 HOOKE_PUBLIC const double *hooke_column(const struct hooke_table *table, const char *name);
-/* Of a column with texts, row from 0; NULL: there is none. */
+/* Returns the text of a column with texts; rows count from 0. Returns NULL if there is none. */
 HOOKE_PUBLIC const char *hooke_text(const struct hooke_table *table, const char *name, size_t row);
 
 #ifdef __cplusplus

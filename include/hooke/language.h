@@ -27,7 +27,7 @@ enum type_flag {
     TYPE_IS_NUMBER = 1,        /* nothing may be glued to it */
     TYPE_GOES_ON = 2,          /* an expression, which goes on over blanks */
     TYPE_HAS_QUANTITY = 4,     /* that of the argument */
-    TYPE_SHOWS_CHOICES = 8,    /* in the line of usage, where they are few */
+    TYPE_SHOWS_CHOICES = 8,    /* choices are shown in the line of usage if they are few */
     TYPE_SHOWS_BOTH = 16,      /* and what else it may be */
     TYPE_IS_LIST = 64,         /* several go on after a word without it */
     TYPE_BEFORE_WORDS = 128,   /* its rows come before words of the same name */
@@ -44,22 +44,24 @@ enum argument_flag {
     /* several items: blanks or commas between them in a place or after a word, commas after a
      * key */
     ARG_MANY = 2,
-    ARG_ALL = 4,      /* the word `all` stands for every run */
-    ARG_OF = 16,      /* TYPE_COLUMN: any word where `of` stands behind it: a column of a table */
+    ARG_ALL = 4, /* the word `all` stands for every run */
+    /* TYPE_COLUMN may be any word if `of` follows it: a column of a table */
+    ARG_OF = 16,
     ARG_NEGATIVE = 8, /* TYPE_INTEGER and TYPE_VALUE may be negative or zero */
 };
 
 struct argument {
     enum argument_form form;
-    const char *name; /* for usage and messages: "DURATION"; what is typed: "to", "dt", "force" */
+    /* name for usage and messages, "DURATION", or the word as typed, "to", "dt", "force" */
+    const char *name;
     enum argument_type type;
-    /* of a module, instead of `type`; NULL if there is none */
+    /* Type that a module defines, instead of `type`; NULL if there is none. */
     const struct argument_type_row *own_type;
     unsigned flags;
     enum quantity quantity;
     const struct catalog *choices;
     const char *lead; /* a word that may stand before: "of" */
-    const char *more; /* what else may stand in its text, for usage: "[from LABEL]" */
+    const char *more; /* further forms of its text, for usage: "[from LABEL]" */
     int group;        /* those of the same group (not 0) exclude each other */
 };
 
@@ -70,7 +72,7 @@ struct item;
 struct completion;
 
 struct argument_type_row {
-    const char *name, *shown; /* in the line of usage */
+    const char *name, *shown; /* name; form in the line of usage */
     bool (*read)(struct parser *parser, const struct argument *argument, const char *stops,
                  struct item *item, struct error *error);
     void (*complete)(struct completion *c, const struct argument *argument, struct text before);
@@ -98,19 +100,19 @@ enum command_flag {
     COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
     COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */
     COMMAND_EQUATES = 128,  /* NAME' = EXPR is */
-    COMMAND_JUMPS =
-        256, /* what NAME' = EXPR is while a run goes on: what moves gets another value */
+    /* NAME' = EXPR during a run is short for it: a variable gets another value. */
+    COMMAND_JUMPS = 256,
     COMMAND_TABLES = 512, /* its result is a table: > FILE may stand behind it */
     COMMAND_RESTORES =
         1024, /* may stand in a session that saved itself, as may what undo takes back */
     COMMAND_BESIDE = 2048, /* also while a recording is collected */
 };
 
-/* What can stand after it, where its arguments do not say it. */
+/* Completion of the text after the command, if its arguments do not define it. */
 enum completes {
     COMPLETES_ARGUMENTS,
     COMPLETES_GRID,     /* NAME=FROM:TO */
-    COMPLETES_TOPICS,   /* of help */
+    COMPLETES_TOPICS,   /* topics of help */
     COMPLETES_ATOL,     /* variables, then values */
     COMPLETES_KINDS,    /* kinds of lists, then kinds of methods */
     COMPLETES_SHOWN,    /* groups and names */
@@ -144,7 +146,8 @@ struct command {
 
 /* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
 void command_usage(const struct command *command, struct buffer *text);
-void argument_usage(const struct argument *argument, struct buffer *text); /* of it: "dt=V" */
+/* appends the usage of it, such as "dt=V" */
+void argument_usage(const struct argument *argument, struct buffer *text);
 
 /* A row of the command catalog. */
 static inline const struct command *command_at(const struct row *row)
@@ -157,13 +160,14 @@ static inline const struct command *command_at(const struct row *row)
 struct item {
     struct text text;        /* as typed, quotes and escapes resolved */
     struct measured value;   /* SI; the uncertainty is 0 unless given */
-    const struct unit *unit; /* NULL: none typed */
-    /* of the value, where it is known: by its unit, or as a single name; else QUANTITY_OTHER */
+    const struct unit *unit; /* NULL if none was typed */
+    /* Quantity of the value, if it is known by its unit or as a single name; else
+     * QUANTITY_OTHER. */
     enum quantity quantity;
     bool is_string;
-    double range[2];       /* NAN: open */
+    double range[2];       /* NAN for an open end */
     const struct row *row; /* TYPE_CHOICE */
-    /* place of the choice in its catalog, of the run or recording in the session; -1: all */
+    /* Index of the choice in its catalog, or of the run or recording in the session; -1 for all. */
     int index;
     const struct condition *condition;
     const struct expr *expr;
@@ -177,9 +181,9 @@ struct argument_value {
 
 struct arguments {
     const struct command *command;
-    struct text word;                           /* the command as typed; empty: an assignment */
-    struct argument_value value[ARGUMENTS_MAX]; /* at the place of their struct argument */
-    const struct expr_scope *scope;             /* of conditions and expressions */
+    struct text word;                           /* the command as typed; empty for an assignment */
+    struct argument_value value[ARGUMENTS_MAX]; /* in the order of the command's arguments */
+    const struct expr_scope *scope;             /* scope of conditions and expressions */
     struct arena *arena;                        /* lives as long as the command */
     const struct source *where;
 };
@@ -189,7 +193,7 @@ static inline bool has(const struct arguments *arguments, int index)
     return arguments->value[index].count > 0;
 }
 
-/* What was given for the argument of this name, which the command has. */
+/* Returns the value of the argument of this name, which the command has to have. */
 const struct argument_value *argument_value(const struct arguments *arguments, const char *name);
 
 static inline bool has_argument(const struct arguments *arguments, const char *name)
@@ -207,12 +211,12 @@ struct parser {
     struct session *session;
     const struct expr_scope *scope;
     struct arena *arena;
-    struct text rest; /* what is left of the statement */
+    struct text rest; /* remaining text of the statement */
 };
 
 /* A word or a string; *is_string says which. */
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
-/* What stands before the first option: `1 --force` is no subtraction. */
+/* Returns the text before the first option: `1 --force` is no subtraction. */
 struct text before_option(struct text text);
 /* expr [+- expr]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any. */
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
@@ -224,8 +228,8 @@ bool parse_sides(struct parser *parser, const char *what, const char *stops, str
                  struct error *error);
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error);
-/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number:
- * what was read before, NULL: no number. */
+/* Refuses the remaining text, with the likely reason: decimal comma, unknown unit, word too many.
+ * `number` is the last item read, or NULL if it was no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command,
@@ -261,7 +265,7 @@ extern const struct catalog separator_catalog, decimal_catalog, quantity_catalog
 static const char separator_letters[] = "\t,; ";
 static const char decimal_letters[] = ".,";
 
-/* At their places in quantity_catalog. */
+/* Order of the rows of quantity_catalog. */
 enum measurable {
     MEASURE_PERIOD,
     MEASURE_FREQUENCY,

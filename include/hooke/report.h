@@ -35,7 +35,7 @@ struct table_kind {
     struct row row; /* its name is what files end in */
     table_format *format;
 };
-extern const struct catalog table_format_catalog; /* of struct table_kind */
+extern const struct catalog table_format_catalog; /* rows are struct table_kind */
 
 static inline table_format *format_of_kind(const struct row *kind)
 {
@@ -46,25 +46,25 @@ static inline table_format *format_of_kind(const struct row *kind)
 
 struct result_row {
     struct row row;
-    const char *kind; /* of its records; NULL: as the row is called */
-    /* of what there is now; NULL: the last that was found */
+    const char *kind; /* kind of its records; NULL if it is the name of the row */
+    /* Makes the table of the present state; NULL for the last table that was found. */
     bool (*table)(const struct session *session, struct export *export, struct error *error);
-    /* records of what there is now; NULL: what was said last */
+    /* Replies with records of the present state; NULL for the last ones of a command. */
     void (*say)(const struct session *session, struct reply *reply);
     /* `export FILE table` alone writes it, until there is another run */
     bool study;
-    const char *type; /* what makes one */
+    const char *type; /* commands that make one */
     bool sceneless;   /* no scene had a part in it */
 };
 
-extern const struct catalog result_catalog; /* of struct result_row */
+extern const struct catalog result_catalog; /* rows are struct result_row */
 
 /* The table of a row of that catalog. It lives as long as the session keeps it, or the arena. */
 bool export_result(struct session *session, const struct row *of, struct export *export,
                    struct error *error);
-/* Whether there is one. */
+/* Returns true if the session has such a result. */
 bool result_is_kept(const struct session *session, const struct row *of);
-/* What the last study found; the runs where there were runs since. */
+/* Exports the result of the last study, or the runs if there were runs since. */
 bool export_latest(struct session *session, struct export *export, struct error *error);
 /* A row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
@@ -73,12 +73,12 @@ bool export_run_table(const struct session *session, struct export *export, stru
 void reply_result(const struct session *session, struct reply *reply, const char *kind,
                   const struct result_columns *columns, const void *rows, size_t count,
                   const char *method, const char *reference);
-/* What a statement has said becomes the last result of its kind. Returns which of them the result
- * of that command is; NULL: none is a table. */
+/* Makes everything that a statement has reported the last result of its kind. Returns the row of
+ * the command's result, or NULL if it has no table. */
 const struct row *session_keep_results(struct session *session, struct table_store *said,
                                        const char *command);
 
-/* Which rows of many are written, by `every`: a count of rows, or a time [s]. */
+/* Selection of the rows that are written, by a number of rows or by a time [s]. */
 struct thinning {
     double step;
     bool by_time;
@@ -109,8 +109,8 @@ bool keys_finish(const struct keys *keys, struct export *export, struct error *e
 
 /* ---- what events have noticed (event_report.c) ---- */
 
-/* Where events may have been missed: a warning, once; with `format json` a record of each event,
- * how many were noticed. */
+/* Warns once of events that may have been missed; with `format json` writes a record of each event
+ * with the number that were noticed. */
 void reply_event_doubts(struct run_slot *slot, struct reply *reply);
 /* Lines and records of all that happened in the current run. */
 void reply_event_records(const struct session *session, struct reply *reply);
@@ -123,8 +123,9 @@ struct run_record {
     const struct run *run;
     int number;
     const char *method, *status;
-    double dt, tol; /* NAN: the other one holds */
-    double y, v;    /* NAN: the scene has no such variable, or none of its digits is certain */
+    double dt, tol; /* NAN if the other one is used */
+    /* NAN if the scene has no such variable, or if none of its digits is certain */
+    double y, v;
     double rest;    /* [s] held by dry friction from then on; NAN */
     double seconds; /* [s] that it took; NAN with 'timing off' */
     struct data_distance data;
@@ -133,7 +134,7 @@ struct run_record {
     struct cost cost;
     /* Only for records: */
     double kinetic; /* [J] where there is no potential for all of it */
-    /* of the second solution: NAN where nothing is known */
+    /* Results of the second solution; NAN if nothing is known. */
     double opinion_error, opinion_max, opinion_t, opinion_lost;
     struct ledger ledger;
     struct run_errors errors;
@@ -143,7 +144,7 @@ struct run_record {
 void run_record_init(struct run_record *record, const struct session *session,
                      const struct run *run);
 void reply_run_record(struct run_record *record, struct reply *reply);
-/* Of the current run, where there is one. */
+/* Replies with the current run, if there is one. */
 void reply_current_run(const struct session *session, struct reply *reply);
 
 #endif

@@ -295,7 +295,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         ok = history_line(session, line, where && where->parent, &entry, &error);
     while (ok && rest.len > 0 && !session->execution.quit && !session->execution.halted) {
         struct arena arena = {0};
-        statement = rest; /* for the error if the statement has no end */
+        statement = rest; /* the error needs it if the statement has no end */
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 ||
               exec_statement(session, line, entry, statement, where, reply, &arena, &error));

@@ -228,7 +228,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
             if (!argument_is_in(progress->command, FORM_KEY, name, error))
                 return false;
         }
-        /* In `let NAME = value` the = belongs to the value. */
+        /* The = of `let NAME = value` belongs to the value. */
         if (index < 0 && next_index(progress, name) >= 0 &&
             type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
             index = next_index(progress, name);
@@ -239,8 +239,8 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     } else if (index >= 0 && type_is(&progress->command->argument[index], TYPE_BEFORE_WORDS) &&
                !has(progress->arguments, index) &&
                catalog_find(progress->command->argument[index].choices, name)) {
-        /* In `measure energy` a word that the place accepts has priority over a keyword such as in
-         * `of energy`. */
+        /* A word that the place accepts, as in `measure energy`, has priority over a keyword of the
+         * same name, as in `of energy`. */
         used = 0;
     } else if ((index = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {

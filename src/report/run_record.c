@@ -28,7 +28,7 @@ void run_record_init(struct run_record *record, const struct session *session,
         .status = stop_name(run->stop)};
 }
 
-static bool is_mechanical(const void *row) /* without a potential that covers all forces */
+static bool is_mechanical(const void *row) /* no potential covers all forces */
 {
     const struct system *system = &((const struct run_record *)row)->run->system;
     return system->order == 2 && !system->energy;

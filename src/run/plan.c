@@ -114,7 +114,7 @@ double plan_stable_limit(const struct system *system, const struct method *metho
 {
     double omega0, zeta;
     if (!oscillation(system, &omega0, &zeta) ||
-        zeta < 0) /* with negative damping the true motion grows */
+        zeta < 0) /* the true motion grows with negative damping */
         return NAN;
     return fmin(method_stable_limit(method, drag, zeta) / omega0,
                 plan_step_limit(system, method, drag));

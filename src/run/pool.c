@@ -27,7 +27,7 @@ static struct pool_block *large_block(void)
 {
     struct pool_block *block = aligned_alloc(LARGE_PAGE_BYTES, LARGE_PAGE_BYTES);
 #ifdef MADV_HUGEPAGE
-    /* Without large pages the memory is usable, too. */
+    /* The memory is usable without large pages, too. */
     if (block)
         madvise(block, LARGE_PAGE_BYTES, MADV_HUGEPAGE);
 #endif

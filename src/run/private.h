@@ -115,7 +115,7 @@ struct run_private {
     double *before;      /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
-    struct epoch *epoch; /* at least one epoch */
+    struct epoch *epoch; /* one epoch or more */
     size_t epochs, epoch_capacity;
     int64_t batch, look;    /* steps between looks at the clock; the next one of run_creeps() */
     size_t looked, checks;  /* rows that run_diagnose() has seen, and strange steps among them */
@@ -246,8 +246,8 @@ ALWAYS_INLINE void four_raise(four *max, const four *x)
         (*max)[i] = (*x)[i] > (*max)[i] ? (*x)[i] : (*max)[i];
 }
 
-/* Propagator: computes the states after steps first + 1, … of a linear scene without evaluating
- * forces (propagate.c). */
+/* Creates the propagator, which computes the states after steps first + 1, … of a linear scene
+ * without evaluating forces (propagate.c). */
 /* Returns NULL if out of memory or if a step fails. */
 struct propagator *propagator_create(const struct run *run, double h);
 double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
@@ -304,9 +304,9 @@ double opinion_size(const struct run *run, int i);
  * of its work. */
 size_t opinion_brief_rows(const struct system *system, const struct method *method, double evals);
 /*
- * regrowth.c: variables that came to rest within their tolerance, so that neither of the solutions
- * of the opinion knows them. The first returns true if they may have grown again since then, at a
- * small share of the run's work; the second follows what becomes of errors of that size:
+ * Handle variables that came to rest within their tolerance (regrowth.c), so that neither of the
+ * solutions of the opinion knows them. The first returns true if they may have grown again since
+ * then, at a small share of the run's work; the second follows what becomes of errors of that size:
  * opinion.sunk and lost.
  */
 bool regrowth_is_likely(struct run *run);

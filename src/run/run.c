@@ -271,7 +271,7 @@ bool run_back(struct run *run, int64_t rows)
                p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
-    /* For an adaptive run the size of the step that led here is the next proposal; the controller's
+    /* The next proposal of an adaptive run is the size of the step that led here; the controller's
      * memory is not recorded. */
     if (run->plan.adaptive)
         ledger_will_not_repeat(run);

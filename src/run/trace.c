@@ -193,7 +193,7 @@ bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
-    /* by even_record() */
+    /* even_record() records them */
     if (trace->interval > 0 && trace->count > 0)
         return true;
     if (trace->count == 0)

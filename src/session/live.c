@@ -199,7 +199,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && !session->execution.reacting) {
         journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
-                      &session->history.happened); /* in a file `set` alone would not do it */
+                      &session->history.happened); /* `set` alone would not do it in a file */
         if (!now->chosen[param])
             buffer_format(&session->history.happened, "unset %s\n", name);
     }

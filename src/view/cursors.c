@@ -61,7 +61,7 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
                   unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->at[i].crossing > 0)
         buffer_format(out, "  up-crossing #%d", cursors->at[i].crossing);
-    /* on the portrait sheet the amplitude is read here */
+    /* the portrait sheet shows the amplitude here */
     else if (isfinite(cursors->at[i].amplitude))
         buffer_format(out, "  amplitude %.2f %s",
                       cursors->at[i].amplitude / (unit ? unit->factor : 1),

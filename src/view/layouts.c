@@ -163,7 +163,7 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
                                  {area.x + area.width - width, area.y, width, area.height}};
     int n = stack_column(sides[0], a, left, lefts, placed),
         all = n + stack_column(sides[1], a, right, rights, placed + n);
-    for (int i = 0; i < all && a->numbered; i++) /* by rows, in reading order */
+    for (int i = 0; i < all && a->numbered; i++) /* row by row, as one reads */
         placed[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;
 }

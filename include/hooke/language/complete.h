@@ -10,28 +10,30 @@ struct catalog;
 
 struct completion {
     struct session *session;
-    struct text word; /* what stands before the cursor of the word */
+    struct text word; /* part of the word before the cursor */
     void (*offer)(void *context, const char *candidate, const char *brief);
     void *context;
-    const char *file; /* how a file ends that can stand there, "": all; NULL: no name of a file */
+    /* Ending of the files that are possible there, "" for any; NULL if no name of a file is
+     * possible. */
+    const char *file;
 };
 
 void complete_offer(struct completion *c, const char *candidate, const char *brief);
 void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
                       const char *brief);
 void complete_catalog(struct completion *c, const struct catalog *catalog);
-void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER: all */
+void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER for all */
 void complete_settable(struct completion *c);
-void complete_names(struct completion *c);    /* with a value in expressions */
+void complete_names(struct completion *c);    /* names with a value in expressions */
 void complete_operands(struct completion *c); /* these and functions */
-/* State variables and observables of the current run, or of the one that the scene would give; not
- * what stands in `besides`, too (NULL: nothing). */
+/* Offers state variables and observables of the current run, or of the one that the scene would
+ * give, except for names in `besides`, which may be NULL. */
 void complete_columns(struct completion *c, const struct catalog *besides);
-void complete_events(struct completion *c); /* what is watched for */
+void complete_events(struct completion *c); /* offers the events that are watched for */
 /* One item of this type; before: what stands to the left of the word. */
 void complete_item(struct completion *c, const struct argument *argument, struct text before);
 
-char last_letter(struct text text); /* without blanks; 0 if there is none */
+char last_letter(struct text text); /* ignores blanks; returns 0 if there is none */
 bool ends_in_digit(struct text before);
 /* The value that stands before the word ends in an operator, or inside of parentheses. */
 bool value_is_open(struct text value);

@@ -6,7 +6,8 @@
 #include <hooke/language.h>
 
 struct value_grid {
-    char name[LIMIT_NAME + 1]; /* of what has these values, for messages */
+    /* name of the parameter or setting with these values, for messages */
+    char name[LIMIT_NAME + 1];
     enum quantity quantity;
     double from, to; /* SI, both included */
     int count;

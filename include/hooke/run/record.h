@@ -9,7 +9,7 @@ enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
 struct recording_rule {
     enum record_rule rule;
-    int64_t every; /* with RECORD_EVERY, the number of steps between two rows */
+    int64_t every; /* number of steps between two rows (RECORD_EVERY) */
     /* [s], positive. With RECORD_TIMES rows are recorded at t0 + k interval, inside of steps too,
      * and at the present state. */
     double interval;

@@ -14,8 +14,8 @@ struct event_line {
     char name[LIMIT_NAME + 1];
     enum event_action action;
     const char *when; /* EXPR [rising|falling|touching], as typed */
-    /* With EVENT_COMMANDS, the commands executed where the run has stopped; they may end in
-     * `continue`. */
+    /* Commands of EVENT_COMMANDS, executed where the run has stopped; they may end in `continue`.
+     */
     const char *commands;
 };
 

@@ -17,7 +17,7 @@ struct subject {
     bool column;                /* it is a column that was asked for by name */
     struct run *run;            /* NULL for a recording */
     struct recording *recording;
-    char how[340];             /* for the energy of a recording, the origin of m, k and v */
+    char how[340];             /* origin of m, k and v for the energy of a recording */
     struct measured mass, k;   /* these */
     struct energy_noise noise; /* noise of the energy of a recording */
 };

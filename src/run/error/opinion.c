@@ -62,7 +62,7 @@ struct distances {
 };
 
 struct second {
-    /* Without a method the closed form is used, and no member below `at`. */
+    /* The closed form is used if there is no method; then no member below `at` is used. */
     struct follower follower;
     struct distances distances;
     int64_t at;         /* step of the run that it was last compared with */

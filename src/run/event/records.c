@@ -22,7 +22,7 @@ static bool event_record_add(struct run *run, const struct event_crossing *cross
 bool events_until(const struct run *run, double *theta)
 {
     const struct event_watch *watch = run->private_state->watch;
-    bool stopped = false; /* by another event that came earlier */
+    bool stopped = false; /* another event came earlier */
     for (size_t i = 0; i < watch->count; i++) {
         const struct event_crossing *crossing = &watch->found[i];
         if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {

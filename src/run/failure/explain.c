@@ -25,7 +25,7 @@ static void put_time(struct buffer *text, double seconds, int digits)
 /* Part of the largest state above which linear growth, not the method, explains it. */
 #define LINEAR_GROWTH_MIN 1e-30
 #define T0_LARGE 1e6    /* times the way: t0 takes its digits from t */
-#define TOL_SMALL 1e-11 /* Below this tolerance step control may see only rounding. */
+#define TOL_SMALL 1e-11 /* Step control may see only rounding below this tolerance. */
 
 #define RELIABLE_SIZES 2 /* States above this many natural sizes may come from the method. */
 

@@ -217,7 +217,7 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
     struct error ignored;
     size_t used;
     struct run_target target = {.t = request->t, .steps = end - run->steps, .scope = &scope};
-    if (target.steps < 0) /* with 0 steps left the last bits of t may differ */
+    if (target.steps < 0) /* the last bits of t may differ even if no steps are left */
         return;
     if (request->condition &&
         condition_compile(text_of(request->condition), &scope, &arena, &condition, &used, &ignored))

@@ -21,7 +21,7 @@ struct run_mark {
     int64_t steps;
     double t; /* [s] */
     enum stop stop;
-    struct controller controller; /* for an adaptive method, the proposal for the next step */
+    struct controller controller; /* proposal of an adaptive method for the next step */
     char name[LIMIT_NAME + 1];
     struct request *last; /* last request of its journal then */
 };
