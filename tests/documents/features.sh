@@ -4,8 +4,8 @@
 set -u
 now=$(mktemp) && agreed=$(mktemp) || exit 2
 trap 'rm -f "$now" "$agreed"' EXIT
-cat tests/data/features.txt tests/modules/*/features.txt 2>/dev/null | LC_ALL=C sort -u >"$agreed"
-scripts/features >"$now" || { echo "not ok 1 - scripts/features"; exit 1; }
+# A word of a module's command that another module brings is in the file of that one, whether the command is in or not.
+scripts/features agreed | awk '$1 == "command" {has[$2]} $1 != "word" || $2 in has' >"$agreed" && scripts/features >"$now" || { echo "not ok 1 - scripts/features"; exit 1; }
 n=0 bad=0
 check() { # title lines
     n=$((n + 1))
