@@ -158,15 +158,14 @@ LIBRARY_OBJECTS := $(foreach l,$(filter-out terminal,$(LAYERS)),$(call objects,$
 PROGRAM_OBJECTS := $(call objects,terminal) $(B)/main.o \
   $(if $(filter watch,$(CONFIG)),$(B)/tests/cancel/watch.o)
 
-# Tests elsewhere that need a module.
-NEEDING := $(if $(filter xppaut,$(LEFT_OUT)),tests/fuzz/ode.c) \
-  $(if $(filter resume,$(LEFT_OUT)),tests/fuzz/kept.c tests/fuzz/session_file.c tests/faults/terminal/ladder.c)
+# Tests that need a module that is not in.
+NEEDING := $(file <$(D)/lists/needing)
 TEST_SOURCES := $(sort $(filter-out $(NEEDING),$(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) \
   tests/fuzz/*.c $(foreach m,$(MODULES),tests/modules/$(m)/*.c tests/modules/$(m)/*/*.c))))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
 STORY_PROGRAMS := $(D)/tests/unit/command/scripts $(filter $(D)/tests/faults/%,$(TEST_PROGRAMS))
-TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh $(foreach m,$(MODULES),tests/modules/$(m)/*.sh)))
-FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
+TEST_SCRIPTS := $(sort $(filter-out $(NEEDING),$(wildcard tests/*/*.sh $(foreach m,$(MODULES),tests/modules/$(m)/*.sh))))
+FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(filter tests/fuzz/%,$(TEST_SOURCES)))
 
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:

@@ -3,6 +3,7 @@
 # What make builds again when a library appears or goes, or when the compiler or its flags change:
 # what depends on that, and nothing else. In a small tree of its own, where nothing is compiled
 # (make -t) and another pkg-config answers.
+# needs "modules/pictures/"
 set -u
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
