@@ -7,6 +7,11 @@
 # The head of a patch: "files: N" of the source that it may touch (1); "file: NAME CONTENT"; "say: COMMANDS"
 # (json: as records), "expect: TEXT" in what they say, which the program without the row does not say;
 # "never: TEXT"; "fails: COMMANDS"; "test: NAMES" of test programs.
+# Of these some are of modules, as are some rows.
+# needs "modules/comparison/"
+# needs "modules/lanes/"
+# needs "modules/recording/"
+# needs "modules/resume/"
 set -u
 top=$PWD
 here=$top/tests/rows
