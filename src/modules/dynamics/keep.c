@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAME 1e-8 /* of two solutions, relative to the sizes: they are one */
+#define SAME_SOLUTION_RELATIVE 1e-8 /* of two solutions, relative to the sizes: they are one */
 
 /* ---- whose they are ---- */
 
@@ -117,12 +117,12 @@ static double *copy_values(const struct session *session, const double *of)
 static bool same_solution(const struct solution *a, const struct solution *b)
 {
     bool same = a->kind == b->kind && a->n == b->n && a->multiple == b->multiple &&
-                fabs(a->period - b->period) <= SAME * a->period;
+                fabs(a->period - b->period) <= SAME_SOLUTION_RELATIVE * a->period;
     for (int i = 0; i < a->n && same; i++) {
         const double size = fmax(fmax(fabs(a->top[i]), fabs(a->bottom[i])), 1e-3);
         /* along an orbit it may begin anywhere: extrema are the same */
-        same = fabs(a->top[i] - b->top[i]) <= 1e2 * SAME * size &&
-               fabs(a->bottom[i] - b->bottom[i]) <= 1e2 * SAME * size;
+        same = fabs(a->top[i] - b->top[i]) <= 1e2 * SAME_SOLUTION_RELATIVE * size &&
+               fabs(a->bottom[i] - b->bottom[i]) <= 1e2 * SAME_SOLUTION_RELATIVE * size;
     }
     return same;
 }
@@ -236,7 +236,8 @@ static bool same_point(const struct kept_branch *a, const struct kept_point *p,
     const struct solution *s = &kept_point_at(a, p)->solution, *t = &kept_point_at(b, q)->solution;
     bool same = p->special == q->special && same_solution(s, t);
     for (int j = 0; j < a->params && same; j++)
-        same = fabs(s->param[j] - t->param[j]) <= SAME * fmax(fabs(s->param[j]), 1e-3);
+        same = fabs(s->param[j] - t->param[j]) <=
+               SAME_SOLUTION_RELATIVE * fmax(fabs(s->param[j]), 1e-3);
     return same;
 }
 

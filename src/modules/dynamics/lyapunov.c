@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-#define WITHIN 2 /* standard errors */
+#define ZERO_WITHIN_ERRORS 2 /* standard errors */
 
 static void put_measured(struct buffer *out, struct exponent value, enum quantity quantity)
 {
@@ -24,7 +24,7 @@ static int zero_of(const struct lyapunov *f)
 {
     int zero = -1;
     for (int i = 0; i < f->count && f->period == 0 && !f->rests && f->determined; i++)
-        if (fabs(f->exponent[i].value) <= WITHIN * f->exponent[i].error &&
+        if (fabs(f->exponent[i].value) <= ZERO_WITHIN_ERRORS * f->exponent[i].error &&
             (zero < 0 || fabs(f->exponent[i].value) < fabs(f->exponent[zero].value)))
             zero = i;
     return zero;

@@ -63,7 +63,8 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 
 /* ---- what is said ---- */
 
-#define AWAY 0.01 /* of its extent, from the start: the motion there is not on it */
+/* A start farther from the orbit, relative to the orbit's extent, is not on it. */
+#define ORBIT_DISTANCE_FRACTION 0.01
 
 /* Where it was looked for from, and whether it is the motion from there. */
 static void put_from(struct buffer *out, const struct found_orbit *orbit, const char *from)
@@ -71,7 +72,7 @@ static void put_from(struct buffer *out, const struct found_orbit *orbit, const 
     buffer_format(out, ", from %s", from);
     if (orbit->given_up)
         buffer_put(out, TEXT("; no stable one was found: the motion may be chaotic"));
-    if (orbit->family && orbit->away > AWAY)
+    if (orbit->family && orbit->away > ORBIT_DISTANCE_FRACTION)
         buffer_format(out,
                       ";\n  it passes there at %.2g of its extent: the motion from there is not "
                       "on it, and was not found to close",

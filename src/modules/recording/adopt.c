@@ -65,8 +65,10 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
-#define AGREES 1.2      /* rms of the run over that of the fit, at most */
-#define ROUNDING 1e-8   /* of the amplitude: what the run's own errors may add */
+#define RMS_RATIO_MAX 1.2 /* rms of the run over that of the fit, at most */
+#define RUN_ERROR_AMPLITUDE_FRACTION                                                               \
+    1e-8                /* of the amplitude: what the run's own errors may add                     \
+                         */
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 
 /* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or
@@ -107,7 +109,8 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
 static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
-    const double rms = rms_of_run(a), allowed = AGREES * fit->rms + ROUNDING * fit->amplitude.value;
+    const double rms = rms_of_run(a), allowed = RMS_RATIO_MAX * fit->rms +
+                                                RUN_ERROR_AMPLITUDE_FRACTION * fit->amplitude.value;
     const struct recording *of = a->data >= 0 ? a->session->recording[a->data]->recording : NULL;
     const enum quantity quantity = of ? of->column[of->value].quantity : QUANTITY_LENGTH;
     if (isfinite(rms)) {

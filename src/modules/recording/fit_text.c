@@ -10,9 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define STRONG 0.95    /* correlation of two parameters from which it is named */
-#define SAME 0.999999  /* from which the data cannot tell them apart */
-#define CORRELATED 0.3 /* of neighbouring residuals */
+#define CORRELATION_STRONG 0.95       /* correlation of two parameters from which it is named */
+#define CORRELATION_COMPLETE 0.999999 /* from which the data cannot tell them apart */
+#define AUTOCORRELATION_NOTABLE 0.3   /* of neighbouring residuals */
 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
 #define EXACT_DIGITS 12
 
@@ -40,7 +40,7 @@ void fit_add_window(struct fit_summary *summary, enum window_law law, struct are
 void fit_add_residuals(struct fit_summary *summary)
 {
     const struct curve_fit *curve = summary->curve;
-    if (curve->autocorrelation > CORRELATED)
+    if (curve->autocorrelation > AUTOCORRELATION_NOTABLE)
         fit_add_warning(summary,
                         "neighbouring residuals are alike (correlation %.2f): the curve leaves "
                         "something out, or the "
@@ -48,7 +48,7 @@ void fit_add_residuals(struct fit_summary *summary)
                         curve->autocorrelation);
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
-            if (fabs(curve->correlation[i][j]) > SAME)
+            if (fabs(curve->correlation[i][j]) > CORRELATION_COMPLETE)
                 fit_add_warning(
                     summary,
                     "%s and %s change the curve alike: the data cannot tell them apart, hold one",
@@ -268,7 +268,8 @@ static void put_parameters(const struct fit_summary *summary, struct arena *aren
 
 bool fit_correlated(const struct curve_fit *curve, int i, int j)
 {
-    return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
+    return curve->determined[i] && curve->determined[j] &&
+           fabs(curve->correlation[i][j]) > CORRELATION_STRONG;
 }
 
 static void put_curve(const struct fit_summary *summary, struct arena *arena, struct buffer *text)

@@ -9,8 +9,8 @@
 #include <stdio.h>
 
 #define READINGS_MIN 3
-#define SEEN 3.0            /* standard deviations */
-#define SAME_AMPLITUDE 1e-6 /* of it: less is no change that T could depend on */
+#define DEPENDENCE_SEEN_SIGMAS 3.0 /* standard deviations */
+#define SAME_AMPLITUDE 1e-6        /* of it: less is no change that T could depend on */
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
 {
@@ -160,7 +160,9 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
     buffer_put(text, TEXT("\nfrom the least to the largest amplitude T changes by "));
     buffer_uncertain(text, change.value, change.uncertainty);
     buffer_format(text, " %%: %s (%.2g standard deviations)",
-                  sigmas < SEEN ? "no dependence is seen" : "it depends on the amplitude", sigmas);
+                  sigmas < DEPENDENCE_SEEN_SIGMAS ? "no dependence is seen"
+                                                  : "it depends on the amplitude",
+                  sigmas);
     measure_begin(m, "period_change",
                   (struct measured){change.value / 100, change.uncertainty / 100}, QUANTITY_NUMBER,
                   NAN);

@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 /* chance of such a scatter from which on stated uncertainties are called too small */
-#define SURPRISING 0.01
+#define CHANCE_SURPRISING 0.01
 #define MIN_SAMPLES 8
 
 struct repeated {
@@ -181,13 +181,13 @@ static void put_scatter(const struct repeated *r, const struct repeat *repeat, s
 
 static void put_verdict(const struct repeat *repeat, struct reply *reply)
 {
-    if (repeat->chance < SURPRISING)
+    if (repeat->chance < CHANCE_SURPRISING)
         reply_warning(reply,
                       "the values scatter %.*f times as much as they state: the stated "
                       "uncertainties are too small, "
                       "or something changed between them",
                       repeat->birge < 10 ? 1 : 0, repeat->birge);
-    else if (repeat->chance > 1 - SURPRISING)
+    else if (repeat->chance > 1 - CHANCE_SURPRISING)
         reply_warning(
             reply,
             "the values scatter %.2g times what they state: the stated uncertainties are too large",

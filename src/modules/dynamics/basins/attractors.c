@@ -10,18 +10,18 @@
 
 #include "modules/solving/compute/algebra.h"
 
-#define BEYOND 1e6   /* of sizes */
-#define SAME 1e-8    /* of sizes: a state has come again, */
-#define AGAINS 3     /* so many times on end */
-#define NEAR 1e-3    /* of sizes: a motion goes to that attractor, */
-#define NEARS 3      /* if so many times on end */
-#define ALIKE 1e-5   /* of sizes: two that were found are one */
-#define INSIDE 24    /* times on end in the cells of what does not repeat */
-#define CLOUD 6000   /* looks that cells are found by */
-#define ROUND 1000   /* steps of a turn around an orbit */
-#define TURNS 50     /* looks that a turn may take */
-#define NEUTRAL 1e-7 /* multipliers so near 1 attract nothing */
-#define CLOSED 1e-6  /* of sizes: an orbit has closed */
+#define ESCAPE_SIZES 1e6               /* of sizes */
+#define RECURRENCE_SIZES 1e-8          /* of sizes: a state has come again, */
+#define RECURRENCES_MIN 3              /* so many times on end */
+#define ATTRACTOR_NEAR_SIZES 1e-3      /* of sizes: a motion goes to that attractor, */
+#define NEAR_LOOKS_MIN 3               /* if so many times on end */
+#define ATTRACTORS_SAME_SIZES 1e-5     /* of sizes: two that were found are one */
+#define CLOUD_LOOKS_INSIDE 24          /* times on end in the cells of what does not repeat */
+#define CLOUD_LOOKS 6000               /* looks that cells are found by */
+#define ORBIT_TURN_STEPS 1000          /* steps of a turn around an orbit */
+#define ORBIT_TURN_LOOKS_MAX 50        /* looks that a turn may take */
+#define MULTIPLIER_NEUTRAL_MARGIN 1e-7 /* multipliers so near 1 attract nothing */
+#define ORBIT_CLOSED_SIZES 1e-6        /* of sizes: an orbit has closed */
 
 /* ---- distances ---- */
 
@@ -83,7 +83,7 @@ void walker_start(const struct basin_walk *walk, struct walker *walker, const do
 static bool is_near(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     if (!a->cell)
-        return a->basin.stable && apart_from(walk, a, y) < NEAR;
+        return a->basin.stable && apart_from(walk, a, y) < ATTRACTOR_NEAR_SIZES;
     const long at = cell_at(walk, y, NULL);
     return at >= 0 && a->cell[at];
 }
@@ -100,18 +100,21 @@ static int comes_to(const struct basin_walk *walk, struct walker *w)
         }
     if (w->near == 0)
         return BASIN_MISSING;
-    return w->near >= (walk->attractor[w->at].cell ? INSIDE : NEARS) ? w->at : BASIN_MISSING;
+    return w->near >= (walk->attractor[w->at].cell ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN)
+               ? w->at
+               : BASIN_MISSING;
 }
 
 /* Is it where it was so many looks before? */
 static bool repeats(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
-        if (field_distance(&walk->field, w->y, w->past[(w->looks - q) % WALK_PAST]) >= SAME)
+        if (field_distance(&walk->field, w->y, w->past[(w->looks - q) % WALK_PAST]) >=
+            RECURRENCE_SIZES)
             continue;
         w->again = q == w->period ? w->again + 1 : 1;
         w->period = q;
-        return w->again >= AGAINS * q;
+        return w->again >= RECURRENCES_MIN * q;
     }
     w->again = 0;
     return false;
@@ -123,7 +126,7 @@ int walker_look(const struct basin_walk *walk, struct walker *w)
         const double turn = walk->field.turn[i];
         if (turn > 0 && fabs(w->y[i]) > turn)
             w->y[i] = remainder(w->y[i], turn);
-        if (!(fabs(w->y[i] - walk->centre[i]) < BEYOND * walk->field.size[i]))
+        if (!(fabs(w->y[i] - walk->centre[i]) < ESCAPE_SIZES * walk->field.size[i]))
             return BASIN_ESCAPES;
     }
     w->looks++;
@@ -178,7 +181,8 @@ static void judge(struct basin_walk *walk, struct basin *basin)
             basin->growth = isnan(basin->growth) ? size : fmax(basin->growth, size);
     }
     const double most = basin->kind == BASIN_EQUILIBRIUM ? 0 : 1;
-    basin->stable = !known || isnan(basin->growth) || basin->growth < most * (1 - NEUTRAL);
+    basin->stable =
+        !known || isnan(basin->growth) || basin->growth < most * (1 - MULTIPLIER_NEUTRAL_MARGIN);
     free(slopes);
 }
 
@@ -218,7 +222,7 @@ static void settle(struct basin_walk *walk, double *y)
         if (!matrix_solve(walk->n, jacobian, by))
             return;
         for (int i = 0; i < walk->n; i++)
-            small = small && fabs(by[i]) < ALIKE * walk->field.size[i];
+            small = small && fabs(by[i]) < ATTRACTORS_SAME_SIZES * walk->field.size[i];
         for (int i = 0; small && i < walk->n; i++)
             y[i] -= by[i];
     }
@@ -226,7 +230,7 @@ static void settle(struct basin_walk *walk, double *y)
 
 static int learn_points(struct basin_walk *walk, const struct walker *w)
 {
-    const int known = known_as(walk, w->y, ALIKE);
+    const int known = known_as(walk, w->y, ATTRACTORS_SAME_SIZES);
     if (known >= 0)
         return known;
     const int n = walk->n;
@@ -250,10 +254,11 @@ static double go_round(struct basin_walk *walk, const double *start, double *off
 {
     struct field_plane plane;
     double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, before = 0;
-    const double h = walk->strobe / (ROUND / TURNS), t0 = walk->field.system.t0;
+    const double h = walk->strobe / (ORBIT_TURN_STEPS / ORBIT_TURN_LOOKS_MAX),
+                 t0 = walk->field.system.t0;
     field_plane_across(&walk->field, start, &plane);
     memcpy(y[0], start, sizeof y[0]);
-    for (int k = 0; k < ROUND; k++) {
+    for (int k = 0; k < ORBIT_TURN_STEPS; k++) {
         double *now = y[(k + 1) % 2];
         if (!field_flow(&walk->field, t0, y[k % 2], h, now, NULL))
             return 0;
@@ -280,9 +285,9 @@ static int learn_orbit(struct basin_walk *walk, struct walker *w)
     const double period =
         walk->forced || is_equilibrium(walk, w->y) ? 0 : go_round(walk, w->y, &off);
     walk->field.tol = tol;
-    if (!(period > 0) || off > CLOSED)
+    if (!(period > 0) || off > ORBIT_CLOSED_SIZES)
         return BASIN_MISSING;
-    const int known = known_as(walk, w->y, NEAR);
+    const int known = known_as(walk, w->y, ATTRACTOR_NEAR_SIZES);
     if (known >= 0)
         return known;
     struct attractor a = {.points = FIELD_TIMES, .basin = {.kind = BASIN_ORBIT, .period = period}};
@@ -319,16 +324,16 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
         .basin = {.kind = BASIN_IRREGULAR, .period = NAN, .growth = NAN, .stable = true}};
     int fate = BASIN_MISSING;
     double spread[3][FIELD_VARIABLES] = {{0}}, low[FIELD_VARIABLES], high[FIELD_VARIABLES];
-    for (int k = 0; a.cell && k < CLOUD && fate == BASIN_MISSING; k++) {
+    for (int k = 0; a.cell && k < CLOUD_LOOKS && fate == BASIN_MISSING; k++) {
         stepper_advance(stepper, w, 1);
         w->looks = 0; /* for as long as it takes */
         fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
         visit(walk, a.cell, w->y);
         for (int i = 0; i < walk->n; i++) {
-            const bool begins = k % (CLOUD / 3) == 0;
+            const bool begins = k % (CLOUD_LOOKS / 3) == 0;
             low[i] = begins ? w->y[i] : fmin(low[i], w->y[i]);
             high[i] = begins ? w->y[i] : fmax(high[i], w->y[i]);
-            spread[k / (CLOUD / 3)][i] = high[i] - low[i];
+            spread[k / (CLOUD_LOOKS / 3)][i] = high[i] - low[i];
         }
     }
     if (fate == BASIN_MISSING && spread_shrinks(walk->n, spread))

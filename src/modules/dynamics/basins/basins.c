@@ -16,9 +16,9 @@
 #include <hooke/base/numeric.h>
 
 #define POINTS_MOST 16000000
-#define FIRST 64   /* starts by which attractors are found */
-#define ATTEMPT 64 /* looks between attempts to find an orbit */
-#define SMALL 1e-3 /* of the largest size */
+#define PILOT_STARTS 64        /* starts by which attractors are found */
+#define LOOKS_PER_ATTEMPT 64   /* looks between attempts to find an orbit */
+#define SIZE_MIN_FRACTION 1e-3 /* of the largest size */
 #define LOOK_NS 50000000
 
 double basins_value(const struct basins_request *request, int axis, int64_t place)
@@ -71,14 +71,14 @@ static void start_at(const struct basins_request *request, const struct basin_wa
 /* The middle of the rates at the starts, in their logarithms. */
 static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
-    double speed[FIRST], rate[FIELD_VARIABLES];
-    for (int k = 0; k < FIRST; k++) {
+    double speed[PILOT_STARTS], rate[FIELD_VARIABLES];
+    for (int k = 0; k < PILOT_STARTS; k++) {
         field_rate(&walk->field, start[k], rate);
         speed[k] = 0;
         for (int i = 0; i < walk->n; i++)
             speed[k] = fmax(speed[k], fabs(rate[i]) / walk->field.size[i]);
     }
-    const double middle = values_quantile(speed, FIRST, 0.5);
+    const double middle = values_quantile(speed, PILOT_STARTS, 0.5);
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
 }
 
@@ -98,7 +98,7 @@ static bool refuse(const struct basin_walk *walk, const struct basins_request *r
 static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
-    for (int k = 0; k < FIRST; k++) {
+    for (int k = 0; k < PILOT_STARTS; k++) {
         double trace = 0, size = 0;
         field_jacobian(&walk->field, start[k], jacobian);
         for (int i = 0; i < walk->n * walk->n; i++) {
@@ -124,13 +124,14 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
     }
     for (int i = 0; i < walk->n; i++)
         if (i != request->axis[0].variable && i != request->axis[1].variable)
-            walk->field.size[i] = walk->field.size[i] < SMALL * most ? most : walk->field.size[i];
+            walk->field.size[i] =
+                walk->field.size[i] < SIZE_MIN_FRACTION * most ? most : walk->field.size[i];
 }
 
 bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
                struct error *error)
 {
-    double start[FIRST][FIELD_VARIABLES];
+    double start[PILOT_STARTS][FIELD_VARIABLES];
     *walk = (struct basin_walk){.n = 0};
     if (!field_init(&walk->field, request->scene, NULL, 0, error))
         return false;
@@ -143,7 +144,7 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, bo
         return false;
     }
     choose_sizes(walk, request);
-    for (int k = 0; k < FIRST; k++) {
+    for (int k = 0; k < PILOT_STARTS; k++) {
         memcpy(start[k], walk->field.system.start, sizeof start[k]);
         for (int a = 0; a < 2; a++) {
             const double share = ((a == 0 ? k / 8 : k % 8) + 0.5) / 8;
@@ -157,7 +158,7 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, bo
     }
     walk->strobe = drive > 0 ? drive : natural_time(walk, start);
     if (lanes)
-        stepper_choose(walk, start, FIRST);
+        stepper_choose(walk, start, PILOT_STARTS);
     return true;
 }
 
@@ -176,8 +177,8 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
                         struct basins *basins)
 {
     struct stepper *stepper = stepper_create(walk);
-    struct walker *walker = malloc(FIRST * sizeof *walker);
-    int active = stepper && walker ? FIRST : 0;
+    struct walker *walker = malloc(PILOT_STARTS * sizeof *walker);
+    int active = stepper && walker ? PILOT_STARTS : 0;
     const bool fine = active > 0;
     for (int k = 0; k < active; k++) {
         const int64_t a = request->axis[0].count * (int64_t)(2 * (k / 8) + 1) / 16,
@@ -192,7 +193,7 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
         int left = 0;
         for (int k = 0; k < active; k++) {
             int fate = walker_look(walk, &walker[k]);
-            if (fate == BASIN_UNDECIDED || (fate == BASIN_MISSING && look % ATTEMPT == 0))
+            if (fate == BASIN_UNDECIDED || (fate == BASIN_MISSING && look % LOOKS_PER_ATTEMPT == 0))
                 fate = walk_learn(walk, &walker[k]);
             if (fate == BASIN_MISSING && walker[k].looks < WALK_LOOKS)
                 walker[left++] = walker[k];
@@ -284,19 +285,19 @@ static void watch_over(struct basins_job *job)
     }
 }
 
-#define THREADS 64
-#define STACK ((size_t)1 << 20)
+#define THREADS_MAX 64
+#define THREAD_STACK_BYTES ((size_t)1 << 20)
 
 static void walk_by_threads(struct basins_job *job)
 {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     const int wanted = job->request->threads > 0 ? job->request->threads : (int)processors;
-    pthread_t thread[THREADS];
+    pthread_t thread[THREADS_MAX];
     pthread_attr_t stack;
     int running = 0;
     pthread_attr_init(&stack);
-    pthread_attr_setstacksize(&stack, STACK);
-    while (running < wanted && running < THREADS &&
+    pthread_attr_setstacksize(&stack, THREAD_STACK_BYTES);
+    while (running < wanted && running < THREADS_MAX &&
            running * (int64_t)LANE_COUNT < job->basins->total &&
            pthread_create(&thread[running], &stack, walk_all, job) == 0)
         running++;
@@ -325,10 +326,10 @@ static void learn_late(struct basins_job *job, struct basin_walk *walk)
     for (size_t i = 0; i < job->lates && !cancelled(job->request->cancel); i++) {
         struct walker *w = &job->late[i].walker;
         /* what does not repeat is looked at for a few of them only */
-        if (!w->found && i >= FIRST && walk->attractors == before)
+        if (!w->found && i >= PILOT_STARTS && walk->attractors == before)
             continue;
         int fate = BASIN_UNDECIDED;
-        if (w->found || i < FIRST || walk->attractors > before)
+        if (w->found || i < PILOT_STARTS || walk->attractors > before)
             fate = walk_learn(walk, w);
         job->basins->fate[job->late[i].point] =
             (signed char)(fate == BASIN_MISSING ? BASIN_UNDECIDED : fate);

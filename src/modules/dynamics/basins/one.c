@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#define ATTEMPT 64  /* looks between attempts to find an orbit */
-#define HALVED 1e-4 /* of sizes: points so near are on the way to one */
+#define LOOKS_PER_ATTEMPT 64     /* looks between attempts to find an orbit */
+#define SAME_APPROACH_SIZES 1e-4 /* of sizes: points so near are on the way to one */
 
 /* From the scene's start alone; about it lie those that sizes and the time between looks follow
  * from. */
@@ -34,7 +34,7 @@ static int follow(struct basin_walk *walk, const struct cancel *cancel)
         if (cancelled(cancel)) /* it may have ended anywhere */
             break;
         fate = walker_look(walk, &walker);
-        const bool tries = fate == BASIN_MISSING && walker.looks % ATTEMPT == 0;
+        const bool tries = fate == BASIN_MISSING && walker.looks % LOOKS_PER_ATTEMPT == 0;
         if (walker.looks < WALK_LOOKS && (tries || fate == BASIN_UNDECIDED))
             fate = walk_learn(walk, &walker);
     }
@@ -48,7 +48,8 @@ static int periods_of(const struct basin_walk *walk, const struct attractor *a)
 {
     int periods = a->basin.multiple;
     while (periods % 2 == 0 && periods > 0 &&
-           field_distance(&walk->field, a->point, a->point + periods / 2 * walk->n) < HALVED)
+           field_distance(&walk->field, a->point, a->point + periods / 2 * walk->n) <
+               SAME_APPROACH_SIZES)
         periods /= 2;
     return periods;
 }

@@ -9,8 +9,8 @@
 #include <hooke/base/numeric.h>
 
 #define ALONE_TOL 1e-9
-#define FEWEST 16
-#define MOST 2048
+#define STEPS_MIN 16
+#define STEPS_MAX 2048
 #define LOOK_STEPS 256      /* of all lanes: after so many it asks whether to stop */
 #define CHANGE_TYPICAL 1e-5 /* change by twice the steps, in sizes, of nine starts of ten */
 #define CHANGE_WORST 1e-2   /* and of any start */
@@ -119,7 +119,7 @@ static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
     double off[LANE_COUNT];
-    for (walk->steps = FEWEST; walk->steps < MOST; walk->steps *= 2) {
+    for (walk->steps = STEPS_MIN; walk->steps < STEPS_MAX; walk->steps *= 2) {
         if (!differences(walk, start, count, off))
             break;
         double worst = 0;

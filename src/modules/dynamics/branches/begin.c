@@ -4,10 +4,10 @@
 
 #include "modules/dynamics/branches/walk.h"
 
-#define TOGETHER 1e-6 /* the start, and what is found of it */
-#define FAR 0.3       /* from the start: another solution */
+#define SAME_SOLUTION_DISTANCE 1e-6 /* the start, and what is found of it */
+#define START_DISTANCE_MAX 0.3      /* from the start: another solution */
 /* Distance from a crossing at which a branch begins beside it, where the range is 1. */
-#define BESIDE 0.005
+#define NEIGHBOUR_PARAM_STEP 0.005
 
 /* At a fold another unknown is held; where branches cross the walk begins beside it, and passes it
  * on one side. */
@@ -20,16 +20,16 @@ static bool begin_at_special(const struct branch_request *r, struct solution_cur
         double direction[CURVE_MAX] = {0};
         direction[i] = side;
         if (curve_correct(path->problem, u, direction, true, first) &&
-            curve_distance(n + 1, u, first->u) < TOGETHER)
+            curve_distance(n + 1, u, first->u) < SAME_SOLUTION_DISTANCE)
             return true;
     }
     for (int way = -1; way <= 1; way += 2) {
         double beside[CURVE_MAX];
         memcpy(beside, u, sizeof beside);
-        beside[n] += way * BESIDE;
+        beside[n] += way * NEIGHBOUR_PARAM_STEP;
         if (beside[n] * psize >= r->from && beside[n] * psize <= r->to &&
             solutions_correct_at(path, beside, side, first) &&
-            curve_distance(n + 1, u, first->u) < FAR)
+            curve_distance(n + 1, u, first->u) < START_DISTANCE_MAX)
             return true;
     }
     return false;

@@ -6,23 +6,28 @@
 #include <string.h>
 
 #include "modules/dynamics/branches/walk.h"
-#define FIRST 0.01 /* arclength of the first step, where the range is 1 */
-#define LONGEST 0.05
-#define SHORTEST 1e-7 /* of the longest */
-#define UNRESOLVED                                                                                 \
-    1e-4              /* of the longest: what is shorter is not cut for pairs of special points    \
-                       */
-#define AHEAD 0.01    /* of the longest: what stops the shortest is nearer than this */
-#define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
-#define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
-#define SLOWEST 100   /* the same of a drive that stops within the range */
-#define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
-#define LEVEL 12      /* so many of these in a row */
-#define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
-#define POINTS 1000
-#define SHRUNK 2e-3   /* of its largest extent: an orbit that is nearly an equilibrium */
-#define STANDING 1e-9 /* relative, of the parameter of orbits: rounding */
-#define RESTING 1e-13 /* of equilibria */
+#define FIRST_STEP_LENGTH 0.01 /* arclength of the first step, where the range is 1 */
+#define STEP_LENGTH_MAX 0.05
+#define STEP_MIN_FRACTION 1e-7 /* of the longest */
+/* Shorter steps, relative to the longest, are not halved to separate pairs of special points. */
+#define UNRESOLVED_STEP_FRACTION 1e-4
+/* An obstacle that stops the shortest step is nearer than this part of the longest one. */
+#define OBSTACLE_DISTANCE_FRACTION 0.01
+#define STEP_TURN_COSINE_MIN 0.94 /* cosine of the angle by which a step may turn: 20 degrees */
+#define PERIOD_GROWTH_MAX 25 /* times the first period: the orbit nears one that takes for ever */
+#define DRIVE_PERIOD_GROWTH_MAX 100 /* the same of a drive that stops within the range */
+#define VERTICAL_TANGENT_PARAM                                                                     \
+    1e-7                      /* part of the parameter in a tangent that does not change it        \
+                               */
+#define VERTICAL_STEPS_MAX 12 /* so many of these in a row */
+#define NEARLY_VERTICAL_TANGENT_PARAM                                                              \
+    1e-4 /* of a tangent: the parameter hardly changes any more                                    \
+          */
+#define BRANCH_POINTS_DEFAULT 1000
+/* An orbit below this part of its largest extent is nearly an equilibrium. */
+#define SHRUNK_ORBIT_FRACTION 2e-3
+#define ORBIT_PARAM_ROUNDING 1e-9        /* relative, of the parameter of orbits: rounding */
+#define EQUILIBRIUM_PARAM_ROUNDING 1e-13 /* of equilibria */
 
 /* ---- the walk ---- */
 
@@ -75,7 +80,7 @@ static bool good_step(const struct curve_problem *problem, const struct curve_pl
     double cosine = 0;
     for (int i = 0; i <= problem->n; i++)
         cosine += from->tangent[i] * to->tangent[i];
-    return cosine >= TURN && to->corrections <= 5;
+    return cosine >= STEP_TURN_COSINE_MIN && to->corrections <= 5;
 }
 
 /* As long as the parameter changes by no more than `longest` of its range, and the state by three
@@ -93,11 +98,12 @@ bool curve_next(const struct curve_problem *problem, const struct curve_place *b
                 const struct curve_place *from, double *by, double longest,
                 struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *to)
 {
-    for (; *by > SHORTEST * longest; *by /= 2) {
+    for (; *by > STEP_MIN_FRACTION * longest; *by /= 2) {
         if (cancelled(cancel))
             return false;
         if (curve_step(problem, before, from, *by, to) && good_step(problem, from, to) &&
-            (!resolves || *by < UNRESOLVED * longest || step_is_resolved(resolves, from, to)))
+            (!resolves || *by < UNRESOLVED_STEP_FRACTION * longest ||
+             step_is_resolved(resolves, from, to)))
             return true;
     }
     return false;
@@ -118,8 +124,9 @@ static bool too_slow(struct branch_walk *w, const struct curve_place *at)
     if (!(w->period > 0))
         w->period = period;
     if (w->path->kind == SOLUTION_RESPONSE)
-        return period > SLOWEST * w->period;
-    return period > SLOW * w->period && fabs(at->tangent[w->path->problem->n]) < STILL;
+        return period > DRIVE_PERIOD_GROWTH_MAX * w->period;
+    return period > PERIOD_GROWTH_MAX * w->period &&
+           fabs(at->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM;
 }
 
 /* Neither the parameter nor what differences do along the way changes: of conservative motion. */
@@ -129,7 +136,7 @@ static bool in_family(const struct branch_walk *w, const struct curve_place *at)
     bool one = w->path->kind == SOLUTION_EQUILIBRIUM;
     for (int i = 0; i < s->values; i++)
         one = one || hypot(s->value[i].re - 1, s->value[i].im) < 1e-6;
-    return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL;
+    return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL_TANGENT_PARAM;
 }
 
 /* Cuts orbits that differences grow along too much into more segments. */
@@ -151,7 +158,8 @@ static bool cut(struct branch_walk *w, struct curve_place *at)
 /* Not where the parameter tells no direction. */
 static void stretch(struct branch_walk *w, struct curve_place *at)
 {
-    if (w->path->kind != SOLUTION_ORBIT || fabs(at->tangent[w->path->problem->n]) < STILL ||
+    if (w->path->kind != SOLUTION_ORBIT ||
+        fabs(at->tangent[w->path->problem->n]) < NEARLY_VERTICAL_TANGENT_PARAM ||
         !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
         return;
     walk_go_on(w, at);
@@ -236,7 +244,8 @@ static void forget_turns(struct branch_walk *w)
 static void forget_last_turns(struct branch *b, int by)
 {
     const double there = b->count > 0 ? b->point[by > 0 ? 0 : b->count - 1].solution.param[0] : 0,
-                 apart = b->kind == SOLUTION_EQUILIBRIUM ? RESTING : STANDING;
+                 apart = b->kind == SOLUTION_EQUILIBRIUM ? EQUILIBRIUM_PARAM_ROUNDING
+                                                         : ORBIT_PARAM_ROUNDING;
     for (int i = by > 0 ? 0 : b->count - 1; i >= 0 && i < b->count; i += by) {
         if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
             return;
@@ -273,7 +282,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
         return end_there(w, "end of the range");
     }
     w->level = in_family(w, next) ? w->level + 1 : 0;
-    if (w->level == LEVEL) {
+    if (w->level == VERTICAL_STEPS_MAX) {
         forget_turns(w);
         return end_there(w, "a family at one value of the parameter");
     }
@@ -296,7 +305,7 @@ static void tell(struct branch_walk *w, const struct curve_place *at,
     const double from = start->u[p] * w->psize, by = at->u[p] * w->psize - from,
                  ahead = by > 0 ? r->to - from : from - r->from;
     const double part = fmin(fmax(ahead > 0 ? fabs(by) / ahead : 0, 1.0 * points / max), 1);
-    w->told = fmax(w->told, FOLLOWED * (w->side + part) / w->sides);
+    w->told = fmax(w->told, FOLLOWING_TIME_FRACTION * (w->side + part) / w->sides);
     if (r->progress)
         r->progress(r->context, w->told);
 }
@@ -314,8 +323,8 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)
         return false;
-    double by = SHORTEST * longest;
-    while (by < AHEAD * longest) {
+    double by = STEP_MIN_FRACTION * longest;
+    while (by < OBSTACLE_DISTANCE_FRACTION * longest) {
         struct curve_place ahead = *at;
         struct solution s;
         for (int i = 0; i <= w->path->problem->n; i++)
@@ -332,15 +341,15 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
 /* From `at`, which is recorded already, until it ends; false: no memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
-    const double longest = w->request->step > 0 ? w->request->step : LONGEST;
-    const int max = w->request->max > 0 ? w->request->max : POINTS;
+    const double longest = w->request->step > 0 ? w->request->step : STEP_LENGTH_MAX;
+    const int max = w->request->max > 0 ? w->request->max : BRANCH_POINTS_DEFAULT;
     const struct curve_place start = at;
     w->level = 0;
     w->bends = false;
     w->moved = 1;
     w->away = false;
     w->start = w->path->problem->n;
-    double by = fmin(FIRST, longest);
+    double by = fmin(FIRST_STEP_LENGTH, longest);
     walk_start(w, &at);
     ends(w, w->request->max > 0 ? "as many points as were asked for"
                                 : "1000 points: max=N takes more");
@@ -358,12 +367,12 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0) { /* beyond the equilibrium to which it shrinks, or of another phase */
             by /= 2;
-            if (by > SHORTEST * far && extent(w) > SHRUNK) {
+            if (by > STEP_MIN_FRACTION * far && extent(w) > SHRUNK_ORBIT_FRACTION) {
                 i--;
                 continue;
             }
-            return end_there(w, extent(w) > SHRUNK ? "no step leads on"
-                                                   : "it shrinks to an equilibrium");
+            return end_there(w, extent(w) > SHRUNK_ORBIT_FRACTION ? "no step leads on"
+                                                                  : "it shrinks to an equilibrium");
         }
         const bool leaves = !ranges_contain(&w->ranges, w->path->problem, &next);
         if (leaves) { /* what lies between it and the edge is not looked for */
@@ -403,7 +412,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         if (jumps(w, &solution))
             return end_there(w, BRANCH_JUMP);
         w->before = at;
-        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > STEP_TURN_COSINE_MIN;
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)

@@ -171,11 +171,12 @@ static double coefficient(const struct taylor *t, double omega)
     return (sum + real_product(n, p, q, re, im)) / (2 * omega);
 }
 
-#define STEP 2e-3   /* of the natural sizes; */
-#define LONGER 100  /* times, where that is lost in rounding: of variables that have not moved, */
-#define LONGEST 0.1 /* of the largest natural size */
-#define KNOWN 1e-3  /* of the value: an error */
-#define NEARLY 0.03 /* of the value: two steps say the same */
+#define DIFFERENCE_STEP_SIZES 2e-3 /* first step in natural sizes */
+/* The step grows where the difference is lost in rounding: of variables that have not moved. */
+#define STEP_GROWTH_FACTOR 100
+#define STEP_MAX_FRACTION 0.1         /* of the largest natural size */
+#define VALUE_ERROR_MAX_RELATIVE 1e-3 /* of the value: an error */
+#define VALUES_AGREE_RELATIVE 0.03    /* of the value: two steps say the same */
 
 /* The largest natural size, as a multiple of those that the motion has to do with. */
 static double room_for_steps(struct vector_field *field, const double *state, double omega)
@@ -194,16 +195,18 @@ static double room_for_steps(struct vector_field *field, const double *state, do
 double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
                             double *error)
 {
-    const double longest = LONGEST * room_for_steps(field, state, omega);
+    const double longest = STEP_MAX_FRACTION * room_for_steps(field, state, omega);
     double first = NAN, first_error = NAN, last = NAN;
-    for (double step = STEP; step == STEP || step < longest; step *= LONGER) {
+    for (double step = DIFFERENCE_STEP_SIZES; step == DIFFERENCE_STEP_SIZES || step < longest;
+         step *= STEP_GROWTH_FACTOR) {
         const struct taylor fine = {field, state, step}, coarse = {field, state, 2 * step};
         const double value = coefficient(&fine, omega);
         *error = fabs(coefficient(&coarse, omega) - value);
-        const bool known = value != 0 && *error <= KNOWN * fabs(value);
-        if (known && (step == STEP || fabs(value - last) <= NEARLY * fabs(value)))
+        const bool known = value != 0 && *error <= VALUE_ERROR_MAX_RELATIVE * fabs(value);
+        if (known && (step == DIFFERENCE_STEP_SIZES ||
+                      fabs(value - last) <= VALUES_AGREE_RELATIVE * fabs(value)))
             return value;
-        if (step == STEP) {
+        if (step == DIFFERENCE_STEP_SIZES) {
             first = value;
             first_error = *error;
         }

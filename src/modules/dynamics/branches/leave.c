@@ -7,7 +7,7 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define ASIDE 1e-6 /* of units */
+#define DIFFERENCE_STEP_UNITS 1e-6 /* of units */
 
 static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
 
@@ -37,12 +37,13 @@ static bool spread(struct solution_curve *path, const struct solution *at, doubl
     struct vector_field *field = &path->field;
     struct orbit_curve *orbit = &path->orbit;
     const int n = field->n, all = path->problem->n;
-    const double p = at->param[0], aside = p + ASIDE * by[n + 1] * orbit->psize;
+    const double p = at->param[0], aside = p + DIFFERENCE_STEP_UNITS * by[n + 1] * orbit->psize;
     double moved[CURVE_MAX], state[FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
-        state[i] = at->state[i] + ASIDE * by[i] * field->size[i];
+        state[i] = at->state[i] + DIFFERENCE_STEP_UNITS * by[i] * field->size[i];
     if (!field_set(field, &aside) ||
-        !orbit_curve_unknowns(orbit, state, period + ASIDE * by[n] * orbit->tsize, moved) ||
+        !orbit_curve_unknowns(orbit, state, period + DIFFERENCE_STEP_UNITS * by[n] * orbit->tsize,
+                              moved) ||
         !field_set(field, &p) || !orbit_curve_unknowns(orbit, at->state, period, u))
         return false;
     for (int i = 0; i <= all; i++)

@@ -7,12 +7,14 @@
 
 #include "modules/dynamics/branches/walk.h"
 
-#define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
-#define DOUBLE 1e-6   /* of a frequency: an eigenvalue that is 0 */
-#define TINY 1e-8     /* of the largest value so far: a test that is 0 */
-#define EDGE 1e-9     /* of the range: what is so near is on it */
-#define STILL 1e-13   /* of the range, or of the parameter: rounding */
-#define FLAT 1e-9     /* relative: folds of orbits that are nearer are seen by rounding */
+/* Tests that become 0 within this part of the range belong to the same point. */
+#define SAME_POINT_RANGE_FRACTION 1e-6
+#define ZERO_EIGENVALUE_RELATIVE 1e-6 /* of a frequency: an eigenvalue that is 0 */
+#define ZERO_TEST_RELATIVE 1e-8       /* of the largest value so far: a test that is 0 */
+#define RANGE_EDGE_FRACTION 1e-9      /* of the range: what is so near is on it */
+#define PARAM_ROUNDING_RELATIVE 1e-13 /* of the range, or of the parameter: rounding */
+/* Folds of orbits that are nearer to each other than this, relatively, come from rounding. */
+#define FOLD_ROUNDING_RELATIVE 1e-9
 
 bool branch_append(struct branch *b, const struct solution_curve *path,
                    const struct curve_place *at, enum special special,
@@ -42,7 +44,7 @@ bool branch_append(struct branch *b, const struct solution_curve *path,
 static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
 {
     if (test > 0)
-        return fabs(p->test[test]) <= TINY * w->largest[test];
+        return fabs(p->test[test]) <= ZERO_TEST_RELATIVE * w->largest[test];
     /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
      */
     return fabs(p->test[test]) <= CURVE_LEVEL ||
@@ -51,7 +53,7 @@ static bool zero(const struct branch_walk *w, const struct curve_place *p, int t
 
 bool is_in_range(const struct branch_request *r, double *param)
 {
-    const double by = EDGE * (r->to - r->from);
+    const double by = RANGE_EDGE_FRACTION * (r->to - r->from);
     if (!(*param >= r->from - by && *param <= r->to + by))
         return false;
     *param = fmin(fmax(*param, r->from), r->to);
@@ -67,7 +69,7 @@ static bool locate(const struct branch_walk *w, const struct curve_place *before
     if (curve_locate(problem, before, to, test, &f->at, &f->near))
         return true;
     if (w->path->kind == SOLUTION_EQUILIBRIUM || test != ORBIT_FOLD ||
-        !(fabs(before->u[n] - to->u[n]) < FLAT * fabs(to->u[n])))
+        !(fabs(before->u[n] - to->u[n]) < FOLD_ROUNDING_RELATIVE * fabs(to->u[n])))
         return false;
     f->at = fabs(before->test[test]) < fabs(to->test[test]) ? *before : *to;
     f->near = fabs(before->u[n] - to->u[n]);
@@ -93,7 +95,7 @@ static bool turns_back(const struct branch_walk *w, const struct curve_place *be
 {
     const int n = w->path->problem->n;
     const double a = before->u[n] - fold->u[n], b = to->u[n] - fold->u[n],
-                 rounding = STILL * fmax(fabs(fold->u[n]), 1);
+                 rounding = PARAM_ROUNDING_RELATIVE * fmax(fabs(fold->u[n]), 1);
     return fmax(fabs(a), fabs(b)) > rounding &&
            ((a > 0) == (b > 0) || fmin(fabs(a), fabs(b)) <= rounding);
 }
@@ -146,7 +148,7 @@ static void leave_doubles_out(struct found_special *found, int *count, int n)
         for (int j = 0; j < *count; j++)
             if (i != j && found[i].special == SPECIAL_CROSSING &&
                 (found[j].special == SPECIAL_FOLD || found[j].special == SPECIAL_TORUS) &&
-                curve_distance(n, found[i].at.u, found[j].at.u) < TOGETHER) {
+                curve_distance(n, found[i].at.u, found[j].at.u) < SAME_POINT_RANGE_FRACTION) {
                 found[j] = found[--*count];
                 i = -1;
                 break;
@@ -171,9 +173,9 @@ static double criticality(struct branch_walk *w, const struct solution *s)
             omega = s->value[k].im;
         }
     for (int k = 0; k < s->values; k++) {
-        if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
+        if (hypot(s->value[k].re, s->value[k].im) < ZERO_EIGENVALUE_RELATIVE * omega)
             return NAN;
-        pairs += s->value[k].im > 0 && fabs(s->value[k].re) < DOUBLE * omega;
+        pairs += s->value[k].im > 0 && fabs(s->value[k].re) < ZERO_EIGENVALUE_RELATIVE * omega;
     }
     if (pairs > 1)
         return NAN;
@@ -190,7 +192,8 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     struct branch_point *best = w->fold_at < b->count ? &b->point[w->fold_at] : NULL;
     const double before = b->point[b->count - 1].solution.param[0],
                  at = best ? best->solution.param[0] : NAN, apart = fabs(value - at) / fabs(at);
-    const bool flat = w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FLAT;
+    const bool flat =
+        w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FOLD_ROUNDING_RELATIVE;
     if (flat && best && best->special == SPECIAL_FOLD) {
         best->special = SPECIAL_NONE;
         w->fold_spread = fmax(w->fold_spread, apart);

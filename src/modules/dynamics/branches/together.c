@@ -12,13 +12,15 @@
 
 #include "modules/dynamics/branches/walk.h"
 
-#define CERTAIN                                                                                    \
-    1e-5        /* of the largest eigenvalue, or of the logarithm of a multiplier: it grows        \
-                 */
-#define WHOLE 4 /* halvings after which those that are left may pass together */
-#define DEEPEST 14
-#define AT_ONCE 1e-7 /* as CERTAIN: so far from passing is none of those that pass together */
-#define PAIR 1e-5    /* imaginary part of one that is complex */
+/* A rate above this part of the largest eigenvalue, or of a multiplier's logarithm, has a certain
+ * sign. */
+#define CERTAIN_RATE_RELATIVE 1e-5
+#define HALVINGS_BEFORE_COMMON 4 /* halvings after which those that are left may pass together */
+#define HALVINGS_MAX 14
+/* Eigenvalues farther from passing than this, in the units of CERTAIN_RATE_RELATIVE, do not pass
+ * together. */
+#define AT_ONCE 1e-7
+#define COMPLEX_PAIR_IMAG_MIN 1e-5 /* imaginary part of one that is complex */
 
 /* How fast a difference grows: a rate, or the logarithm of a multiplier. */
 static double growth(const struct solution *s, int k)
@@ -41,7 +43,7 @@ int walk_grows(struct branch_walk *w, const struct solution *s)
     w->unit = fmax(w->unit, unit_of(s));
     for (int k = 0; k < s->values; k++) {
         const double rate = growth(s, k);
-        if (!(fabs(rate) > CERTAIN * w->unit))
+        if (!(fabs(rate) > CERTAIN_RATE_RELATIVE * w->unit))
             return -1;
         count += rate > 0;
     }
@@ -94,7 +96,7 @@ static enum special kind_of(const struct solution *s, double unit, int count, co
     bool pair = false, turned = false;
     for (int i = 0; i < count; i++) {
         const struct eigenvalue v = s->value[place[i]];
-        pair = pair || fabs(v.im) > PAIR * unit;
+        pair = pair || fabs(v.im) > COMPLEX_PAIR_IMAG_MIN * unit;
         turned = turned || v.re < 0;
     }
     return s->kind == SOLUTION_EQUILIBRIUM ? (pair ? SPECIAL_HOPF : SPECIAL_CROSSING)
@@ -103,7 +105,7 @@ static enum special kind_of(const struct solution *s, double unit, int count, co
                                            : SPECIAL_CROSSING;
 }
 
-/* Its memory is no part of between(), which goes DEEPEST deep. */
+/* Its memory is no part of between(), which goes HALVINGS_MAX deep. */
 static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
                                                     struct found_special *found)
 {
@@ -142,14 +144,14 @@ static void between(struct branch_walk *w, const struct curve_place *a, int a_gr
         return;
     *count = before;
     /* of one alone the sign of a test changes */
-    if (p.count > 1 && depth >= WHOLE && before < SPECIALS_MOST &&
+    if (p.count > 1 && depth >= HALVINGS_BEFORE_COMMON && before < SPECIALS_MOST &&
         pass_together(&p, &found[before])) {
         *count += is_in_range(w->request, &found[before].solution.param[0]);
         return;
     }
     struct curve_place middle;
     int grows;
-    if (depth == DEEPEST || !middle_of(&p, &middle, &grows))
+    if (depth == HALVINGS_MAX || !middle_of(&p, &middle, &grows))
         return;
     between(w, a, a_grows, &middle, grows, depth + 1, found, count);
     between(w, &middle, grows, b, b_grows, depth + 1, found, count);

@@ -13,14 +13,15 @@
 
 #include "modules/dynamics/branches/walk.h"
 
-#define DELTA 1e-6
-#define ASIDE 1e-4  /* of units: along a fold of orbits */
-#define MIXED 0.618 /* of the second parameter: their sum is in no special direction */
-#define FRESH 1e-4  /* farther away the condition of an orbit is derived anew */
-#define FIRST 0.01
-#define LONGEST 0.05
-#define TURN 0.9 /* of the phase of an orbit: less is referred anew */
-#define POINTS 1000
+#define DIFFERENCE_STEP_RELATIVE 1e-6
+#define FOLD_DIFFERENCE_UNITS 1e-4 /* of units: along a fold of orbits */
+/* Weight of the second parameter in the sum of both, which then has no special direction. */
+#define SECOND_PARAM_WEIGHT 0.618
+#define CONDITION_REUSE_DISTANCE 1e-4 /* farther away the condition of an orbit is derived anew */
+#define FIRST_STEP_LENGTH 0.01
+#define STEP_LENGTH_MAX 0.05
+#define PHASE_COSINE_MIN 0.9 /* of the phase of an orbit: less is referred anew */
+#define CURVE_POINTS_DEFAULT 1000
 
 struct special_curve {
     struct solution_curve base;
@@ -79,7 +80,7 @@ static bool look(struct special_curve *c, const double *u, double *f)
 static bool is_fresh(const struct special_curve *c, const double *u)
 {
     return c->derived && c->base.kind != SOLUTION_EQUILIBRIUM &&
-           curve_distance(c->problem.n + 1, c->at, u) < FRESH;
+           curve_distance(c->problem.n + 1, c->at, u) < CONDITION_REUSE_DISTANCE;
 }
 
 /* Of equilibria to both sides, which costs nothing and tells where two folds meet. */
@@ -91,7 +92,7 @@ static bool derive(struct special_curve *c, const double *u)
     if (!both && !look(c, u, side[0]))
         return false;
     for (int k = 0; k <= n + 1; k++) {
-        const double by = DELTA * fmax(1, fabs(u[k]));
+        const double by = DIFFERENCE_STEP_RELATIVE * fmax(1, fabs(u[k]));
         memcpy(moved, u, sizeof moved);
         moved[k] = u[k] - by;
         if (both && !look(c, moved, side[0]))
@@ -172,13 +173,13 @@ static void test_orbit_fold(void *context, const double *u, const double *jacobi
     for (int k = 0; k < 2; k++) {
         memcpy(moved, u, sizeof moved);
         for (int i = 0; i <= n; i++)
-            moved[i] += (k == 0 ? -ASIDE : ASIDE) * along[i];
+            moved[i] += (k == 0 ? -FOLD_DIFFERENCE_UNITS : FOLD_DIFFERENCE_UNITS) * along[i];
         if (!look(c, moved, f))
             return;
         side[k] = f[n];
     }
     memcpy(c->along, along, sizeof c->along);
-    value[0] = (side[1] - side[0]) / (2 * ASIDE);
+    value[0] = (side[1] - side[0]) / (2 * FOLD_DIFFERENCE_UNITS);
 }
 
 static void test(void *context, const double *u, const double *jacobian, const double *tangent,
@@ -206,7 +207,7 @@ static void test(void *context, const double *u, const double *jacobian, const d
     /* what is not across the fold, also where the first parameter alone does not go across it */
     double along[CURVE_MAX], *by_param = base->work->jacobian + n;
     for (int i = 0; i < n; i++)
-        by_param[i * (n + 1)] += MIXED * c->by_second[i];
+        by_param[i * (n + 1)] += SECOND_PARAM_WEIGHT * c->by_second[i];
     if (!curve_tangent(base->problem, c->along, along))
         return;
     memcpy(c->along, along, sizeof c->along);
@@ -336,7 +337,7 @@ static bool prepare(struct special_walk *w, struct curve_place *at, double uprig
     struct orbit_curve *orbit = &c->base.orbit;
     if (c->base.kind == SOLUTION_EQUILIBRIUM)
         return true;
-    if (upright < TURN)
+    if (upright < PHASE_COSINE_MIN)
         orbit_curve_refer(orbit, at->u, NULL);
     if (!orbit_curve_is_long(orbit) || c->problem.n + 1 + c->base.field.n > CURVE_MAX)
         return true;
@@ -364,9 +365,9 @@ static void walk(struct special_walk *w, struct curve_place at)
     const double psize = r->to - r->from, qsize = w->curve->qsize;
     const struct curve_ranges ranges = {
         2, {r->from / psize, r->second->from / qsize}, {r->to / psize, r->second->to / qsize}};
-    const double longest = r->step > 0 ? r->step : LONGEST;
-    const int max = r->max > 0 ? r->max : POINTS;
-    double by = fmin(FIRST, longest);
+    const double longest = r->step > 0 ? r->step : STEP_LENGTH_MAX;
+    const int max = r->max > 0 ? r->max : CURVE_POINTS_DEFAULT;
+    double by = fmin(FIRST_STEP_LENGTH, longest);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_place next;

@@ -15,23 +15,22 @@
 #include "modules/dynamics/branches/walk.h"
 #include "modules/dynamics/orbits/solutions.h"
 
-#define BESIDE 1e-3     /* of the range, */
-#define NEARER 9        /* distances, each a quarter of the one before; */
-#define NEARER_ORBITS 3 /* of orbits fewer, as each takes runs */
-#define FARTHEST 0.07   /* where nothing can be told so near */
-#define SAME 1e-9       /* two labels at one value */
-#define ARM 0.01        /* arclength from a fold along both its arms */
-#define FAR 0.5
-#define BEYOND 1e-9          /* relative, of the parameter */
-#define RANGE_ROUNDING 1e-13 /* of the range: the parameter stands still */
-#define MOVED 1e-6           /* units of size, but no more than */
-#define MOVED_PART 1e-3      /* of the distance from the special point */
-#define NEARLY 0.7
-#define AGREES 0.05 /* relative, of rates */
-#define UNEVEN 0.3  /* of a difference: two opposite ones that do not grow alike */
-#define STILL 1e-6  /* growth of a run that is none */
-#define FAST 5      /* logarithm of how much anything else may grow in it */
-#define LONG 50     /* times of the fastest motion that a run lasts at most */
+#define SIDE_DISTANCE_FRACTION 1e-3     /* of the range, */
+#define NEARER_EQUILIBRIA 9             /* distances, each a quarter of the one before; */
+#define NEARER_ORBITS 3                 /* of orbits fewer, as each takes runs */
+#define SIDE_DISTANCE_MAX_FRACTION 0.07 /* where nothing can be told so near */
+#define SAME_LABEL_RELATIVE 1e-9        /* two labels at one value */
+#define FOLD_ARM_LENGTH 0.01            /* arclength from a fold along both its arms */
+#define PARAM_ROUNDING_RELATIVE 1e-9    /* relative, of the parameter */
+#define RANGE_ROUNDING 1e-13            /* of the range: the parameter stands still */
+#define START_SHIFT_SIZES 1e-6          /* units of size, but no more than */
+#define MOVED_PART 1e-3                 /* of the distance from the special point */
+#define RETRY_DISTANCE_FACTOR 0.7
+#define RATES_AGREE_RELATIVE 0.05  /* relative, of rates */
+#define ASYMMETRY_MAX_FRACTION 0.3 /* of a difference: two opposite ones that do not grow alike */
+#define GROWTH_NEGLIGIBLE 1e-6     /* growth of a run that is none */
+#define OTHER_GROWTH_LOG_MAX 5     /* logarithm of how much anything else may grow in it */
+#define RUN_FAST_TIMES_MAX 50      /* times of the fastest motion that a run lasts at most */
 
 /* Which eigenvalue a label is about: the one nearest to where it passes; of two about as near the
  * one that grows. */
@@ -51,7 +50,7 @@ static int critical(const struct branch_point *at, const struct solution *s)
                      : pair      ? fabs(v.re)
                      : map       ? hypot(log(size), turned)
                                  : size;
-        off *= grows ? NEARLY : 1;
+        off *= grows ? RETRY_DISTANCE_FACTOR : 1;
         /* real ones meet and leave the axis in conservative motion */
         if ((pair ? v.im > 0 : v.im >= 0) && off < least) {
             least = off;
@@ -88,7 +87,8 @@ static double time_of(const struct solution *s, struct eigenvalue v)
         fastest = fmax(fastest, hypot(s->value[i].re, s->value[i].im));
         growth = fmax(growth, s->value[i].re);
     }
-    return fmin(v.im > 0 ? TWO_PI / v.im : fmin(1 / fabs(v.re), LONG / fastest), FAST / growth);
+    return fmin(v.im > 0 ? TWO_PI / v.im : fmin(1 / fabs(v.re), RUN_FAST_TIMES_MAX / fastest),
+                OTHER_GROWTH_LOG_MAX / growth);
 }
 
 /* Returns the rate at which runs leave or near the solution along that eigenvector, or NAN if a run
@@ -106,7 +106,8 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
         for (int j = 0; j < n; j++)
             turned[i * n + j] = a[j * n + i];
     const double span = time_of(s, v), t0 = field->system.t0,
-                 moved = fmin(MOVED, fmax(MOVED_PART * distance, MOVED * MOVED_PART));
+                 moved = fmin(START_SHIFT_SIZES,
+                              fmax(MOVED_PART * distance, START_SHIFT_SIZES * MOVED_PART));
     if (!matrix_eigenvector(n, a, v, right[0], right[1]) ||
         !matrix_eigenvector(n, turned, v, left[0], left[1]))
         return NAN;
@@ -126,7 +127,7 @@ static double rate_of_run(struct solution_curve *path, const struct solution *s,
             uneven[part] += left[part][i] * (end[1][i] - s->state[i] - (s->state[i] - end[0][i])) /
                             field->size[i];
         }
-    if (hypot(uneven[0], uneven[1]) > UNEVEN * hypot(seen[1][0], seen[1][1]))
+    if (hypot(uneven[0], uneven[1]) > ASYMMETRY_MAX_FRACTION * hypot(seen[1][0], seen[1][1]))
         return NAN;
     return log(hypot(seen[1][0], seen[1][1]) / hypot(seen[0][0], seen[0][1])) / span;
 }
@@ -147,11 +148,11 @@ static struct side side_at(struct solution_curve *path, const struct branch_poin
     if (i < 0)
         return side;
     const double run = rate_of_run(path, &s, s.value[i], distance),
-                 still = STILL / time_of(&s, s.value[i]);
+                 still = GROWTH_NEGLIGIBLE / time_of(&s, s.value[i]);
     side.found = !isnan(run);
     side.param = point->u[path->problem->n];
     side.rate = rate_of(&s, s.value[i]);
-    side.agrees = fabs(run - side.rate) <= AGREES * fabs(side.rate) + still;
+    side.agrees = fabs(run - side.rate) <= RATES_AGREE_RELATIVE * fabs(side.rate) + still;
     side.rate = fabs(side.rate) <= still ? 0 : side.rate;
     return side;
 }
@@ -228,7 +229,7 @@ static struct side look_across(const struct branch_request *r, const struct bran
     if (!solutions_leave(&path, r->scene, r->param, r->to - r->from, at, sign, r->cancel, &first,
                          &ignored))
         return side;
-    side = side_at(&path, at, &first, MOVED / MOVED_PART);
+    side = side_at(&path, at, &first, START_SHIFT_SIZES / MOVED_PART);
     solutions_end(&path);
     return side;
 }
@@ -251,7 +252,7 @@ static enum branch_verdict confirm_fold(const struct branch_request *r,
                       after = look_at_side(r, at, arm, 0, 1);
     const double b = before.param - here, a = after.param - here;
     if (!before.found || !after.found ||
-        fmin(fabs(a), fabs(b)) < fmax(BEYOND * fabs(here), RANGE_ROUNDING))
+        fmin(fabs(a), fabs(b)) < fmax(PARAM_ROUNDING_RELATIVE * fabs(here), RANGE_ROUNDING))
         return VERDICT_OPEN; /* the parameter has hardly changed */
     if ((a > 0) != (b > 0))
         return VERDICT_NO_TURN;
@@ -265,9 +266,9 @@ static enum branch_verdict confirm(const struct branch_request *r, const struct 
                                    double beside)
 {
     if (at->special == SPECIAL_FOLD)
-        return confirm_fold(r, at, beside * (ARM / BESIDE));
-    struct side before = look_at_side(r, at, ARM, beside, -1),
-                after = look_at_side(r, at, ARM, beside, 1);
+        return confirm_fold(r, at, beside * (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
+    struct side before = look_at_side(r, at, FOLD_ARM_LENGTH, beside, -1),
+                after = look_at_side(r, at, FOLD_ARM_LENGTH, beside, 1);
     const double here = at->solution.param[0] / (r->to - r->from);
     /* a branch that turns back there, as a pitchfork's, leaves its change to the one it crosses */
     if (at->special == SPECIAL_CROSSING && before.found && after.found && before.agrees &&
@@ -290,10 +291,11 @@ static enum branch_verdict confirm(const struct branch_request *r, const struct 
 static enum branch_verdict confirm_anywhere(const struct branch_request *r,
                                             const struct branch_point *at, double farthest)
 {
-    const int nearer = at->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER : NEARER_ORBITS;
+    const int nearer =
+        at->solution.kind == SOLUTION_EQUILIBRIUM ? NEARER_EQUILIBRIA : NEARER_ORBITS;
     enum branch_verdict against = VERDICT_OPEN;
     int contradictions = 0;
-    double beside = fmin(BESIDE, farthest);
+    double beside = fmin(SIDE_DISTANCE_FRACTION, farthest);
     for (int k = 0; k < nearer && !cancelled(r->cancel); k++, beside /= 4) {
         const enum branch_verdict verdict = confirm(r, at, beside);
         if (verdict == VERDICT_CONFIRMED)
@@ -303,7 +305,8 @@ static enum branch_verdict confirm_anywhere(const struct branch_request *r,
         against = verdict == VERDICT_OPEN ? against : verdict;
         contradictions += verdict != VERDICT_OPEN;
     }
-    for (beside = 4 * BESIDE; beside <= fmin(farthest, FARTHEST) && !cancelled(r->cancel);
+    for (beside = 4 * SIDE_DISTANCE_FRACTION;
+         beside <= fmin(farthest, SIDE_DISTANCE_MAX_FRACTION) && !cancelled(r->cancel);
          beside *= 4) {
         const enum branch_verdict verdict = confirm(r, at, beside);
         if (verdict == VERDICT_CONFIRMED && against != VERDICT_SAME_GROWTH)
@@ -334,10 +337,10 @@ const char *branch_contradiction(int verdict)
 static double beside_of(const struct branch_request *r, const struct branch *branch, int place)
 {
     const double here = branch->point[place].solution.param[0];
-    double beside = FARTHEST;
+    double beside = SIDE_DISTANCE_MAX_FRACTION;
     for (int i = 0; i < branch->count; i++) {
         const double far = fabs(branch->point[i].solution.param[0] - here) / (r->to - r->from);
-        if (branch->point[i].special != SPECIAL_NONE && far > SAME)
+        if (branch->point[i].special != SPECIAL_NONE && far > SAME_LABEL_RELATIVE)
             beside = fmin(beside, far / 4);
     }
     return beside;
@@ -349,18 +352,18 @@ static double beside_of_fold(const struct branch_request *r, const struct branch
 {
     struct solution_curve path;
     struct error ignored;
-    double u[CURVE_MAX], beside = FARTHEST;
+    double u[CURVE_MAX], beside = SIDE_DISTANCE_MAX_FRACTION;
     const struct solution *fold = &branch->point[place].solution;
     if (fold->kind != SOLUTION_EQUILIBRIUM ||
         !solutions_begin(&path, r->scene, r->param, r->to - r->from, fold, r->cancel, u, &ignored))
-        return FARTHEST;
+        return SIDE_DISTANCE_MAX_FRACTION;
     for (int i = 0; i < branch->count; i++) {
         const struct branch_point *other = &branch->point[i];
         double far = fabs(other->solution.param[0] - fold->param[0]) / (r->to - r->from);
         for (int k = 0; k < path.field.n; k++)
             far = hypot(far, (other->solution.state[k] - fold->state[k]) / path.field.size[k]);
         if (i != place && other->special != SPECIAL_NONE && other->special < SPECIAL_END)
-            beside = fmin(beside, far / 4 / (ARM / BESIDE));
+            beside = fmin(beside, far / 4 / (FOLD_ARM_LENGTH / SIDE_DISTANCE_FRACTION));
     }
     solutions_end(&path);
     return beside;
@@ -374,7 +377,8 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
         if (point->special == SPECIAL_NONE || point->special >= SPECIAL_END || r->second)
             continue;
         if (r->progress)
-            r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
+            r->progress(r->context, FOLLOWING_TIME_FRACTION +
+                                        (1 - FOLLOWING_TIME_FRACTION) * i / branch->count);
         const enum branch_verdict verdict =
             confirm_anywhere(r, point,
                              point->special == SPECIAL_FOLD ? beside_of_fold(r, branch, i)

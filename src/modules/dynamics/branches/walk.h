@@ -5,7 +5,8 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define FOLLOWED 0.8 /* of the time; the rest goes to runs that hold labels against them */
+/* Share of the time for following; the rest is for runs that check labels. */
+#define FOLLOWING_TIME_FRACTION 0.8
 
 /* Ranges of the one or two parameters, which are the last unknowns, in their units. */
 struct curve_ranges {

@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-#define WIDER 0.5 /* of what was seen, to either side */
-#define TINY 1e-6
+#define BOX_MARGIN_FRACTION 0.5 /* of what was seen, to either side */
+#define SIZE_MIN_FRACTION 1e-6
 
 static void include(double range[2], double value)
 {
@@ -29,7 +29,7 @@ bool dynamics_search_box(const struct session *session, const struct system *sys
         most = fmax(most, system->scale[i]);
     for (int i = 0; i < system->n; i++) {
         /* what the scene's start leaves at rest has no size of its own */
-        const double size = system->scale[i] < TINY * most ? most : system->scale[i];
+        const double size = system->scale[i] < SIZE_MIN_FRACTION * most ? most : system->scale[i];
         double range[] = {-size, size};
         include(range, system->start[i]);
         if (rows > 0)
@@ -38,7 +38,7 @@ bool dynamics_search_box(const struct session *session, const struct system *sys
             if (isfinite(column[k]))
                 include(range, column[k]);
         const bool angle = variable_is_angle(system, i);
-        const double by = WIDER * (range[1] - range[0]);
+        const double by = BOX_MARGIN_FRACTION * (range[1] - range[0]);
         box[i][0] = angle ? -PI : range[0] - by;
         box[i][1] = angle ? PI : range[1] + by;
     }

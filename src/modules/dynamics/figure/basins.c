@@ -6,14 +6,14 @@
 #include <math.h>
 #include <string.h>
 
-#define LETTERS 26
-#define KINDS (LETTERS + 2)  /* and what escapes, and what is not decided */
-#define PICTURE_LETTERS_X 40 /* across a picture */
+#define FATE_LETTERS 26
+#define FATE_KINDS (FATE_LETTERS + 2) /* and what escapes, and what is not decided */
+#define PICTURE_LETTERS_X 40          /* across a picture */
 #define PICTURE_LETTERS_Y 20
-#define TEXT_LETTERS_Y 60 /* more than any screen has rows for */
-#define LINES 256         /* places of a side, between which lines are drawn */
+#define TEXT_LETTERS_Y 60  /* more than any screen has rows for */
+#define LINE_CELLS_MAX 256 /* places of a side, between which lines are drawn */
 
-static const char marks[KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
+static const char marks[FATE_KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 
 /* A row for each start, the second axis fastest. */
 struct grid {
@@ -42,9 +42,9 @@ static int kind_at(const struct grid *g, size_t a, size_t b)
 {
     const char *fate = g->table->column[2].text[a * g->up + b];
     return fate[1] == '\0' && fate[0] >= 'A' && fate[0] <= 'Z' ? fate[0] - 'A'
-           : strcmp(fate, "escapes") == 0                      ? LETTERS
-           : strcmp(fate, "not decided") == 0                  ? LETTERS + 1
-                                                               : KINDS;
+           : strcmp(fate, "escapes") == 0                      ? FATE_LETTERS
+           : strcmp(fate, "not decided") == 0                  ? FATE_LETTERS + 1
+                                                               : FATE_KINDS;
 }
 
 static double value_at(const struct grid *g, int axis, size_t place)
@@ -64,9 +64,9 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
     struct buffer text = {0};
     const char *type = NULL;
     double share = NAN;
-    const char name[] = {marks[kind], '\0'}, *const fate = kind < LETTERS    ? name
-                                                           : kind == LETTERS ? "escapes"
-                                                                             : "not decided";
+    const char name[] = {marks[kind], '\0'}, *const fate = kind < FATE_LETTERS    ? name
+                                                           : kind == FATE_LETTERS ? "escapes"
+                                                                                  : "not decided";
     size_t row = 0;
     while (of && row < of->rows &&
            !(of->column[0].text && of->column[0].text[row] &&
@@ -127,26 +127,26 @@ static void put_letter(struct letters *l, double x, double y)
 /* Evenly over the sides, that of the nearest start; the first of those that have none so. */
 static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
 {
-    struct letters of[KINDS + 1] = {{NULL, NULL, NULL}};
-    size_t first[KINDS + 1];
-    bool there[KINDS + 1] = {false};
+    struct letters of[FATE_KINDS + 1] = {{NULL, NULL, NULL}};
+    size_t first[FATE_KINDS + 1];
+    bool there[FATE_KINDS + 1] = {false};
     for (size_t k = g->table->rows; k-- > 0;) {
         const int kind = kind_at(g, k / g->up, k % g->up);
         there[kind] = true;
         first[kind] = k;
     }
-    for (int kind = 0; kind < KINDS; kind++)
+    for (int kind = 0; kind < FATE_KINDS; kind++)
         if (there[kind] && !begin_letters(d, g, kind, columns * rows + 1, &of[kind]))
             return error_memory(d->error);
     for (size_t k = 0; k < columns * rows; k++) {
         const double u = ((double)(k / rows) + 0.5) / (double)columns,
                      v = ((double)(k % rows) + 0.5) / (double)rows;
         const int kind = kind_at(g, (size_t)(u * (double)g->across), (size_t)(v * (double)g->up));
-        if (kind < KINDS)
+        if (kind < FATE_KINDS)
             put_letter(&of[kind], g->side[0].from + u * (g->side[0].to - g->side[0].from),
                        g->side[1].from + v * (g->side[1].to - g->side[1].from));
     }
-    for (int kind = 0; kind < KINDS; kind++)
+    for (int kind = 0; kind < FATE_KINDS; kind++)
         if (there[kind] && of[kind].curve->n == 0)
             put_letter(&of[kind], value_at(g, 0, first[kind] / g->up),
                        value_at(g, 1, first[kind] % g->up));
@@ -209,8 +209,9 @@ static void put_lines(struct lines *l, int axis)
 
 static bool draw_lines(struct drawing *d, const struct grid *g)
 {
-    struct lines l = {
-        .grid = g, .count = {g->across < LINES ? g->across : LINES, g->up < LINES ? g->up : LINES}};
+    struct lines l = {.grid = g,
+                      .count = {g->across < LINE_CELLS_MAX ? g->across : LINE_CELLS_MAX,
+                                g->up < LINE_CELLS_MAX ? g->up : LINE_CELLS_MAX}};
     const size_t most = 4 * l.count[0] * l.count[1] + 8;
     if (l.count[0] < 2 || l.count[1] < 2)
         return true;
@@ -280,7 +281,7 @@ bool basins_figure(struct drawing *d, struct figure *figure)
         d->request->charset == &charset_braille && d->request->width == PICTURE_COLUMNS;
     const int width = d->request->width; /* more than columns: none stays empty */
     const size_t columns = picture ? PICTURE_LETTERS_X : width > 1 ? (size_t)width : 1;
-    d->curve = arena_array(d->arena, KINDS + 1, sizeof *d->curve);
+    d->curve = arena_array(d->arena, FATE_KINDS + 1, sizeof *d->curve);
     if (!d->curve)
         return error_memory(d->error);
     d->curves = 0;

@@ -18,12 +18,12 @@
 #define TEXT_ARROWS 8   /* up */
 #define PANE_COLUMNS 10 /* likewise, of what is drawn again and again */
 #define PANE_ARROWS 4
-#define PICTURE_ARROWS 22 /* across */
-#define ARROW_LENGTH 0.55 /* of their distance */
-#define ARROW_HEAD 0.35   /* of their length */
-#define TURNS 30.0        /* natural times that a trajectory is followed, both ways */
-#define RUN_ROWS 20000    /* of the run, drawn */
-#define SEEN 0.25         /* of a box that is widened: to either side of what was seen */
+#define PICTURE_ARROWS 22             /* across */
+#define ARROW_LENGTH 0.55             /* of their distance */
+#define ARROW_HEAD 0.35               /* of their length */
+#define TRAJECTORY_NATURAL_TIMES 30.0 /* natural times that a trajectory is followed, both ways */
+#define RUN_ROWS 20000                /* of the run, drawn */
+#define BOX_MARGIN_FRACTION 0.25 /* of a box that is widened: to either side of what was seen */
 
 /* ---- when it is offered ---- */
 
@@ -67,7 +67,8 @@ static void keep_box(const struct drawing *d, struct portrait_request *wanted, d
     bool keeps = d->request->follow && portrait_is_of(stored, wanted);
     for (int i = 0; i < wanted->scene->model->n && keeps; i++) {
         const double width = all[i][1] - all[i][0],
-                     seen[2] = {all[i][0] + SEEN * width, all[i][1] - SEEN * width},
+                     seen[2] = {all[i][0] + BOX_MARGIN_FRACTION * width,
+                                all[i][1] - BOX_MARGIN_FRACTION * width},
                      *box = stored->request.all[i];
         keeps = inside(seen, box) && box[1] - box[0] < 3 * width;
     }
@@ -206,7 +207,7 @@ static bool add_starts(struct drawing *d, const struct system *system,
     double rate = 0;
     for (int i = 0; i < system->n / 2 && system->order == 2; i++)
         rate = fmax(rate, system->scale[system->n / 2 + i] / system->scale[i]);
-    const double span = TURNS / (rate > 0 ? rate : 1);
+    const double span = TRAJECTORY_NATURAL_TIMES / (rate > 0 ? rate : 1);
     bool fine = true;
     for (int k = 0; k < view->starts && view->start_n == system->n && fine; k++)
         fine = portrait_trajectory(wanted, view->start[k], span, &line) &&

@@ -6,10 +6,11 @@
 
 #include <math.h>
 
-#define COARSE 4096   /* values of which the correlation is looked at */
-#define LONGER 5      /* times the time of correlation, or between crossings of the mean: a batch */
-#define AGREE 1e-2    /* of what independent values would scatter */
-#define ROUNDING 1e-9 /* of the size of the values */
+#define CORRELATION_SAMPLES 4096 /* values of which the correlation is looked at */
+/* Length of a batch in correlation times or in times between crossings of the mean. */
+#define BATCH_CORRELATION_TIMES 5
+#define BATCH_SCATTER_RELATIVE 1e-2  /* of what independent values would scatter */
+#define VALUE_ROUNDING_RELATIVE 1e-9 /* of the size of the values */
 
 static double mean_of(const double *value, size_t n)
 {
@@ -36,11 +37,11 @@ static double bump(double u)
     return exp(-1 / (u * (1 - u)));
 }
 
-#define RAMP (1.0 / 16)
+#define WINDOW_RAMP_FRACTION (1.0 / 16)
 
 static double trapezoid(double u)
 {
-    const double end = fmin(u, 1 - u) / RAMP;
+    const double end = fmin(u, 1 - u) / WINDOW_RAMP_FRACTION;
     return end < 1 ? (1 - cos(PI * end)) / 2 : 1;
 }
 
@@ -121,7 +122,7 @@ double average_scatter(const double *value, size_t n, int tapers)
 /* Neighbours are put together until there are few enough; how many values make one. */
 static size_t coarsen(const double *value, size_t n, double *coarse, size_t *count)
 {
-    const size_t each = (n + COARSE - 1) / COARSE;
+    const size_t each = (n + CORRELATION_SAMPLES - 1) / CORRELATION_SAMPLES;
     *count = each > 0 ? n / each : 0;
     for (size_t i = 0; i < *count; i++)
         coarse[i] = mean_of(value + i * each, each);
@@ -150,10 +151,11 @@ void average_find(const double *value, size_t n, double size, double *scratch,
     const size_t each = coarsen(value, n, scratch, &count);
     const double time = (double)each * fmax(correlation_time(scratch, count, average->mean),
                                             crossing_time(scratch, count, average->mean));
-    const double batches = fmin(floor((double)n / (LONGER * time)), AVERAGE_MOST);
+    const double batches = fmin(floor((double)n / (BATCH_CORRELATION_TIMES * time)), AVERAGE_MOST);
     average->batches = (int)batches;
     if (average->batches >= AVERAGE_BATCHES)
         average->error = average_scatter(scratch, count, average->batches);
     const double independent = sqrt(covariance(value, n, average->mean, 0) / (double)n);
-    average->regular = average->spread <= fmax(AGREE * independent, ROUNDING * size);
+    average->regular = average->spread <=
+                       fmax(BATCH_SCATTER_RELATIVE * independent, VALUE_ROUNDING_RELATIVE * size);
 }

@@ -10,18 +10,21 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define CLOSED 1e-8    /* residual, in natural sizes */
-#define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
-#define POLISHED 1e-11 /* residual below which nothing more is to be gained */
-#define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
+#define RESIDUAL_CLOSED_SIZES 1e-8 /* residual, in natural sizes */
+#define SECOND_SOLUTION_TOLERANCE                                                                  \
+    1e-12                             /* tolerance of a second solution, which tells the error     \
+                                       */
+#define RESIDUAL_POLISHED_SIZES 1e-11 /* residual below which nothing more is to be gained */
+#define JACOBIAN_ENTRIES_MAX ((size_t)CURVE_MAX * CURVE_MAX)
 
 /* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
- * along which the unknowns stay as they are, NULL: none. room: [2][SQUARE] */
+ * along which the unknowns stay as they are, NULL: none. room: [2][JACOBIAN_ENTRIES_MAX] */
 static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;
     const int n = problem->n, all = n + 1;
-    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
+    double f[CURVE_MAX], *jacobian = room, *a = room + JACOBIAN_ENTRIES_MAX, by[CURVE_MAX],
+                         last = HUGE_VAL;
     double begin[CURVE_MAX];
     bool fine = false;
     memcpy(begin, u, (size_t)n * sizeof *u);
@@ -35,7 +38,7 @@ static bool close_least(struct solution_curve *path, const double *across, doubl
         double off = 0;
         for (int i = 0; i < n && across; i++)
             off += across[i] * (u[i] - begin[i]);
-        if (fine && (worst < 1e-13 || (worst < CLOSED && worst > last / 2)))
+        if (fine && (worst < 1e-13 || (worst < RESIDUAL_CLOSED_SIZES && worst > last / 2)))
             return true;
         if (!fine && worst < 1e-5) {
             problem->aim(problem->context, fine = true);
@@ -78,8 +81,8 @@ double orbit_extent(const struct vector_field *field, const struct solution *s)
 static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
 {
     const int n = path->problem->n;
-    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
-    path->field.tol = LOOSE;
+    double f[CURVE_MAX], *jacobian = room, *a = room + JACOBIAN_ENTRIES_MAX, most = 0;
+    path->field.tol = SECOND_SOLUTION_TOLERANCE;
     const bool fine = path->problem->residual(path->problem->context, point->u, f, jacobian);
     for (int i = 0; fine && i < n; i++)
         memcpy(a + i * n, jacobian + i * (n + 1), (size_t)n * sizeof *a);
@@ -119,11 +122,11 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
     double held[CURVE_MAX];
     if (across)
         hold(&path, across, held);
-    double *room = malloc(2 * SQUARE * sizeof *room);
+    double *room = malloc(2 * JACOBIAN_ENTRIES_MAX * sizeof *room);
     bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
                 solutions_at(&path, &point, true, &orbit->solution);
     orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
-    if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
+    if (fine && !orbit->family && orbit->solution.residual > RESIDUAL_POLISHED_SIZES &&
         solutions_correct_at(&path, point.u, 1, &better)) {
         memcpy(point.u, better.u, sizeof point.u);
         fine = solutions_at(&path, &point, true, &orbit->solution);
@@ -140,7 +143,7 @@ bool orbit_close(struct orbit_search *s, const double *state, double period, int
     free(room);
     const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
     /* what winds into a rest ever more slowly nearly closes, too */
-    return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
+    return fine && orbit->solution.period > 0 && orbit->solution.residual < RESIDUAL_CLOSED_SIZES &&
            (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
-                             orbit->solution.residual < CLOSED * extent));
+                             orbit->solution.residual < RESIDUAL_CLOSED_SIZES * extent));
 }

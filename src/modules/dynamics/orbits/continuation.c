@@ -16,18 +16,23 @@
 #include <hooke/base/numeric.h>
 #include <hooke/scene/formula.h>
 
-#define CORRECTIONS 8
-#define ALIKE 3e-6 /* derivatives so far away are those of the place */
-#define NEAR 1e-9  /* what the next correction would be where a step along the curve ends */
-#define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
-#define FINE 1e-15
-#define KNOWN 1e-12 /* derivatives so far away are those of the place to rounding */
-#define LOOKS 60    /* for a zero: its test is no smooth function */
-#define HALVINGS 12
-#define EVEN 1e-3   /* part of a chord along which the curve goes straight on */
-#define ZERO 1e-13  /* of the values of a test at the ends of its chord: rounding */
-#define FLOOR 1e-14 /* of a tangent: rounding */
-#define FAR 0.5     /* of a unit: a correction of this size goes somewhere else */
+#define CORRECTIONS_MAX 8
+#define JACOBIAN_REUSE_DISTANCE 3e-6 /* derivatives so far away are those of the place */
+/* A step along the curve ends when the next correction would be smaller. */
+#define STEP_NEXT_CORRECTION_MAX 1e-9
+#define STALLED_CORRECTION_MAX                                                                     \
+    1e-9 /* and below this does not get smaller by more than rounding                              \
+          */
+#define FINE_CORRECTION_MAX 1e-15
+/* Derivatives that were computed within this distance are exact to rounding. */
+#define JACOBIAN_EXACT_DISTANCE 1e-12
+#define ZERO_LOOKS_MAX 60 /* for a zero: its test is no smooth function */
+#define HALVINGS_MAX 12
+#define STRAIGHT_CHORD_FRACTION 1e-3 /* part of a chord along which the curve goes straight on */
+/* Rounding error of a test relative to its values at the ends of the chord. */
+#define TEST_ROUNDING_RELATIVE 1e-13
+#define TANGENT_ROUNDING 1e-14   /* of a tangent: rounding */
+#define CORRECTION_MAX_UNITS 0.5 /* of a unit: a correction of this size goes somewhere else */
 
 static double dot(int n, const double *a, const double *b)
 {
@@ -91,7 +96,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
     double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
     memcpy(plane, guess, (size_t)(n + 1) * sizeof *plane);
     memmove(point->u, guess, (size_t)(n + 1) * sizeof *plane);
-    for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
+    for (point->corrections = 1; point->corrections <= CORRECTIONS_MAX; point->corrections++) {
         if (!problem->residual(problem->context, point->u, f, jacobian))
             return false;
         point->residual = 0;
@@ -103,15 +108,17 @@ static bool correct(const struct curve_problem *problem, const double *guess,
         if (!solve_bordered(problem, direction, f))
             return false;
         const double by = correction_size(n + 1, f, point->u);
-        if (!(by < FAR))
+        if (!(by < CORRECTION_MAX_UNITS))
             return false;
         for (int i = 0; i <= n; i++)
             point->u[i] += f[i];
         /* the next, if they go on to shrink with their squares */
         const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
-        if (by < FINE || (by < CLOSE && by >= last / 2) ||
-            (by < KNOWN && isfinite(last) && next < FINE) ||
-            (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
+        if (by < FINE_CORRECTION_MAX || (by < STALLED_CORRECTION_MAX && by >= last / 2) ||
+            (by < JACOBIAN_EXACT_DISTANCE && isfinite(last) && next < FINE_CORRECTION_MAX) ||
+            (!fine && (by < 100 * STEP_NEXT_CORRECTION_MAX ||
+                       (by < JACOBIAN_REUSE_DISTANCE && isfinite(last) &&
+                        next < STEP_NEXT_CORRECTION_MAX)))) {
             if (!curve_tangent(problem, direction, point->tangent))
                 return false;
             if (problem->tests > 0)
@@ -195,7 +202,8 @@ static void guess_at(const struct chord *c, double share, double *guess)
 {
     const int n = c->problem->n;
     const double on = (share - c->share) * c->length;
-    if (fabs(share - c->share) < EVEN && !c->value && !(c->problem->singular >> c->test & 1)) {
+    if (fabs(share - c->share) < STRAIGHT_CHORD_FRACTION && !c->value &&
+        !(c->problem->singular >> c->test & 1)) {
         for (int i = 0; i <= n; i++)
             guess[i] = c->at.u[i] + on * c->at.tangent[i];
     } else {
@@ -218,7 +226,8 @@ static double test_at(void *context, double share)
     double guess[CURVE_MAX];
     guess_at(c, share, guess);
     c->share = share;
-    if (c->looks++ == LOOKS || !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
+    if (c->looks++ == ZERO_LOOKS_MAX ||
+        !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
         c->failed = true;
         return c->share = NAN;
     }
@@ -227,7 +236,8 @@ static double test_at(void *context, double share)
     const double value = c->at.test[c->test],
                  size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
     const bool fold = value == c->at.tangent[c->problem->n];
-    return fabs(value) <= fmax(ZERO * size, fold ? FLOOR : 0) ? 0 : value;
+    return fabs(value) <= fmax(TEST_ROUNDING_RELATIVE * size, fold ? TANGENT_ROUNDING : 0) ? 0
+                                                                                           : value;
 }
 
 static void chord_init(struct chord *c, const struct curve_problem *problem,
@@ -250,15 +260,15 @@ bool curve_between(const struct curve_problem *problem, const struct curve_place
     return c.length > 0 && curve_correct(problem, guess, c.direction, true, at);
 }
 
-#define NODES 10
-#define LEVELS 6
-#define TOO_NEAR 1e-4 /* part of the largest value of the test */
-#define CROSSES 1e-6  /* a crossing that is not known better than this is none */
+#define INTERPOLATION_NODES 10
+#define INTERPOLATION_LEVELS 6
+#define TOO_NEAR 1e-4           /* part of the largest value of the test */
+#define CROSSING_ERROR_MAX 1e-6 /* a crossing that is not known better than this is none */
 
 /* By Newton's divided differences. */
 static double interpolated(int count, const double *node, const double *value, double at)
 {
-    double d[NODES];
+    double d[INTERPOLATION_NODES];
     memcpy(d, value, (size_t)count * sizeof *d);
     for (int level = 1; level < count; level++)
         for (int i = count; i-- > level;)
@@ -271,7 +281,7 @@ static double interpolated(int count, const double *node, const double *value, d
 
 struct fitted_test {
     int count;
-    double node[NODES], value[NODES];
+    double node[INTERPOLATION_NODES], value[INTERPOLATION_NODES];
 };
 
 static double fitted_value(void *context, double at)
@@ -287,8 +297,8 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
 {
     double most = 0;
     fit->count = 0;
-    for (int k = 0; k < NODES; k++) {
-        const double node = centre - half * cos((2 * k + 1) * PI / (2 * NODES));
+    for (int k = 0; k < INTERPOLATION_NODES; k++) {
+        const double node = centre - half * cos((2 * k + 1) * PI / (2 * INTERPOLATION_NODES));
         c->failed = false;
         const double value = test_at(c, node);
         if (c->failed || !isfinite(value))
@@ -307,7 +317,8 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
         at[kept++] = at[k];
     }
     fit->count = kept;
-    return kept >= NODES - 3 && signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
+    return kept >= INTERPOLATION_NODES - 3 &&
+           signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
 }
 
 /* The zero near `centre` of polynomials through places up to `half` from it. */
@@ -316,13 +327,13 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
 {
     const int n = c->problem->n;
     struct fitted_test fit;
-    struct curve_place place[NODES];
+    struct curve_place place[INTERPOLATION_NODES];
     if (!gather(c, centre, half, &fit, place))
         return false;
     const int last = fit.count - 1;
     *share = root_between(fitted_value, &fit, fit.node[0], fit.value[0], fit.node[last],
                           fit.value[last], 4 * DBL_EPSILON);
-    double y[NODES];
+    double y[INTERPOLATION_NODES];
     *at = place[0];
     for (int i = 0; i <= n; i++) {
         for (int k = 0; k < fit.count; k++)
@@ -344,7 +355,7 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
 {
     double next;
     *near = HUGE_VAL;
-    for (int k = 0; k < LEVELS; k++, half /= 4) {
+    for (int k = 0; k < INTERPOLATION_LEVELS; k++, half /= 4) {
         struct curve_place better;
         c->looks = 0;
         if (!locate_crossing(c, share, half, &better, &next))
@@ -358,7 +369,7 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
         if (*near < 1e-12)
             break;
     }
-    return *near < CROSSES;
+    return *near < CROSSING_ERROR_MAX;
 }
 
 bool curve_find_zero(const struct curve_problem *problem, const struct curve_place *a,
@@ -377,7 +388,7 @@ static bool find_crossing(struct chord *c, struct curve_place *at, double *near)
 {
     double from = 0, to = 1;
     bool below = signbit(c->a->test[c->test]);
-    for (int k = 0; k < HALVINGS; k++) {
+    for (int k = 0; k < HALVINGS_MAX; k++) {
         const double middle = (from + to) / 2;
         if (look_about(c, middle, (to - from) / 2, at, near))
             return true;
@@ -406,7 +417,7 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
     if (c.share != root)
         test_at(&c, root);
     *at = c.at;
-    *near = c.length * ZERO;
+    *near = c.length * TEST_ROUNDING_RELATIVE;
     return !c.failed;
 }
 
@@ -415,16 +426,16 @@ bool curve_locate(const struct curve_problem *problem, const struct curve_place 
                   const struct curve_place *b, int test, struct curve_place *at, double *near)
 {
     struct curve_place left = *a, right = *b, middle;
-    for (int k = 0; k < HALVINGS; k++) {
+    for (int k = 0; k < HALVINGS_MAX; k++) {
         if (locate_on_chord(problem, &left, &right, test, at, near))
             return true;
         if (problem->singular >> test & 1)
             return false;
         double by = curve_distance(problem->n + 1, left.u, right.u) / 2;
         int tries = 0;
-        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS)
+        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS_MAX)
             by /= 2;
-        if (tries == HALVINGS)
+        if (tries == HALVINGS_MAX)
             return false;
         if (signbit(middle.test[test]) == signbit(left.test[test]))
             left = middle;

@@ -16,11 +16,12 @@
 #define FLOW_TOL 1e-13
 #define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
 #define FLOW_STIFF 2000000
-#define DELTA 1e-6
+#define PARAM_STEP_RELATIVE 1e-6
 #define RATES_JUMP 1e-6 /* relative change of the rates across a kink that is no rounding */
 /* Part of the largest size below which a natural size is only a floor. */
 static const double unseen_size_max = 2e-12;
-#define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
+/* Admissible error of derivatives by a parameter, in units of sizes. */
+#define PARAM_DERIVATIVE_ERROR 1e-7
 
 /* ---- what it is ---- */
 
@@ -118,7 +119,7 @@ void field_jacobian(struct vector_field *field, const double *y, double *jacobia
 static double sides(const struct vector_field *field, int j, struct scene side[2])
 {
     const int at = field->param[j];
-    const double value = field->scene.value[at], by = DELTA * fmax(fabs(value), 1e-3);
+    const double value = field->scene.value[at], by = PARAM_STEP_RELATIVE * fmax(fabs(value), 1e-3);
     side[0] = side[1] = field->scene;
     side[0].value[at] = value + by;
     side[1].value[at] = value - by;
@@ -255,7 +256,8 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
     /* derivatives by a parameter are differences: the step must not follow their rounding */
     for (int j = 0; slopes && j < field->params; j++)
         for (int i = 0; i < n; i++)
-            system->scale[n * (n + 1 + j) + i] *= fmax(ROUGH / field->tol, 1) / field->unit[j];
+            system->scale[n * (n + 1 + j) + i] *=
+                fmax(PARAM_DERIVATIVE_ERROR / field->tol, 1) / field->unit[j];
     if (!go_on(field, system, span, all, NULL))
         return false;
     memcpy(end, all, (size_t)n * sizeof *end);

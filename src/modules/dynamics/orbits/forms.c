@@ -21,8 +21,8 @@ static const double slope_uncertainty_max = 1e-3;
 static const double unproven_position_error = 1e-14;
 /* The same share of the largest slope elsewhere: of slopes that are 0 but for rounding. */
 static const double slope_rounding_max = 1e-9;
-#define SAMPLES 16     /* where symmetries are looked at */
-#define ROUNDING 1e-11 /* of the largest rate or slope there */
+#define SYMMETRY_SAMPLES 16              /* where symmetries are looked at */
+#define SYMMETRY_ROUNDING_RELATIVE 1e-11 /* of the largest rate or slope there */
 
 static const struct row rows[] = {
     [EQUILIBRIUM_STABLE_NODE] = {"stable node", "", "all go to it, without turning", "", NULL},
@@ -80,12 +80,12 @@ static bool keeps_areas(const struct plane *plane)
 {
     uint64_t seed = 11;
     bool keeps = true;
-    for (int k = 0; k < SAMPLES && keeps; k++) {
+    for (int k = 0; k < SYMMETRY_SAMPLES && keeps; k++) {
         double y[2] = {0}, rate[2], jacobian[4] = {0};
         sample(plane, &seed, y);
         mean_field(plane->bounded, y, rate, jacobian);
         keeps = fabs(jacobian[0] + jacobian[3]) <=
-                ROUNDING * fmax(fabs(jacobian[0]), fabs(jacobian[3]));
+                SYMMETRY_ROUNDING_RELATIVE * fmax(fabs(jacobian[0]), fabs(jacobian[3]));
     }
     return keeps;
 }
@@ -96,7 +96,7 @@ static bool reverses(const struct plane *plane, const double r[4])
     const double *about = plane->about;
     uint64_t seed = 13;
     bool same = true;
-    for (int k = 0; k < SAMPLES && same; k++) {
+    for (int k = 0; k < SYMMETRY_SAMPLES && same; k++) {
         double y[2] = {0}, other[2], f[2] = {0}, g[2] = {0};
         sample(plane, &seed, y);
         for (int i = 0; i < 2; i++)
@@ -105,7 +105,7 @@ static bool reverses(const struct plane *plane, const double r[4])
         mean_field(plane->bounded, other, g, NULL);
         for (int i = 0; i < 2; i++)
             same = same && fabs(r[2 * i] * g[0] + r[2 * i + 1] * g[1] + f[i]) <=
-                               ROUNDING * (fabs(f[0]) + fabs(f[1]));
+                               SYMMETRY_ROUNDING_RELATIVE * (fabs(f[0]) + fabs(f[1]));
     }
     return same;
 }

@@ -11,12 +11,12 @@
 #include "modules/dynamics/orbits/dimension.h"
 #include "modules/dynamics/orbits/tangents.h"
 
-#define COST 2000000 /* evaluations where no time is given */
-#define PILOT 10     /* part of them before */
-#define BINS 4096    /* of the time, at most twice as many */
-#define BIN_STEPS 16 /* at least, as far as is known */
+#define EVALUATIONS_DEFAULT 2000000 /* evaluations where no time is given */
+#define PILOT_DIVISOR 10            /* part of them before */
+#define TIME_BINS_MIN 4096          /* of the time, at most twice as many */
+#define BIN_STEPS 16                /* at least, as far as is known */
 #define FORCED_BINS 512
-#define STROBES 8             /* periods of which the map is looked at */
+#define MAP_PERIODS 8         /* periods of which the map is looked at */
 #define AT_REST 1e-9          /* of the rate that sizes and exponents make */
 #define VOLUME_ROUNDING 1e-12 /* of the largest exponent: volumes stay what they are */
 
@@ -68,11 +68,11 @@ static double slow(const struct exponents_search *s)
 static bool go_unasked(struct exponents_search *s)
 {
     double span = s->period > 0 ? s->period : slow(s);
-    while (tangents_evals(&s->t) < COST / PILOT) {
+    while (tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR) {
         if (!go(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
             return false;
-        report(s, (double)tangents_evals(&s->t) / COST);
-        if (!(s->period > 0) && 4 * tangents_evals(&s->t) < COST / PILOT)
+        report(s, (double)tangents_evals(&s->t) / EVALUATIONS_DEFAULT);
+        if (!(s->period > 0) && 4 * tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR)
             span *= 2;
     }
     return true;
@@ -102,14 +102,14 @@ static void choose_bins(struct exponents_search *s, double duration)
             s->parts = (int)ceil(FORCED_BINS / periods);
         if (s->parts > 1 && step > 0)
             s->parts = (int)fmax(1, fmin(s->parts, floor(s->period / step / BIN_STEPS)));
-        if (periods > BINS)
-            s->times = (int)(periods / BINS);
+        if (periods > TIME_BINS_MIN)
+            s->times = (int)(periods / TIME_BINS_MIN);
         s->bins = (size_t)(periods * s->parts / s->times);
         s->bin = s->period * s->times / s->parts;
         return;
     }
-    const double fine = step > 0 ? duration / step / BIN_STEPS : BINS / 4;
-    s->bins = (size_t)fmax(2 * AVERAGE_BATCHES, fmin(BINS, floor(fine)));
+    const double fine = step > 0 ? duration / step / BIN_STEPS : TIME_BINS_MIN / 4;
+    s->bins = (size_t)fmax(2 * AVERAGE_BATCHES, fmin(TIME_BINS_MIN, floor(fine)));
     s->bin = duration / (double)s->bins;
 }
 
@@ -126,7 +126,7 @@ static bool begin(struct exponents_search *s)
         return false;
     if (duration == 0) {
         const double unit = s->period > 0 ? s->period : 1;
-        duration = unit * round_down((PILOT - 1) * s->t.elapsed / unit);
+        duration = unit * round_down((PILOT_DIVISOR - 1) * s->t.elapsed / unit);
         s->found->skip = s->t.elapsed;
     }
     choose_bins(s, duration);
@@ -260,7 +260,7 @@ static double compare_with_map(struct exponents_search *s)
     struct tangents *t = &s->t;
     const int n = t->n, count = t->count;
     double off[FIELD_VARIABLES] = {0}, worst = 0;
-    for (int k = 0; k < STROBES; k++) {
+    for (int k = 0; k < MAP_PERIODS; k++) {
         struct flow_slopes slopes;
         double end[FIELD_VARIABLES], column[FIELD_VARIABLES * FIELD_VARIABLES] = {0},
                                                               diagonal[FIELD_VARIABLES];
@@ -279,7 +279,7 @@ static double compare_with_map(struct exponents_search *s)
             off[j] += t->growth[j] - log(diagonal[j]);
     }
     for (int j = 0; j < count; j++)
-        worst = fmax(worst, fabs(off[j]) / (STROBES * s->period));
+        worst = fmax(worst, fabs(off[j]) / (MAP_PERIODS * s->period));
     return worst;
 }
 

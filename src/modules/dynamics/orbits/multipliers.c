@@ -16,9 +16,9 @@
 
 #include "modules/solving/compute/algebra.h"
 
-#define SWEEPS 6
-#define SIGNS 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
-#define SURE 1e-3 /* relative: a multiplier that is known */
+#define QR_SWEEPS 6
+#define SIGN_NOISE_MAX 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
+#define MULTIPLIER_KNOWN_RELATIVE 1e-3 /* relative: a multiplier that is known */
 
 typedef double square[FIELD_VARIABLES * FIELD_VARIABLES];
 
@@ -177,7 +177,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     }
     for (int i = 0; i < n * n; i++)
         q[i] = i % (n + 1) == 0;
-    for (int sweep = 0; sweep < (n > 1 ? SWEEPS : 1); sweep++) {
+    for (int sweep = 0; sweep < (n > 1 ? QR_SWEEPS : 1); sweep++) {
         memcpy(first, q, sizeof first);
         carry(n, o->segments, map, off, q, r, uncertain);
     }
@@ -192,7 +192,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     mend_last(n, o->log_determinant, m->value, uncertain);
     m->log_determinant = o->log_determinant;
     for (int k = 0; k < n; k++)
-        if (!(uncertain[k] < SURE))
+        if (!(uncertain[k] < MULTIPLIER_KNOWN_RELATIVE))
             m->noise = fmax(m->noise, size_of(m->value[k]));
     return true;
 }
@@ -205,7 +205,7 @@ static double bounded(double x, double at)
 
 double multipliers_doubling(const struct multipliers *m)
 {
-    double product = m->noise > SIGNS ? NAN : 1;
+    double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;
     for (int i = 0; i < m->count; i++) {
         const struct eigenvalue v = m->value[i];
         product *= v.im == 0 ? bounded(v.re, -1) : hypot(v.re + 1, v.im) / fmax(1, size_of(v));
@@ -215,7 +215,7 @@ double multipliers_doubling(const struct multipliers *m)
 
 double multipliers_torus(const struct multipliers *m)
 {
-    double product = m->noise > SIGNS ? NAN : 1;
+    double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;
     if (m->count == 2) /* exact where volumes are kept: it is 0 all along */
         return product * bounded(exp(m->log_determinant), 1);
     for (int i = 0; i < m->count; i++)

@@ -12,16 +12,17 @@
 
 #include "modules/dynamics/orbits/solutions.h"
 
-#define RETURNS 48
-#define NEAR 0.02      /* of the extent: a return from which the orbit is looked for */
-#define FAR 0.2        /* the same when nothing better has come */
-#define STILL 1e-7     /* of the sizes: nothing moves any more */
-#define WAITS 40       /* spans for which the motion may settle */
-#define STROBES 240    /* periods of the drive likewise */
-#define MOST 16        /* periods of the drive that one of the motion may take */
-#define TRIES 6        /* returns from which an orbit is looked for at once; */
-#define ALL_TRIES 24   /* in all: the motion may be chaotic */
-#define SEARCH 6000000 /* evaluations after which nothing more is tried: a second, about */
+#define RETURNS_MAX 48
+#define RETURN_NEAR_FRACTION 0.02 /* of the extent: a return from which the orbit is looked for */
+#define RETURN_FAR_FRACTION 0.2   /* the same when nothing better has come */
+#define REST_SIZES 1e-7           /* of the sizes: nothing moves any more */
+#define SETTLING_SPANS_MAX 40     /* spans for which the motion may settle */
+#define SETTLING_PERIODS_MAX 240  /* periods of the drive likewise */
+#define SUBHARMONIC_MAX 16        /* periods of the drive that one of the motion may take */
+#define RETURN_TRIES_MAX 6        /* returns from which an orbit is looked for at once; */
+#define ALL_TRIES 24              /* in all: the motion may be chaotic */
+/* The search ends after this number of evaluations, which take about a second. */
+#define SEARCH_EVALUATIONS_MAX 6000000
 
 /* ---- the smallest period ---- */
 
@@ -81,7 +82,7 @@ static bool take(struct orbit_search *s, const double *state, double period, int
 
 struct returns {
     int count;
-    double time[RETURNS], distance[RETURNS]; /* part of the extent */
+    double time[RETURNS_MAX], distance[RETURNS_MAX]; /* part of the extent */
 };
 
 /* False: the motion does not get there. */
@@ -106,7 +107,7 @@ static bool look(struct orbit_search *s, double span, struct returns *found, dou
             s->field.turn[i] > 0 ? fmin(top - bottom, s->field.turn[i]) : top - bottom;
         s->extent = fmax(s->extent, range / s->field.size[i]);
     }
-    for (int k = 2; k < FIELD_TIMES && found->count < RETURNS; k++) {
+    for (int k = 2; k < FIELD_TIMES && found->count < RETURNS_MAX; k++) {
         const double *a = grid + (k - 1) * n;
         if (!(field_side(&s->field, &plane, a) < 0 && field_side(&s->field, &plane, a + n) >= 0))
             continue;
@@ -122,7 +123,7 @@ static bool look(struct orbit_search *s, double span, struct returns *found, dou
 
 static bool spent(const struct orbit_search *s)
 {
-    return s->field.evals > SEARCH || s->tries >= ALL_TRIES;
+    return s->field.evals > SEARCH_EVALUATIONS_MAX || s->tries >= ALL_TRIES;
 }
 
 /* From those that come near, the earliest first. */
@@ -132,8 +133,9 @@ static bool take_returns(struct orbit_search *s, const struct returns *r, double
     int tried = 0;
     for (int k = 0; k < r->count; k++)
         best = fmin(best, r->distance[k]);
-    for (int k = 0; k < r->count && tried < TRIES && !spent(s); k++)
-        if (r->distance[k] <= near && (r->distance[k] <= 1e3 * best || r->distance[k] <= NEAR)) {
+    for (int k = 0; k < r->count && tried < RETURN_TRIES_MAX && !spent(s); k++)
+        if (r->distance[k] <= near &&
+            (r->distance[k] <= 1e3 * best || r->distance[k] <= RETURN_NEAR_FRACTION)) {
             tried++;
             if (cancelled(s->request->cancel) || take(s, s->state, r->time[k], 0))
                 return true;
@@ -160,26 +162,28 @@ static bool find_own(struct orbit_search *s, struct error *error)
     static const char none[] = "the motion does not come back to where it was";
     const int n = s->field.n;
     double span = s->request->span, end[FIELD_VARIABLES];
-    for (int waits = 0, looks = 0; looks < 3 * WAITS; looks++) {
+    for (int waits = 0, looks = 0; looks < 3 * SETTLING_SPANS_MAX; looks++) {
         struct returns found;
         tell(s);
         if (cancelled(s->request->cancel) || !look(s, span, &found, end))
             return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
                            error);
-        if (s->extent < STILL)
+        if (s->extent < REST_SIZES)
             return nothing(s, "the motion comes to rest: that is an equilibrium", error);
         s->first = fmax(s->first, s->extent);
-        if (found.count == 0 && span < 1e6 * s->request->span && looks < WAITS) {
+        if (found.count == 0 && span < 1e6 * s->request->span && looks < SETTLING_SPANS_MAX) {
             span *= 2;
             continue;
         }
-        if (found.count >= RETURNS && looks < WAITS) {
+        if (found.count >= RETURNS_MAX && looks < SETTLING_SPANS_MAX) {
             span /= 4;
             continue;
         }
-        if (take_returns(s, &found, waits < WAITS / 2 ? NEAR : FAR))
+        if (take_returns(s, &found,
+                         waits < SETTLING_SPANS_MAX / 2 ? RETURN_NEAR_FRACTION
+                                                        : RETURN_FAR_FRACTION))
             return nothing(s, none, error) || s->any;
-        if (waits++ == WAITS || !s->request->settles || spent(s))
+        if (waits++ == SETTLING_SPANS_MAX || !s->request->settles || spent(s))
             break;
         memcpy(s->state, end, (size_t)n * sizeof *end);
     }
@@ -210,7 +214,7 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
 static bool find_driven(struct orbit_search *s, double drive, struct error *error)
 {
     const double t0 = s->field.system.t0;
-    double history[MOST + 1][FIELD_VARIABLES];
+    double history[SUBHARMONIC_MAX + 1][FIELD_VARIABLES];
     if (s->request->period > 0) {
         const double ratio = s->request->period / drive;
         if (!(fabs(ratio - rint(ratio)) < 0.02 && ratio > 0.5 && ratio < 1000))
@@ -226,25 +230,27 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
     struct returns ignored;
     if (!look(s, drive, &ignored, history[0]))
         return nothing(s, "the motion from there ends", error);
-    const double extent = fmax(s->extent, STILL);
+    const double extent = fmax(s->extent, REST_SIZES);
     memcpy(history[0], s->state, sizeof history[0]);
-    for (int k = 1; k <= STROBES && s->request->settles; k++) {
-        double *now = history[k % (MOST + 1)], best = HUGE_VAL, distance[MOST + 1];
+    for (int k = 1; k <= SETTLING_PERIODS_MAX && s->request->settles; k++) {
+        double *now = history[k % (SUBHARMONIC_MAX + 1)], best = HUGE_VAL,
+               distance[SUBHARMONIC_MAX + 1];
         tell(s);
         if (cancelled(s->request->cancel) ||
-            !field_flow(&s->field, t0, history[(k - 1) % (MOST + 1)], drive, now, NULL))
+            !field_flow(&s->field, t0, history[(k - 1) % (SUBHARMONIC_MAX + 1)], drive, now, NULL))
             return nothing(s, "the motion from there ends", error);
         memcpy(s->state, now, sizeof s->state);
-        for (int q = 1; q <= MOST && q <= k; q++) {
-            distance[q] = field_distance(&s->field, s->state, history[(k - q) % (MOST + 1)]);
+        for (int q = 1; q <= SUBHARMONIC_MAX && q <= k; q++) {
+            distance[q] =
+                field_distance(&s->field, s->state, history[(k - q) % (SUBHARMONIC_MAX + 1)]);
             best = fmin(best, distance[q]);
         }
         if (spent(s))
             break;
         if (best > 1e-4 * extent)
             continue;
-        for (int q = 1; q <= MOST && q <= k; q++)
-            if (distance[q] < NEAR * extent && take(s, now, q * drive, q))
+        for (int q = 1; q <= SUBHARMONIC_MAX && q <= k; q++)
+            if (distance[q] < RETURN_NEAR_FRACTION * extent && take(s, now, q * drive, q))
                 return true;
         if (best < 1e-9 * extent)
             break;
@@ -258,8 +264,9 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
 /* ---- the orbit itself ---- */
 
 #define SAMPLES_MOST 4096
-#define SHARE 0.03 /* of the extent: a longer way between samples is looked at again */
-#define DEPTH 3
+/* Longer gaps between samples, relative to the extent, are divided. */
+#define SAMPLE_GAP_FRACTION 0.03
+#define SUBDIVISIONS_MAX 3
 
 static void put_sample(struct found_orbit *orbit, int n, double t, const double *y)
 {
@@ -295,10 +302,10 @@ static bool sample(struct vector_field *field, struct found_orbit *orbit, double
     memcpy(last, start, (size_t)s->n * sizeof *last);
     for (int k = 1; k < FIELD_TIMES; k++) {
         const double *a = grid + (k - 1) * s->n, *b = a + s->n;
-        if (depth < DEPTH && is_far(s, a, b, SHARE) &&
+        if (depth < SUBDIVISIONS_MAX && is_far(s, a, b, SAMPLE_GAP_FRACTION) &&
             !sample(field, orbit, t + (k - 1) * h, a, h, depth + 1))
             return false;
-        if (depth > 0 && k + 1 < FIELD_TIMES && !is_far(s, last, b, SHARE / 2))
+        if (depth > 0 && k + 1 < FIELD_TIMES && !is_far(s, last, b, SAMPLE_GAP_FRACTION / 2))
             continue;
         if (depth == 0 || k + 1 < FIELD_TIMES) /* its end is the caller's */
             put_sample(orbit, s->n, t + k * h, b);

@@ -13,12 +13,12 @@
 
 #define FINE_TOL 1e-13 /* of flows, relative to sizes */
 #define WALK_TOL 1e-8
-#define GROWTH 1e2 /* of a new segment, at most; */
-#define FEWEST 5   /* what grows and dies within a period is seen in its parts */
-#define CARRIED 1e-2
-#define GROWN 3e3     /* it is cut when it has become this */
-#define STRETCHED 0.5 /* of the way that states go in a step: worth a change */
-#define ROOM 0.25     /* of the period, by which it may shrink without a change */
+#define NEW_SEGMENT_GROWTH_MAX 1e2 /* of a new segment, at most; */
+#define SEGMENTS_MIN 5             /* what grows and dies within a period is seen in its parts */
+#define TRIVIAL_MULTIPLIER_ERROR_MAX 1e-2
+#define SEGMENT_GROWTH_MAX 3e3    /* it is cut when it has become this */
+#define STRETCH_MIN_FRACTION 0.5  /* of the way that states go in a step: worth a change */
+#define SHRINK_ROOM_FRACTION 0.25 /* of the period, by which it may shrink without a change */
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -190,7 +190,8 @@ static void test(void *context, const double *u, const double *jacobian, const d
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
     memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
     /* where even the direction of motion is not carried along they may have any sign */
-    const bool known = orbit_curve_multipliers(c, &multipliers) && !(multipliers.trivial > CARRIED);
+    const bool known = orbit_curve_multipliers(c, &multipliers) &&
+                       !(multipliers.trivial > TRIVIAL_MULTIPLIER_ERROR_MAX);
     value[ORBIT_FOLD] = tangent[n];
     value[ORBIT_CROSSING] = matrix_determinant(n + 1, bordered);
     value[ORBIT_DOUBLING] = known ? multipliers_doubling(&multipliers) : NAN;
@@ -250,7 +251,7 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
     double rate[CURVE_MAX], share[CURVE_MAX], moved[CURVE_MAX];
     if (c->forced)
         return false;
-    const double room = direction[m * n] < 0 ? ROOM * period : 0;
+    const double room = direction[m * n] < 0 ? SHRINK_ROOM_FRACTION * period : 0;
     rates_of(c, u, rate);
     slow_shares(c, period, rate, share);
     if (!(room_of(c, period, share) > room))
@@ -261,7 +262,7 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
         for (int k = i * n; k < (i + 1) * n; k++)
             moved[k] = direction[k] + by * rate[k];
     }
-    if (!(vector_length(m * n, moved) < STRETCHED * vector_length(m * n, direction)) &&
+    if (!(vector_length(m * n, moved) < STRETCH_MIN_FRACTION * vector_length(m * n, direction)) &&
         room_of(c, period, c->share) > room)
         return false;
     for (int i = 1; i < m; i++) {
@@ -328,7 +329,7 @@ bool orbit_curve_follow(const struct orbit_curve *c, const double *u, int segmen
 
 static bool is_long(const struct orbit_curve *c, int i)
 {
-    return c->growth[i] > GROWN;
+    return c->growth[i] > SEGMENT_GROWTH_MAX;
 }
 
 bool orbit_curve_is_long(const struct orbit_curve *c)
@@ -386,7 +387,7 @@ static void cut_shares(struct orbit_curve *c, const bool *halved)
     c->segments = to;
 }
 
-#define ASIDE 1e-6
+#define DIFFERENCE_STEP_UNITS 1e-6
 
 bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 {
@@ -397,7 +398,7 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
         n += halved[i] ? c->field->n : 0;
     }
     for (int i = 0; i <= c->problem.n; i++)
-        aside[i] = u[i] + ASIDE * direction[i];
+        aside[i] = u[i] + DIFFERENCE_STEP_UNITS * direction[i];
     if (!cut_unknowns(c, halved, u, cut[0]) || !cut_unknowns(c, halved, aside, cut[1]))
         return false;
     cut_shares(c, halved);
@@ -418,7 +419,7 @@ static int segments_for(struct vector_field *field, const double *state, double 
     for (int i = 0; i < field->n * field->n; i++)
         size = fmax(size, fabs(by.by_start[i]));
     const int most = (CURVE_MAX - 2) / field->n,
-              wanted = FEWEST + (int)(log(fmax(size, 1)) / log(GROWTH));
+              wanted = SEGMENTS_MIN + (int)(log(fmax(size, 1)) / log(NEW_SEGMENT_GROWTH_MAX));
     return wanted < most ? wanted : most;
 }
 

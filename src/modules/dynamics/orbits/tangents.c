@@ -8,12 +8,13 @@
 
 #include <hooke/scene/typed.h>
 
-#define LEANING 10.0  /* condition, or length, at which tangents are made orthonormal */
-#define BEYOND 1e100  /* of sizes: the motion does not come back */
-#define FAR 1e6       /* likewise, where it cannot go on, either */
-#define HOPELESS 1e-9 /* of the time to go: steps that do not get there, */
-#define HOPES 100     /* so many of them one after another */
-#define JUMP 1e-3     /* of the rates: more than steps across a kink leave */
+/* Tangents are made orthonormal at this condition number or length. */
+#define ORTHONORMAL_CONDITION_MAX 10.0
+#define ESCAPE_SIZES 1e100          /* of sizes: the motion does not come back */
+#define STALLED_ESCAPE_SIZES 1e6    /* likewise, where it cannot go on, either */
+#define HOPELESS_STEP_FRACTION 1e-9 /* of the time to go: steps that do not get there, */
+#define HOPELESS_STEPS_MAX 100      /* so many of them one after another */
+#define RATE_JUMP_RELATIVE 1e-3     /* of the rates: more than steps across a kink leave */
 
 bool tangents_init(struct tangents *t, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error)
@@ -88,7 +89,7 @@ static void straighten(struct tangents *t, bool wanted)
         most = fmax(most, diagonal[j]);
     }
     /* errors of steps are relative to lengths of 1 */
-    if (!wanted && fmax(most / least, fmax(most, 1 / least)) < LEANING)
+    if (!wanted && fmax(most / least, fmax(most, 1 / least)) < ORTHONORMAL_CONDITION_MAX)
         return;
     t->condition = fmax(t->condition, most / least);
     for (int j = 0; j < t->count; j++) {
@@ -113,7 +114,7 @@ static bool is_beyond(const struct tangents *t, double bound)
 /* Where forces are linear tangents do not depend on the motion, which may be begun anew. */
 static bool stays(struct tangents *t)
 {
-    const bool far = is_beyond(t, BEYOND);
+    const bool far = is_beyond(t, ESCAPE_SIZES);
     if (!far || !t->field.system.linear)
         return !far;
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
@@ -140,7 +141,7 @@ static bool jumps(const struct tangents *t, double *branch)
         off = fmax(off, fabs(rate[1][i] - rate[0][i]) / t->field.size[i]);
     }
     memcpy(branch, now, bytes);
-    return off > JUMP * size;
+    return off > RATE_JUMP_RELATIVE * size;
 }
 
 enum tangents_end tangents_advance(struct tangents *t, double from, double span)
@@ -162,9 +163,11 @@ enum tangents_end tangents_advance(struct tangents *t, double from, double span)
             return TANGENTS_LEAVE;
         if (switches && jumps(t, branch))
             return TANGENTS_JUMP;
-        hopeless = fabs(t->step.h) < HOPELESS * span ? hopeless + 1 : 0;
-        if (hopeless > HOPES)
-            return is_beyond(t, FAR) ? TANGENTS_LEAVE : switches ? TANGENTS_JUMP : TANGENTS_STALL;
+        hopeless = fabs(t->step.h) < HOPELESS_STEP_FRACTION * span ? hopeless + 1 : 0;
+        if (hopeless > HOPELESS_STEPS_MAX)
+            return is_beyond(t, STALLED_ESCAPE_SIZES) ? TANGENTS_LEAVE
+                   : switches                         ? TANGENTS_JUMP
+                                                      : TANGENTS_STALL;
         straighten(t, t->step.t == end);
         if ((++t->steps & 63) == 0 && cancelled(t->field.cancel))
             return TANGENTS_CANCELLED;

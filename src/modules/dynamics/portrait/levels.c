@@ -10,11 +10,11 @@
 
 #include "modules/dynamics/portrait/portrait.h"
 
-#define FIRST 32      /* cells a side, */
-#define DEEPEST 256   /* where f changes its sign, */
-#define DOUBTFUL 1024 /* where only bounds say that it may */
-#define HALVINGS 46
-#define CELLS 150000 /* looked at */
+#define CELLS_PER_SIDE 32              /* cells a side, */
+#define SIGN_CHANGE_CELLS_PER_SIDE 256 /* where f changes its sign, */
+#define DOUBTFUL_CELLS_PER_SIDE 1024   /* where only bounds say that it may */
+#define HALVINGS_MAX 46
+#define CELLS_EXAMINED_MAX 150000 /* looked at */
 
 struct level_segment {
     double x[2], y[2];
@@ -43,7 +43,7 @@ static bool crossing(const struct marching *m, const double a[3], const double b
     memcpy(low, a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]) ? a : b, sizeof low);
     memcpy(high, low[0] == a[0] && low[1] == a[1] ? b : a, sizeof high);
     const double before = fmax(fabs(low[2]), fabs(high[2]));
-    for (int k = 0; k < HALVINGS && low[2] != 0; k++) {
+    for (int k = 0; k < HALVINGS_MAX && low[2] != 0; k++) {
         const double x = low[0] + (high[0] - low[0]) / 2, y = low[1] + (high[1] - low[1]) / 2;
         const double v = value_at(m, x, y);
         double *side = (v < 0) == (low[2] < 0) && v != 0 ? low : high;
@@ -99,7 +99,7 @@ static void march(struct marching *m, double corner[4][3])
 static void look(struct marching *m, const double box[2][2], int cells)
 {
     const struct level_request *request = m->request;
-    if (m->failed || m->cells++ >= CELLS || cancelled(request->cancel))
+    if (m->failed || m->cells++ >= CELLS_EXAMINED_MAX || cancelled(request->cancel))
         return;
     if (request->may_be_zero && !request->may_be_zero(request->context, box))
         return;
@@ -112,7 +112,8 @@ static void look(struct marching *m, const double box[2][2], int cells)
         below += corner[i][2] < 0;
     }
     const bool changes = below > 0 && below < 4;
-    if (cells >= (changes || !request->may_be_zero ? DEEPEST : DOUBTFUL)) {
+    if (cells >=
+        (changes || !request->may_be_zero ? SIGN_CHANGE_CELLS_PER_SIDE : DOUBTFUL_CELLS_PER_SIDE)) {
         if (changes)
             march(m, corner);
         return;
@@ -179,15 +180,17 @@ bool level_lines(const struct level_request *request, struct polyline *line)
 {
     struct marching m = {.request = request};
     const double(*box)[2] = request->box;
-    double side[2][FIRST + 1];
+    double side[2][CELLS_PER_SIDE + 1];
     for (int k = 0; k < 2; k++)
-        for (int i = 0; i <= FIRST; i++)
-            side[k][i] = i == FIRST ? box[k][1] : box[k][0] + i * (box[k][1] - box[k][0]) / FIRST;
-    for (int i = 0; i < FIRST; i++)
-        for (int j = 0; j < FIRST; j++)
+        for (int i = 0; i <= CELLS_PER_SIDE; i++)
+            side[k][i] = i == CELLS_PER_SIDE
+                             ? box[k][1]
+                             : box[k][0] + i * (box[k][1] - box[k][0]) / CELLS_PER_SIDE;
+    for (int i = 0; i < CELLS_PER_SIDE; i++)
+        for (int j = 0; j < CELLS_PER_SIDE; j++)
             look(&m,
                  (const double[2][2]){{side[0][i], side[0][i + 1]}, {side[1][j], side[1][j + 1]}},
-                 FIRST);
+                 CELLS_PER_SIDE);
     const bool fine = !m.failed && join(&m, line);
     free(m.segment);
     return fine;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEVELS 5 /* of the energy, up to a corner of the box */
+#define ENERGY_LEVELS 5 /* of the energy, up to a corner of the box */
 
 bool polyline_put(struct polyline *line, double x, double y)
 {
@@ -108,9 +108,9 @@ static bool energies(struct portrait_work *work, struct polyline *line)
                                     at[work->request->variable[1]]));
     }
     bool fine = true;
-    for (int k = 1; k <= LEVELS && fine && high > low; k++) {
+    for (int k = 1; k <= ENERGY_LEVELS && fine && high > low; k++) {
         /* amplitudes grow evenly where the energy goes as their square */
-        value.level = low + (high - low) * (k - 0.5) * (k - 0.5) / (LEVELS * LEVELS);
+        value.level = low + (high - low) * (k - 0.5) * (k - 0.5) / (ENERGY_LEVELS * ENERGY_LEVELS);
         fine = level(&value, line);
     }
     return fine;

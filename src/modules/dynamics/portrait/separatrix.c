@@ -12,11 +12,11 @@
 
 #include "modules/dynamics/portrait/portrait.h"
 
-#define AWAY 1e-6   /* of the box */
-#define STRIDE 0.02 /* of the box, from point to point */
-#define NEAR 1e-3   /* of the box: an equilibrium has been reached */
-#define POINTS 1500
-#define BEYOND 1e-9 /* of the box: the frame */
+#define START_OFFSET_FRACTION 1e-6        /* of the box */
+#define POINT_STRIDE_FRACTION 0.02        /* of the box, from point to point */
+#define EQUILIBRIUM_REACHED_FRACTION 1e-3 /* of the box: an equilibrium has been reached */
+#define SEPARATRIX_POINTS_MAX 1500
+#define FRAME_MARGIN_FRACTION 1e-9 /* of the box: the frame */
 
 struct plane_walk {
     struct portrait_work *work;
@@ -46,7 +46,7 @@ static double stride(const struct plane_walk *w)
     for (int k = 0; k < 2; k++)
         speed = fmax(speed, fabs(w->rate[variable_of(w, k)]) / w->width[k]);
     const double calm = w->rate_max > 0 ? 0.5 / w->rate_max : HUGE_VAL;
-    return w->sign * fmin(speed > 0 ? STRIDE / speed : HUGE_VAL, calm);
+    return w->sign * fmin(speed > 0 ? POINT_STRIDE_FRACTION / speed : HUGE_VAL, calm);
 }
 
 /* An angle that has left its range comes back on the other side: the line has a gap there. */
@@ -68,7 +68,8 @@ static bool outside(const struct plane_walk *w)
 {
     for (int k = 0; k < 2; k++) {
         const double *range = w->work->request->box[k], y = w->y[variable_of(w, k)];
-        if (!(y >= range[0] - BEYOND * w->width[k] && y <= range[1] + BEYOND * w->width[k]))
+        if (!(y >= range[0] - FRAME_MARGIN_FRACTION * w->width[k] &&
+              y <= range[1] + FRAME_MARGIN_FRACTION * w->width[k]))
             return true;
     }
     return false;
@@ -92,7 +93,7 @@ static int reached(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int e = 0; e < found->count; e++)
-        if (e != except && distance(w, found->of[e].state) < NEAR)
+        if (e != except && distance(w, found->of[e].state) < EQUILIBRIUM_REACHED_FRACTION)
             return e;
     return -1;
 }
@@ -125,7 +126,8 @@ static void look_for_crossings(struct plane_walk *w, const double *before, doubl
             for (int i = 0; i < count; i++)
                 known = known || fabs(seen[i] - value) <= 1e-9 * w->width[k];
             seen[count++] = value;
-            if (!known && ((a < 0) != (b < 0)) && fabs(a) > 10 * AWAY * w->width[k])
+            if (!known && ((a < 0) != (b < 0)) &&
+                fabs(a) > 10 * START_OFFSET_FRACTION * w->width[k])
                 cross(w, before, span, k, value);
         }
     }
@@ -189,8 +191,8 @@ static bool follow(struct portrait_work *work, int e, int value, int side)
     for (int k = 0; k < 2; k++)
         size = fmax(size, fabs(portrait->found.form[e].re[value][variable_of(&w, k)]) / w.width[k]);
     for (int i = 0; i < work->field.n; i++)
-        w.y[i] = from->state[i] +
-                 side * AWAY / (size > 0 ? size : 1) * portrait->found.form[e].re[value][i];
+        w.y[i] = from->state[i] + side * START_OFFSET_FRACTION / (size > 0 ? size : 1) *
+                                      portrait->found.form[e].re[value][i];
     if (!polyline_put(w.line, from->state[variable_of(&w, 0)], from->state[variable_of(&w, 1)]))
         return false;
     if (wrap(&w) && (!polyline_gap(w.line) ||
@@ -198,10 +200,11 @@ static bool follow(struct portrait_work *work, int e, int value, int side)
         return false;
     enum walk_end end = WALK_ON;
     bool away = false;
-    for (int i = 0; i < POINTS && end == WALK_ON && !cancelled(work->request->cancel); i++) {
+    for (int i = 0;
+         i < SEPARATRIX_POINTS_MAX && end == WALK_ON && !cancelled(work->request->cancel); i++) {
         rate_here(&w);
         end = advance(&w, stride(&w), away ? -1 : e);
-        away = away || distance(&w, from->state) > 10 * NEAR;
+        away = away || distance(&w, from->state) > 10 * EQUILIBRIUM_REACHED_FRACTION;
     }
     s->end = end == WALK_FRAME ? "frame" : end == WALK_REST ? "equilibrium" : "goes on";
     return end != WALK_MEMORY && polyline_gap(w.line);
@@ -247,8 +250,8 @@ bool portrait_trajectory(const struct portrait_request *request, const double *s
     wrap(&w);
     bool fine = polyline_put(line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)]);
     enum walk_end end = WALK_ON;
-    for (double gone = 0; fine && end == WALK_ON && gone < fabs(span) && line->n < 20 * POINTS &&
-                          !cancelled(request->cancel);) {
+    for (double gone = 0; fine && end == WALK_ON && gone < fabs(span) &&
+                          line->n < 20 * SEPARATRIX_POINTS_MAX && !cancelled(request->cancel);) {
         rate_here(&w);
         double on = stride(&w);
         if (!(fabs(on) < fabs(span) - gone))

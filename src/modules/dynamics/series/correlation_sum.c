@@ -10,23 +10,23 @@
 #include <stdio.h>
 #include <string.h>
 
-#define VECTORS 1000 /* each with */
-#define OTHERS 20000
-#define DEEPER 2     /* delays more than unfold the motion */
-#define CELLS 4      /* of a factor of two */
-#define CELL_BITS 50 /* of a double below them: their edges are 1, 1.25, 1.5, 1.75 times 2^k */
-#define OCTAVES 40
-#define BINS (CELLS * OCTAVES)
-#define FEWEST 300  /* pairs below the smallest distance */
-#define LARGEST 0.1 /* of all pairs below the largest */
-#define SPAN 8      /* bins: a factor of four */
+#define REFERENCE_VECTORS 1000 /* each with */
+#define COMPARED_VECTORS 20000
+#define EXTRA_DELAYS 2    /* delays more than unfold the motion */
+#define BINS_PER_OCTAVE 4 /* of a factor of two */
+#define CELL_BITS 50      /* of a double below them: their edges are 1, 1.25, 1.5, 1.75 times 2^k */
+#define OCTAVES_MAX 40
+#define DISTANCE_BINS (BINS_PER_OCTAVE * OCTAVES_MAX)
+#define SMALLEST_DISTANCE_PAIRS 300        /* pairs below the smallest distance */
+#define LARGEST_DISTANCE_PAIR_FRACTION 0.1 /* of all pairs below the largest */
+#define SLOPE_BINS 8                       /* bins: a factor of four */
 /* Stretches of known attractors are off by so much beyond that (Lorenz, Roessler, Henon). */
-#define SYSTEMATIC 0.05
-#define EVEN 0.15 /* of the slope: what may be left open of it */
+#define SYSTEMATIC_ERROR_RELATIVE 0.05
+#define SLOPE_UNCERTAINTY_MAX 0.15 /* of the slope: what may be left open of it */
 
 struct pair_counts {
-    double log_count[DEEPER + 1][BINS]; /* ln of pairs below the upper edge */
-    double log_edge[BINS];
+    double log_count[EXTRA_DELAYS + 1][DISTANCE_BINS]; /* ln of pairs below the upper edge */
+    double log_edge[DISTANCE_BINS];
     double pairs;
 };
 
@@ -47,7 +47,7 @@ static double edge_of(uint64_t cell)
 
 /* Largest differences of values (the norm that needs no roots) of each vector with the others. */
 static void count_pairs(const struct delay_space *s, size_t i, size_t stride, uint64_t first,
-                        int64_t count[DEEPER + 1][BINS])
+                        int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS])
 {
     for (size_t j = i % stride; j < s->points; j += stride) {
         double most = 0;
@@ -55,29 +55,30 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
             continue;
         for (int d = 0; d < s->dimensions - 1; d++)
             most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));
-        for (int k = 0; k <= DEEPER; k++) {
+        for (int k = 0; k <= EXTRA_DELAYS; k++) {
             const int d = s->dimensions - 1 + k;
             most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));
             const uint64_t cell = bits_of(most);
             const uint64_t bin = cell < first ? 0 : cell - first;
-            count[k][bin < BINS ? bin : BINS - 1]++;
+            count[k][bin < DISTANCE_BINS ? bin : DISTANCE_BINS - 1]++;
         }
     }
 }
 
 static bool find_sums(const struct delay_space *s, double size, struct pair_counts *sums)
 {
-    int64_t count[DEEPER + 1][BINS] = {{0}};
-    const uint64_t first = bits_of(ldexp(size, 4 - OCTAVES));
-    const size_t stride = s->points / OTHERS + 1, each = s->points / VECTORS + 1;
+    int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS] = {{0}};
+    const uint64_t first = bits_of(ldexp(size, 4 - OCTAVES_MAX));
+    const size_t stride = s->points / COMPARED_VECTORS + 1,
+                 each = s->points / REFERENCE_VECTORS + 1;
     for (size_t i = 0; i < s->points; i += each) {
         count_pairs(s, i, stride, first, count);
         if (cancelled(s->cancel))
             return false;
     }
-    for (int k = 0; k <= DEEPER; k++) {
+    for (int k = 0; k <= EXTRA_DELAYS; k++) {
         int64_t sum = 0;
-        for (int b = 0; b < BINS; b++) {
+        for (int b = 0; b < DISTANCE_BINS; b++) {
             sum += count[k][b];
             sums->log_count[k][b] = sum > 0 ? log((double)sum) : -1;
             sums->log_edge[b] = log(edge_of(first + (uint64_t)b + 1));
@@ -105,10 +106,10 @@ static double slope_between(const struct pair_counts *sums, int k, int from, int
 /* What halves of a stretch and more delays change of its slope. */
 static double open_part(const struct pair_counts *sums, int from, double slope)
 {
-    const int to = from + SPAN, middle = from + SPAN / 2;
+    const int to = from + SLOPE_BINS, middle = from + SLOPE_BINS / 2;
     double off =
         fabs(slope_between(sums, 0, from, middle) - slope_between(sums, 0, middle, to)) / 2;
-    for (int k = 1; k <= DEEPER; k++)
+    for (int k = 1; k <= EXTRA_DELAYS; k++)
         off = fmax(off, fabs(slope_between(sums, k, from, to) - slope));
     return off;
 }
@@ -117,15 +118,15 @@ static double open_part(const struct pair_counts *sums, int from, double slope)
  * what is left open, and half of what the middle 80 % differ. */
 static double median_slope(const struct pair_counts *sums, double *error, int *ends)
 {
-    double slope[BINS], off[BINS];
+    double slope[DISTANCE_BINS], off[DISTANCE_BINS];
     size_t count = 0;
-    for (int b = 0; b + SPAN < BINS; b++) {
-        if (sums->log_count[DEEPER][b] < log(FEWEST) ||
-            sums->log_count[0][b + SPAN] > log(LARGEST * sums->pairs))
+    for (int b = 0; b + SLOPE_BINS < DISTANCE_BINS; b++) {
+        if (sums->log_count[EXTRA_DELAYS][b] < log(SMALLEST_DISTANCE_PAIRS) ||
+            sums->log_count[0][b + SLOPE_BINS] > log(LARGEST_DISTANCE_PAIR_FRACTION * sums->pairs))
             continue;
         ends[0] = count == 0 ? b : ends[0];
-        ends[1] = b + SPAN;
-        slope[count] = slope_between(sums, 0, b, b + SPAN);
+        ends[1] = b + SLOPE_BINS;
+        slope[count] = slope_between(sums, 0, b, b + SLOPE_BINS);
         off[count] = open_part(sums, b, slope[count]);
         count++;
     }
@@ -139,7 +140,7 @@ bool correlation_dimension(const struct delay_space *space, size_t n, struct are
 {
     struct pair_counts *sums = arena_alloc(arena, sizeof *sums);
     struct delay_space s = *space;
-    const size_t window = (size_t)((s.dimensions + DEEPER - 1) * s.delay);
+    const size_t window = (size_t)((s.dimensions + EXTRA_DELAYS - 1) * s.delay);
     double low = HUGE_VAL, high = -HUGE_VAL, error;
     int ends[2] = {0, 0};
     if (!sums || n <= window + 1)
@@ -155,12 +156,13 @@ bool correlation_dimension(const struct delay_space *space, size_t n, struct are
     if (isnan(slope))
         snprintf(found->dimension_reason, sizeof found->dimension_reason,
                  "too few pairs of neighbours");
-    else if (!(error < EVEN * slope))
+    else if (!(error < SLOPE_UNCERTAINTY_MAX * slope))
         snprintf(found->dimension_reason, sizeof found->dimension_reason,
                  "the correlation sum is no power of the distance over a factor of 4, "
                  "or no same one with more delays");
     else {
-        found->dimension = (struct measured){slope, hypot(error, SYSTEMATIC * slope)};
+        found->dimension =
+            (struct measured){slope, hypot(error, SYSTEMATIC_ERROR_RELATIVE * slope)};
         found->distance[0] = exp(sums->log_edge[ends[0]]);
         found->distance[1] = exp(sums->log_edge[ends[1]]);
     }

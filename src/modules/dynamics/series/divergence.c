@@ -5,25 +5,26 @@
 
 #include <math.h>
 
-#define PAIRS 4000
-#define STEPS 600
-#define ROUNDED -40 /* [ln] they have come together to rounding */
-#define BELOW 1.5   /* [ln] the stretch ends so far below the distance between any two */
+#define NEIGHBOUR_PAIRS 4000
+#define CURVE_STEPS_MAX 600
+#define ROUNDED_LOG_DISTANCE -40 /* [ln] they have come together to rounding */
+/* [ln] The stretch ends this far below the mean distance between any two points. */
+#define SATURATION_LOG_MARGIN 1.5
 
 static double log_apart(const struct delay_space *s, size_t i, size_t j)
 {
     const double square = space_distance2(s, i, j);
-    return square > 0 ? log(square) / 2 : ROUNDED;
+    return square > 0 ? log(square) / 2 : ROUNDED_LOG_DISTANCE;
 }
 
 static double between_any(const struct delay_space *s)
 {
     uint64_t seed = 1;
     double sum = 0;
-    for (int k = 0; k < PAIRS; k++)
+    for (int k = 0; k < NEIGHBOUR_PAIRS; k++)
         sum += log_apart(s, (size_t)(random_fraction(&seed) * (double)s->points),
                          (size_t)(random_fraction(&seed) * (double)s->points));
-    return sum / PAIRS;
+    return sum / NEIGHBOUR_PAIRS;
 }
 
 /*
@@ -49,7 +50,7 @@ static double log_across(const struct delay_space *s, size_t i, size_t from, siz
             continue;
         }
         square -= speed > 0 ? along * along / speed : 0;
-        return square > 0 ? log(square) / 2 : ROUNDED;
+        return square > 0 ? log(square) / 2 : ROUNDED_LOG_DISTANCE;
     }
 }
 
@@ -85,14 +86,14 @@ static void put_means(const struct delay_space *s, const size_t *count, struct d
 bool divergence_find(const struct delay_space *s, size_t samples, struct arena *arena,
                      struct divergence *d)
 {
-    d->stride = samples / STEPS + 1;
+    d->stride = samples / CURVE_STEPS_MAX + 1;
     d->steps = samples / d->stride;
     d->mean = arena_array(arena, d->steps, sizeof *d->mean);
     d->part = arena_array(arena, d->steps * DIVERGENCE_PARTS, sizeof *d->part);
     d->pairs = 0;
     if (!d->mean || !d->part)
         return false;
-    const size_t stride = s->points / PAIRS + 1;
+    const size_t stride = s->points / NEIGHBOUR_PAIRS + 1;
     size_t count[DIVERGENCE_PARTS] = {0};
     for (size_t k = 0; k < d->steps * DIVERGENCE_PARTS; k++)
         d->part[k] = 0;
@@ -127,7 +128,7 @@ struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
     struct even_growth g = {.from = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
     g.to = begin;
-    while (g.to < d->steps && d->mean[g.to] < d->apart - BELOW)
+    while (g.to < d->steps && d->mean[g.to] < d->apart - SATURATION_LOG_MARGIN)
         g.to++;
     if (g.to > 0)
         g.to--;

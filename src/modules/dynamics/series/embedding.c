@@ -7,13 +7,13 @@
 #include <math.h>
 #include <string.h>
 
-#define BINS 16
-#define MOST_DELAY 1000 /* samples */
-#define LOOKED_AT 50000 /* values of which the information is taken */
-#define VECTORS 1000    /* that are asked for false neighbours, and for what comes */
-#define FARTHER 10      /* times as far as before: a false neighbour */
-#define LONELY 2        /* standard deviations: it was none before */
-#define SMALL 1e-6      /* of those: nothing is nearer */
+#define INFORMATION_BINS 16
+#define MOST_DELAY 1000             /* samples */
+#define LOOKED_AT 50000             /* values of which the information is taken */
+#define EXAMINED_VECTORS 1000       /* that are asked for false neighbours, and for what comes */
+#define FALSE_NEIGHBOUR_FACTOR 10   /* times as far as before: a false neighbour */
+#define NEIGHBOUR_DISTANCE_SIGMAS 2 /* standard deviations: it was none before */
+#define DISTANCE_MIN_SIGMAS 1e-6    /* of those: nothing is nearer */
 #define FALSE_SHARE 0.01
 
 /* ---- neighbours ---- */
@@ -78,16 +78,16 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
 /* Of equally full bins; *memory becomes false without memory. */
 static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsigned char *bin)
 {
-    double *sorted = arena_array(arena, n, sizeof *sorted), edge[BINS];
+    double *sorted = arena_array(arena, n, sizeof *sorted), edge[INFORMATION_BINS];
     if (!sorted)
         return false;
-    for (int b = 1; b < BINS; b++) {
+    for (int b = 1; b < INFORMATION_BINS; b++) {
         memcpy(sorted, y, n * sizeof *y);
-        edge[b] = values_quantile(sorted, n, (double)b / BINS);
+        edge[b] = values_quantile(sorted, n, (double)b / INFORMATION_BINS);
     }
     for (size_t i = 0; i < n; i++) {
         bin[i] = 0;
-        for (int b = 1; b < BINS; b++)
+        for (int b = 1; b < INFORMATION_BINS; b++)
             bin[i] = (unsigned char)(bin[i] + (y[i] >= edge[b]));
     }
     return true;
@@ -96,7 +96,8 @@ static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsign
 /* [nat] between values so many samples apart */
 static double information(const unsigned char *bin, size_t n, size_t lag)
 {
-    int count[BINS][BINS] = {{0}}, first[BINS] = {0}, second[BINS] = {0};
+    int count[INFORMATION_BINS][INFORMATION_BINS] = {{0}}, first[INFORMATION_BINS] = {0},
+        second[INFORMATION_BINS] = {0};
     const double pairs = (double)(n - lag);
     double sum = 0;
     for (size_t i = 0; i + lag < n; i++) {
@@ -104,8 +105,8 @@ static double information(const unsigned char *bin, size_t n, size_t lag)
         first[bin[i]]++;
         second[bin[i + lag]]++;
     }
-    for (int a = 0; a < BINS; a++)
-        for (int b = 0; b < BINS; b++)
+    for (int a = 0; a < INFORMATION_BINS; a++)
+        for (int b = 0; b < INFORMATION_BINS; b++)
             if (count[a][b] > 0)
                 sum += count[a][b] * log(count[a][b] * pairs / first[a] / second[b]);
     return sum / pairs;
@@ -153,18 +154,19 @@ static size_t vectors_of(size_t n, const struct delay_space *s, size_t ahead)
 
 static double false_neighbours(const struct delay_space *s, double sigma)
 {
-    const size_t stride = s->points / VECTORS + 1;
+    const size_t stride = s->points / EXAMINED_VECTORS + 1;
     size_t asked = 0, wrong = 0;
     for (size_t i = 0; i < s->points; i += stride) {
         struct neighbours near;
         space_nearest(s, i, 1, &near);
         if (near.count == 0)
             continue;
-        const double before = fmax(sqrt(near.square[0]), SMALL * sigma),
+        const double before = fmax(sqrt(near.square[0]), DISTANCE_MIN_SIGMAS * sigma),
                      by = fabs(space_value(s, i, s->dimensions) -
                                space_value(s, near.at[0], s->dimensions));
         asked++;
-        wrong += by > FARTHER * before || hypot(before, by) > LONELY * sigma;
+        wrong += by > FALSE_NEIGHBOUR_FACTOR * before ||
+                 hypot(before, by) > NEIGHBOUR_DISTANCE_SIGMAS * sigma;
         if (asked % 64 == 0 && cancelled(s->cancel))
             return NAN;
     }
@@ -175,7 +177,7 @@ int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *fal
 {
     for (s->dimensions = 1; s->dimensions < SPACE_DIMENSIONS - 1; s->dimensions++) {
         s->points = vectors_of(n, s, (size_t)s->delay);
-        if (s->points < VECTORS / 2)
+        if (s->points < EXAMINED_VECTORS / 2)
             break;
         *false_share = false_neighbours(s, sigma);
         if (isnan(*false_share))
@@ -227,7 +229,7 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
 
 double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
 {
-    const size_t vectors = vectors_of(n, s, ahead), stride = vectors / VECTORS + 1,
+    const size_t vectors = vectors_of(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,
                  to = (size_t)((s->dimensions - 1) * s->delay) + ahead;
     const double linear = linear_error(s, ahead, vectors);
     double sum = 0;

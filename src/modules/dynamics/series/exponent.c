@@ -9,19 +9,21 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#define TURNS 20     /* crossings of the mean, upwards */
-#define PARTS 4      /* of the series, whose sizes */
-#define SIZES 2      /* differ by no more than this factor */
-#define DRIFT 2      /* of those sizes: so far apart may their means be */
-#define PREDICTS 0.7 /* of the error of a linear function */
-#define DEEPER 2     /* delays more than unfold the motion: what they change is an error */
-#define HORIZON 40   /* turns at most */
-#define EVEN 0.5     /* of the exponent: halves of the stretch may differ by so much */
-#define STAY 3.0     /* by less than this factor distances do not grow at all */
+#define MEAN_CROSSINGS_MIN 20      /* crossings of the mean, upwards */
+#define SERIES_PARTS 4             /* of the series, whose sizes */
+#define PART_SIZE_RATIO_MAX 2      /* differ by no more than this factor */
+#define PART_MEAN_DRIFT_MAX 2      /* of those sizes: so far apart may their means be */
+#define PREDICTION_ERROR_RATIO 0.7 /* of the error of a linear function */
+#define EXTRA_DELAYS 2   /* delays more than unfold the motion: what they change is an error */
+#define HORIZON_TURNS 40 /* turns at most */
+#define HALVES_DIFFERENCE_MAX                                                                      \
+    0.5                         /* of the exponent: halves of the stretch may differ by so much    \
+                                 */
+#define DISTANCE_GROWTH_MIN 3.0 /* by less than this factor distances do not grow at all */
 
 /* What flows whose exponents are known were off beyond the scatter (Lorenz x and z, Roessler, the
  * driven pendulum, Duffing; 5000 and 20 000 samples, 16 starts each: -11 to +13 %). */
-#define SYSTEMATIC 0.08
+#define SYSTEMATIC_ERROR_RELATIVE 0.08
 
 static bool leave(struct series_exponent *found, const char *format, ...) PRINTF_LIKE(2, 3);
 static bool leave(struct series_exponent *found, const char *format, ...)
@@ -54,19 +56,19 @@ static struct part part_of(const double *y, size_t from, size_t to)
 static bool lasts(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
-    for (size_t k = 0; k < PARTS; k++) {
-        const struct part p = part_of(x->y, k * x->n / PARTS, (k + 1) * x->n / PARTS);
+    for (size_t k = 0; k < SERIES_PARTS; k++) {
+        const struct part p = part_of(x->y, k * x->n / SERIES_PARTS, (k + 1) * x->n / SERIES_PARTS);
         low = fmin(low, p.sigma);
         high = fmax(high, p.sigma);
         left = fmin(left, p.mean);
         right = fmax(right, p.mean);
     }
-    if (high > SIZES * low)
+    if (high > PART_SIZE_RATIO_MAX * low)
         return !leave(found,
                       "the motion does not stay as large as it is: by quarters of the time "
                       "its size differs by a factor of %.3g",
                       high / low);
-    if (right - left > DRIFT * high)
+    if (right - left > PART_MEAN_DRIFT_MAX * high)
         return !leave(found,
                       "the motion drifts: by quarters of the time its mean moves by %.3g "
                       "times its size",
@@ -98,8 +100,9 @@ static bool is_fit(const struct samples *x, const struct part *whole, double *tu
     if (!lasts(x, found))
         return false;
     const size_t turns = turns_of(x, whole->mean, turn);
-    if (turns < TURNS)
-        return !leave(found, "the motion turns only %zu times in it, %d are needed", turns, TURNS);
+    if (turns < MEAN_CROSSINGS_MIN)
+        return !leave(found, "the motion turns only %zu times in it, %d are needed", turns,
+                      MEAN_CROSSINGS_MIN);
     return true;
 }
 
@@ -137,7 +140,7 @@ static bool unfold(struct delay_space *space, const struct samples *x, double si
 static size_t horizon_of(const struct samples *x, int delays, int delay, double turn)
 {
     const size_t window = (size_t)(delays * delay);
-    return (size_t)fmin((double)(x->n - window) / 4, HORIZON * turn);
+    return (size_t)fmin((double)(x->n - window) / 4, HORIZON_TURNS * turn);
 }
 
 static bool grow_with(const struct delay_space *space, const struct samples *x, int dimensions,
@@ -159,7 +162,7 @@ static bool judge(const struct divergence *d, const struct even_growth *g, doubl
                   struct series_exponent *found)
 {
     const double by = g->slope * (double)(g->to - g->from), rise = d->last - d->mean[g->from];
-    if (rise < log(STAY))
+    if (rise < log(DISTANCE_GROWTH_MIN))
         return leave(found, "neighbours do not go apart: the motion is periodic or quasi-periodic, "
                             "or decays");
     if (!(g->error >= 0) || !(by >= log(EXPONENT_GROWTH)))
@@ -167,7 +170,7 @@ static bool judge(const struct divergence *d, const struct even_growth *g, doubl
                      "distances grow evenly by less than a factor of %g before they are as "
                      "large as the motion: too much noise, or too short a record",
                      EXPONENT_GROWTH);
-    if (fabs(g->halves[0] - g->halves[1]) > EVEN * g->slope)
+    if (fabs(g->halves[0] - g->halves[1]) > HALVES_DIFFERENCE_MAX * g->slope)
         return leave(found, "distances do not grow evenly: by %.3g, then by %.3g 1/s",
                      g->halves[0] / step, g->halves[1] / step);
     return false;
@@ -185,7 +188,7 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
     found->pairs = d.pairs;
     if (judge(&d, &g, step, found))
         return true;
-    for (int k = 1; k <= DEEPER; k++) {
+    for (int k = 1; k <= EXTRA_DELAYS; k++) {
         struct divergence other;
         if (!grow_with(space, x, space->dimensions + k, turn, arena, &other, &deeper))
             return false;
@@ -193,10 +196,10 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
             spread = fmax(spread, fabs(deeper.slope - g.slope));
     }
     const double halves = fabs(g.halves[0] - g.halves[1]) / 2,
-                 method = space->delay > 1 ? SYSTEMATIC * g.slope : 0,
+                 method = space->delay > 1 ? SYSTEMATIC_ERROR_RELATIVE * g.slope : 0,
                  error =
                      sqrt(g.error * g.error + spread * spread + halves * halves + method * method);
-    if (error > EVEN * g.slope)
+    if (error > HALVES_DIFFERENCE_MAX * g.slope)
         return leave(found, "%.3g 1/s is no farther from 0 than its error of %.3g can be",
                      g.slope / step, error / step);
     found->value = (struct measured){g.slope / step, error / step};
@@ -225,9 +228,9 @@ bool series_exponent(const struct series *series, struct arena *arena,
     bool fine = unfold(&space, &x, whole.sigma, arena, found);
     if (fine && found->dimensions > 0) {
         const double ratio = prediction_ratio(&space, x.n, (size_t)space.delay);
-        if (!(ratio < PREDICTS))
+        if (!(ratio < PREDICTION_ERROR_RATIO))
             leave(found, "a linear function of the same values predicts %s: noise, or sines",
-                  ratio < 1 / PREDICTS ? "as well" : "better");
+                  ratio < 1 / PREDICTION_ERROR_RATIO ? "as well" : "better");
         else
             fine = find_exponent(&space, &x, turn, arena, found) &&
                    correlation_dimension(&space, x.n, arena, found);

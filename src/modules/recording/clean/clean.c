@@ -14,15 +14,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define FAR_OFF 6.0        /* robust standard deviations */
-#define FAR_OFF_BESIDE 3.0 /* next to one that is far off, on the same side */
-#define FAR_OFF_MIN 0.01   /* of the amplitude: what is nearer does no harm */
-#define GAP 1.5            /* median steps, as the loader counts them */
-#define SHOULDER_MIN 3     /* samples in a row; fewer are spikes */
-#define STUCK_MIN 5        /* samples */
-#define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
-#define SEEN 6.0           /* typical scales: an amplitude that is no noise */
-#define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
+#define FAR_OFF 6.0               /* robust standard deviations */
+#define FAR_OFF_BESIDE 3.0        /* next to one that is far off, on the same side */
+#define FAR_OFF_MIN 0.01          /* of the amplitude: what is nearer does no harm */
+#define GAP_MEDIAN_STEPS 1.5      /* median steps, as the loader counts them */
+#define SHOULDER_MIN 3            /* samples in a row; fewer are spikes */
+#define STUCK_MIN 5               /* samples */
+#define STUCK_MOVES 8.0           /* noise or steps that the motion goes meanwhile */
+#define AMPLITUDE_SEEN_SCALES 6.0 /* typical scales: an amplitude that is no noise */
+#define LEVELS_FEW 100            /* in the swing: steps of a percent of it */
 
 static void note_size(struct finding *finding, double size)
 {
@@ -38,7 +38,7 @@ static void find_gaps(struct cleaning *c)
         c->sorted[i] = c->t[i + 1] - c->t[i];
     c->step = values_quantile(c->sorted, c->n - 1, 0.5);
     for (size_t i = 0; i + 1 < c->n; i++)
-        if (c->t[i + 1] - c->t[i] > GAP * c->step) {
+        if (c->t[i + 1] - c->t[i] > GAP_MEDIAN_STEPS * c->step) {
             clean_note(gaps, c->t[i], 1);
             note_size(gaps, c->t[i + 1] - c->t[i]);
         }
@@ -132,7 +132,7 @@ static const struct local *from_end(const struct cleaning *c, bool end, size_t k
 /* By how much the amplitude falls in a period, as a rule, where it is seen. */
 static double usual_fall(struct cleaning *c)
 {
-    const double min = SEEN * c->typical;
+    const double min = AMPLITUDE_SEEN_SCALES * c->typical;
     size_t n = 0;
     for (size_t k = 0; k + 1 < c->locals; k++)
         if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > min)
@@ -168,7 +168,8 @@ static double deepest_wane(struct cleaning *c)
         const double around = fmin(before, c->per_local[k]), here = c->local[k].amplitude;
         if (!c->local[k].fitted)
             continue;
-        deepest = around > SEEN * c->typical ? fmin(deepest, here / around) : deepest;
+        deepest =
+            around > AMPLITUDE_SEEN_SCALES * c->typical ? fmin(deepest, here / around) : deepest;
         before = fmax(before, here);
     }
     return deepest;
@@ -203,8 +204,8 @@ static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fal
             lacking_there += lacks_good_samples(c, s);
             continue;
         }
-        const bool still =
-            s->amplitude < fmin(0.6, 0.8 * wane) * inside && inside > SEEN * c->typical;
+        const bool still = s->amplitude < fmin(0.6, 0.8 * wane) * inside &&
+                           inside > AMPLITUDE_SEEN_SCALES * c->typical;
         const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
                            4 * far_off(c, s) > s->to - s->from;
         const bool gone =

@@ -7,11 +7,14 @@
 #include <math.h>
 
 #define PERIODS_MIN 2.0 /* of rest, and of motion before it */
-#define QUIET 0.2       /* of the scatter at the start: so small must that at the end be */
-#define ALIKE 1.5       /* times the scatter at the end: so large may that of half a period be */
-#define FADED 0.4       /* of what an exponential decay leaves: less is there in a rest */
-#define CLEAR 3.0       /* standard deviations of an amplitude */
-#define SAMPLES_MIN 8.0 /* of a stretch whose amplitude is asked for */
+/* Largest scatter in a rest relative to that at the start. */
+#define REST_SCATTER_FRACTION 0.2
+/* Largest scatter of half a period relative to that at the end. */
+#define HALF_PERIOD_SCATTER_RATIO_MAX 1.5
+/* Less than this part of what an exponential decay leaves remains in a rest. */
+#define FADED_AMPLITUDE_FRACTION 0.4
+#define AMPLITUDE_CLEAR_SIGMAS 3.0 /* standard deviations of an amplitude */
+#define SAMPLES_MIN 8.0            /* of a stretch whose amplitude is asked for */
 
 struct spread {
     double mean, deviation, count;
@@ -72,7 +75,7 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
         const double a = amplitude_of(x, first_from(x->t, x->n, t),
                                       first_from(x->t, x->n, t + stretch), period, &count);
         const double weight = a * a * count, off_t = t - mean_t, off_l = log(a) - mean_l;
-        if (!(a > CLEAR * noise * sqrt(2 / count)))
+        if (!(a > AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count)))
             continue;
         if (a > largest) { /* what was before grew: a hand, a release */
             w = weight;
@@ -91,8 +94,9 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
     const double a = amplitude_of(x, first_from(x->t, x->n, from),
                                   first_from(x->t, x->n, from + stretch), period, &count);
     const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (from - mean_t));
-    return w > 0 && count > 0 && left > CLEAR * noise * sqrt(2 / count) &&
-           (isnan(a) ? 0 : a) + CLEAR * noise * sqrt(2 / count) < FADED * left;
+    return w > 0 && count > 0 && left > AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count) &&
+           (isnan(a) ? 0 : a) + AMPLITUDE_CLEAR_SIGMAS * noise * sqrt(2 / count) <
+               FADED_AMPLITUDE_FRACTION * left;
 }
 
 /* Whole periods, of so many samples at least, and of the pattern in which few samples a period meet
@@ -114,7 +118,7 @@ size_t motion_quiet(const struct motion_rows *x, double period)
         return x->n;
     const struct spread start = spread_of(x, 0, first_from(x->t, x->n, first + min));
     const struct spread end = spread_of(x, first_from(x->t, x->n, last - min), x->n);
-    if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
+    if (!(end.count > 4) || !(end.deviation < REST_SCATTER_FRACTION * start.deviation))
         return x->n;
     size_t rest = first_from(x->t, x->n, last - min), to = rest;
     int moves = 0; /* half stretches in a row: a single one may be chance */
@@ -123,7 +127,8 @@ size_t motion_quiet(const struct motion_rows *x, double period)
         const size_t from = first_from(x->t, x->n, t);
         const struct spread s = spread_of(x, from, to);
         const double off = fabs(s.mean - end.mean);
-        moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation)
+        moves = s.count > 1 && (s.deviation > HALF_PERIOD_SCATTER_RATIO_MAX * end.deviation ||
+                                off > end.deviation)
                     ? moves + 1
                     : 0;
         if (moves == 2)

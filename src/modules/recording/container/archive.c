@@ -28,8 +28,8 @@ const struct buffer *archive_content_find(const struct archive_content *content,
 #include <archive.h>
 #include <archive_entry.h>
 
-#define LIBRARY "libarchive.so.13"
-#define PIECE 65536u
+#define ARCHIVE_LIBRARY "libarchive.so.13"
+#define PIECE_BYTES 65536u
 
 #define ARCHIVE_FUNCTIONS(X)                                                                       \
     X(archive_read_new)                                                                            \
@@ -60,10 +60,10 @@ static bool load(struct archive_api *api, const char *shown, struct error *error
 #undef SYMBOL
     };
     const char *missing;
-    if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
+    if (library_load(&api->library, ARCHIVE_LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
     error_set(error, ERROR_IO, "%s is an archive, which libarchive reads, but %s cannot be loaded",
-              shown, LIBRARY);
+              shown, ARCHIVE_LIBRARY);
     return error_hint(error, "install libarchive13, or unpack the file first");
 }
 
@@ -111,7 +111,7 @@ static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *er
 
 static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *error)
 {
-    char piece[PIECE];
+    char piece[PIECE_BYTES];
     for (la_ssize_t got; (got = u->api->archive_read_data(u->archive, piece, sizeof piece)) != 0;) {
         if (got < 0)
             return damaged(u, error);

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-#define BOM TEXT("\xEF\xBB\xBF")
+#define BYTE_ORDER_MARK TEXT("\xEF\xBB\xBF")
 #define LINE_BYTES (16u << 20)        /* a longer line ends no more: it is no row */
 #define PATIENCE_NS 2000000000        /* [ns] a pipe that is slow gets to end in */
 #define ENOUGH_BYTES (2 * HEAD_BYTES) /* in which the table has to begin */
@@ -20,7 +20,7 @@
 
 static bool is_xml(struct text text)
 {
-    if (text_starts(text, BOM))
+    if (text_starts(text, BYTE_ORDER_MARK))
         text = (struct text){text.at + 3, text.len - 3};
     text = text_trim(text);
     return text_starts(text, TEXT("<?xml")) || text_starts(text, TEXT("<Document")) ||

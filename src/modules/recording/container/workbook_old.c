@@ -7,7 +7,7 @@
 #ifdef HAVE_FREEXL
 #include <freexl.h>
 
-#define LIBRARY "libfreexl.so.1"
+#define FREEXL_LIBRARY "libfreexl.so.1"
 
 #define FREEXL_FUNCTIONS(X)                                                                        \
     X(freexl_open)                                                                                 \
@@ -33,11 +33,11 @@ static bool load(struct freexl_api *api, const char *shown, struct error *error)
 #undef SYMBOL
     };
     const char *missing;
-    if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
+    if (library_load(&api->library, FREEXL_LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
     error_set(error, ERROR_IO,
               "%s is an Excel workbook (.xls), which FreeXL reads, but %s cannot be loaded", shown,
-              LIBRARY);
+              FREEXL_LIBRARY);
     return error_hint(error, "install libfreexl1, or save it as .xlsx or CSV");
 }
 

@@ -19,10 +19,10 @@ const char *xml_attribute(const char **attributes, const char *name)
 #ifdef HAVE_EXPAT
 #include <expat.h>
 
-#define LIBRARY "libexpat.so.1"
-#define PIECE (1u << 20)     /* [byte] parsed at a time */
-#define TOKEN_MAX (8u << 20) /* [byte] of a name or an attribute */
-#define DEPTH_MAX 200        /* elements in elements: an instrument nests fewer than twenty */
+#define EXPAT_LIBRARY "libexpat.so.1"
+#define PIECE_BYTES (1u << 20) /* [byte] parsed at a time */
+#define TOKEN_MAX (8u << 20)   /* [byte] of a name or an attribute */
+#define DEPTH_MAX 200          /* elements in elements: an instrument nests fewer than twenty */
 
 #define EXPAT_FUNCTIONS(X)                                                                         \
     X(XML_ParserCreate)                                                                            \
@@ -52,10 +52,10 @@ static bool load(struct expat_api *api, const char *shown, struct error *error)
 #undef SYMBOL
     };
     const char *missing;
-    if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
+    if (library_load(&api->library, EXPAT_LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
     error_set(error, ERROR_IO, "%s is an XML document, which expat reads, but %s cannot be loaded",
-              shown, LIBRARY);
+              shown, EXPAT_LIBRARY);
     return error_hint(error, "install libexpat1, or export the data as CSV");
 }
 
@@ -113,8 +113,8 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
 {
     bool done = true;
     size_t events = 0, since = 0; /* [byte] since the last of them */
-    for (size_t at = 0; done && at <= document.len; at += PIECE) {
-        const size_t len = document.len - at < PIECE ? document.len - at : PIECE;
+    for (size_t at = 0; done && at <= document.len; at += PIECE_BYTES) {
+        const size_t len = document.len - at < PIECE_BYTES ? document.len - at : PIECE_BYTES;
         since = p->events > events ? 0 : since + len;
         events = p->events;
         if (since > TOKEN_MAX)

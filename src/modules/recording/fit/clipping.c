@@ -17,11 +17,12 @@ enum {
 };
 
 /* standard deviations of the second or third harmonic that make it worth a look */
-#define HARMONICS 2.5
+#define HARMONIC_CLEAR_SIGMAS 2.5
 #define GAIN_MIN 9.0 /* chi-square by which a ceiling must explain the samples better */
-#define RESOLVED 1.5 /* steps of the recording: what is flat over less is rounded, not cut */
+/* Values that vary by fewer steps of the recording are rounded, not clipped. */
+#define FLAT_RESOLVED_STEPS 1.5
 /* standard deviations of the noise by which readings of a flat top may scatter, */
-#define FLAT 3.0
+#define FLAT_NOISE_RATIO_MAX 3.0
 #define FLAT_SHARE 0.02 /* or by this share of what the model does there */
 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
 #define SLOPE_MAX 0.35
@@ -42,7 +43,8 @@ static bool has_harmonics(const struct motion *m)
             norm[k] += u[k] * u[k];
         }
     }
-    double sigma = harmonic_sigma(h, FREE_GAMMA), min = HARMONICS * HARMONICS * sigma * sigma;
+    double sigma = harmonic_sigma(h, FREE_GAMMA),
+           min = HARMONIC_CLEAR_SIGMAS * HARMONIC_CLEAR_SIGMAS * sigma * sigma;
     return sum[0] * sum[0] > min * norm[0] || sum[1] * sum[1] > min * norm[1];
 }
 
@@ -51,8 +53,8 @@ static bool has_harmonics(const struct motion *m)
 static bool is_rounding(const struct motion *m)
 {
     static const double amplitude_share = 1e-5;
-    const double max =
-        fmax(0.5 * RESOLVED * m->quantum, amplitude_share * hypot(m->harmonic.a, m->harmonic.b));
+    const double max = fmax(0.5 * FLAT_RESOLVED_STEPS * m->quantum,
+                            amplitude_share * hypot(m->harmonic.a, m->harmonic.b));
     for (size_t i = 0; i < m->samples.n; i++)
         if (m->samples.use[i] && fabs(m->residual[i]) > max)
             return false;
@@ -143,8 +145,9 @@ static bool settle(const struct motion *m, int side, const struct harmonic *star
  * rounding do. */
 static bool is_flat(const struct motion *m, const struct censoring *c)
 {
-    return fabs(c->slope) < SLOPE_MAX && c->beyond > RESOLVED * m->quantum &&
-           c->scatter <= FLAT * m->overview.noise + RESOLVED * m->quantum + FLAT_SHARE * c->beyond;
+    return fabs(c->slope) < SLOPE_MAX && c->beyond > FLAT_RESOLVED_STEPS * m->quantum &&
+           c->scatter <= FLAT_NOISE_RATIO_MAX * m->overview.noise +
+                             FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->beyond;
 }
 
 /* Sets a motion of every few rows of a long one, in which ceilings are looked for first; of all of

@@ -7,7 +7,8 @@
 #include <string.h>
 
 #define REJECT_AT 5.0 /* robust standard deviations */
-#define EXACT 1e-7    /* of the amplitude: deviations below are the model's, not the instrument's */
+/* Smaller deviations, relative to the amplitude, are due to the model and not to the instrument. */
+#define EXACT_AMPLITUDE_FRACTION 1e-7
 
 /* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b,
  * c and rejects nothing. */
@@ -43,7 +44,7 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
 static size_t update_mask(struct motion *m, double typical)
 {
     size_t changed = 0;
-    double exact = EXACT * hypot(m->harmonic.a, m->harmonic.b);
+    double exact = EXACT_AMPLITUDE_FRACTION * hypot(m->harmonic.a, m->harmonic.b);
     m->rejected = 0;
     for (size_t k = 0; k < m->segments; k++) {
         struct swing_segment *s = &m->segment[k];

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NEAR 1.5 /* steps between two of the sensor's velocities: no line is drawn across more */
+/* No line is drawn across a gap of more steps between two velocities of the sensor. */
+#define VELOCITY_GAP_STEPS 1.5
 
 bool recording_is_fitted(const struct session *session, const struct recording *recording)
 {
@@ -54,7 +55,8 @@ static bool joined_velocity(const struct session *session, const struct recordin
         while (row + 2 < s.n && s.t[row + 1] < t)
             row++;
         const double step = s.t[row + 1] - s.t[row], part = (t - s.t[row]) / step;
-        const bool there = part >= -1e-6 && part <= 1 + 1e-6 && step < NEAR * whole.dt;
+        const bool there =
+            part >= -1e-6 && part <= 1 + 1e-6 && step < VELOCITY_GAP_STEPS * whole.dt;
         motion->v[i] = there ? s.y[row] + part * (s.y[row + 1] - s.y[row]) : NAN;
         known += there;
     }

@@ -12,21 +12,23 @@
 
 /*
  * To judge the window costs 2 us a sample, thirty times what measuring a period does. Of a long
- * recording each k-th sample is judged, if that leaves ENOUGH a period; where that is too many,
- * only 'data clean' judges.
+ * recording each k-th sample is judged, if that leaves SAMPLES_PER_SWING a period; where that is
+ * too many, only 'data clean' judges.
  */
 #define ALL_JUDGED 16384
 #define JUDGED_MAX 32768
-#define ENOUGH 8 /* samples a swing, of which there is one a period at least, usually two */
+/* Samples a swing; a period has at least one swing, usually two. */
+#define SAMPLES_PER_SWING 8
 #define ENOUGH_FOR_PERIOD 4
-#define BLOCKS 64
+#define SCATTER_BLOCKS 64
 
 /* The median over blocks of the standard deviation within. */
 static double local_scatter(const struct series *series)
 {
-    double scatter[BLOCKS];
-    for (size_t b = 0; b < BLOCKS; b++) {
-        const size_t from = b * series->n / BLOCKS, to = (b + 1) * series->n / BLOCKS;
+    double scatter[SCATTER_BLOCKS];
+    for (size_t b = 0; b < SCATTER_BLOCKS; b++) {
+        const size_t from = b * series->n / SCATTER_BLOCKS,
+                     to = (b + 1) * series->n / SCATTER_BLOCKS;
         double mean = 0, sum = 0;
         for (size_t i = from; i < to; i++)
             mean += series->y[i] / (double)(to - from);
@@ -34,7 +36,7 @@ static double local_scatter(const struct series *series)
             sum += (series->y[i] - mean) * (series->y[i] - mean);
         scatter[b] = sqrt(sum / (double)(to - from));
     }
-    return values_quantile(scatter, BLOCKS, 0.5);
+    return values_quantile(scatter, SCATTER_BLOCKS, 0.5);
 }
 
 /* Swings to and fro of more than the local scatter: at least half of all half periods, for half of
@@ -155,7 +157,7 @@ static const struct findings *thinned_findings(const struct subject *subject, do
         if (!recording_series(&whole, arena, 8, &series, &ignored))
             return NULL;
     }
-    return thin(&series, ENOUGH, arena) && series.n <= JUDGED_MAX
+    return thin(&series, SAMPLES_PER_SWING, arena) && series.n <= JUDGED_MAX
                ? run_findings(&series, period, as, column, arena)
                : NULL;
 }

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NUDGE 1e-3 /* of a parameter, to see whether the motion depends on it */
+#define PARAM_NUDGE_RELATIVE 1e-3 /* of a parameter, to see whether the motion depends on it */
 
 void inputs_use(struct inputs *inputs, const char *name, struct measured value)
 {
@@ -65,7 +65,7 @@ void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const b
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         struct scene other = *scene;
         struct error ignored;
-        const struct measured moved = {scene->value[i] * (1 + NUDGE), 0};
+        const struct measured moved = {scene->value[i] * (1 + PARAM_NUDGE_RELATIVE), 0};
         if (is_free[i] || scene->value[i] == 0 || !scene_set(&other, i, moved, &ignored) ||
             !look(&other, after, &same) || same != n)
             continue;

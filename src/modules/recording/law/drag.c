@@ -15,14 +15,16 @@
 enum { ROUNDS = 4 };
 
 /* samples, from which on a step of ten standard deviations is trusted in the end */
-#define LONG 100000
-#define NEARLY 100.0  /* variances that a step may promise to be taken unseen: in the search, */
-#define FINALLY 1e-3  /* and at the end */
-#define REJECT_AT 5.0 /* robust standard deviations */
-#define CLIPPED 0.2   /* of what was taken for clipped that must be off, or it was not */
+#define LONG_RECORDING_SAMPLES 100000
+/* A step that promises to gain fewer variances is taken without evaluation. */
+#define SEARCH_PROMISE_VARIANCES 100.0
+#define FINAL_PROMISE_VARIANCES 1e-3 /* the same at the end of the search */
+#define REJECT_AT 5.0                /* robust standard deviations */
+/* Values count as clipped only if at least this part of them is off. */
+#define CLIPPED_OFF_MIN_FRACTION 0.2
 #define BASELINE_PERIODS 3
 /* variance that a baseline of its own takes in each block, over that of the residuals */
-#define WANDERS 2.0
+#define WANDERING_VARIANCE_RATIO 2.0
 
 int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {
@@ -143,9 +145,10 @@ static bool wanders(struct drag_fitting *f, int at, size_t *edge)
     const double more =
         (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
     const double left = (double)trial.used - (double)(BASELINE_TERMS * local.baseline.blocks);
-    if (!(more > 0) || !(left > 0) || after < (double)trial.used * INTEGRATED * f->size * f->size)
+    if (!(more > 0) || !(left > 0) ||
+        after < (double)trial.used * INTEGRATION_ROUNDING_SQUARED * f->size * f->size)
         return false;
-    return (before - after) / more > (WANDERS + 3 * sqrt(2 / more)) * after / left;
+    return (before - after) / more > (WANDERING_VARIANCE_RATIO + 3 * sqrt(2 / more)) * after / left;
 }
 
 /* Samples far off the nearest law do not take part; residual of all of them. Returns how many
@@ -166,7 +169,7 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
     const double typical =
         fmax(values_quantile(m->scratch, m->segments, 0.5), m->quantum / sqrt(12.0));
     for (int twice = 0; twice < 2; twice++) {
-        const bool clips = (double)off > CLIPPED * (double)m->clipped;
+        const bool clips = (double)off > CLIPPED_OFF_MIN_FRACTION * (double)m->clipped;
         for (size_t k = 0; k < m->segments; k++) {
             const double max = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
             for (size_t i = m->segment[k].from; i < m->segment[k].to; i++) {
@@ -194,7 +197,7 @@ static bool fit_motion_first(struct drag_fitting *f)
     if (rest >= x->n)
         return false;
     memset(f->use + rest, 0, x->n - rest);
-    fit_laws(f, false, FINALLY);
+    fit_laws(f, false, FINAL_PROMISE_VARIANCES);
     memcpy(f->use + rest, x->use + rest, x->n - rest);
     return true;
 }
@@ -204,7 +207,7 @@ static bool settle(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
     bool local = false, changes = fit_motion_first(f);
-    fit_laws(f, changes, NEARLY);
+    fit_laws(f, changes, SEARCH_PROMISE_VARIANCES);
     for (int round = 0; round < ROUNDS; round++) {
         const int at = nearest(f);
         if (at < 0 || !law_residuals(&f->samples, &f->fit[at], m->residual, NULL, NULL))
@@ -217,10 +220,12 @@ static bool settle(struct drag_fitting *f, size_t *edge)
         changes = changes || now || changed > 0;
         if (!now && (double)changed < 1e-3 * (double)m->samples.n)
             break;
-        fit_law(f, at, true, NEARLY);
+        fit_law(f, at, true, SEARCH_PROMISE_VARIANCES);
     }
-    if (changes || m->samples.n < LONG)
-        fit_laws(f, true, m->samples.n < LONG ? FINALLY : NEARLY);
+    if (changes || m->samples.n < LONG_RECORDING_SAMPLES)
+        fit_laws(f, true,
+                 m->samples.n < LONG_RECORDING_SAMPLES ? FINAL_PROMISE_VARIANCES
+                                                       : SEARCH_PROMISE_VARIANCES);
     return nearest(f) >= 0;
 }
 
@@ -255,7 +260,7 @@ static void guess_rates(const struct envelope_rates rates[3], double span, struc
     f->rate[1] = fmax(rates[1].q, 1e-6 * omega) * 3 * PI / (4 * omega * a);
     f->rate[2] = 0.25 * PI * omega * gamma * mean;
     f->size = a * pow(omega, f->start.order);
-    f->rounding = INTEGRATED * f->size * f->size;
+    f->rounding = INTEGRATION_ROUNDING_SQUARED * f->size * f->size;
 }
 
 static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena,

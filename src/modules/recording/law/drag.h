@@ -9,11 +9,11 @@
 enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
 
 /* mean square, relative, to which integration is good: no law is better than that */
-#define INTEGRATED 1e-16
+#define INTEGRATION_ROUNDING_SQUARED 1e-16
 
-#define DELTA_MIN 6.0    /* of BIC, for a claim, and */
-#define CHANCE_MAX 0.001 /* of the F-test, for a further term to be claimed, and */
-#define HIDDEN 0.01      /* to be taken for possible, though not shown */
+#define DELTA_MIN 6.0           /* of BIC, for a claim, and */
+#define CHANCE_MAX 0.001        /* of the F-test, for a further term to be claimed, and */
+#define HIDDEN_TERM_CHANCE 0.01 /* to be taken for possible, though not shown */
 /* of the loss, or of the force, that a further term may take (two standard deviations) */
 #define SHARE_MAX 0.2
 /* of a variance: slow changes count, so windows are what is independent */

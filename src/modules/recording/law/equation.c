@@ -28,7 +28,7 @@ enum {
 
 #define STEP_MAX 1.2 /* [rad] */
 /* share of the series that its last term may have: what follows is ten times smaller */
-#define ROUNDING 1e-15
+#define STEP_ROUNDING_RELATIVE 1e-15
 
 _Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
                "a column for each parameter of the motion");
@@ -199,7 +199,8 @@ static double step_length(const struct equation_walk *s)
         size = first > size ? first : size;
         last = end > last ? end : last;
     }
-    return last > 0 ? fmin(STEP_MAX, pow(ROUNDING * size / last, 1.0 / ORDER)) : STEP_MAX;
+    return last > 0 ? fmin(STEP_MAX, pow(STEP_ROUNDING_RELATIVE * size / last, 1.0 / ORDER))
+                    : STEP_MAX;
 }
 
 bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)

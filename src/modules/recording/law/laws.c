@@ -162,7 +162,7 @@ static bool remains(const struct law_evidence *e, const struct drag_fit *drag, i
         return physical(c) && !refuted(e, drag, i);
     bool there = false;
     const double fraction = fraction_beyond(e, c, law, &there);
-    return (physical(c) && chance(e, simple, i) < HIDDEN) ||
+    return (physical(c) && chance(e, simple, i) < HIDDEN_TERM_CHANCE) ||
            ((there || beside_others) && fraction > SHARE_MAX * (terms(c->law) - terms(law)));
 }
 

@@ -11,10 +11,10 @@
 
 enum { FIRST_PERIODS = 4, LEAST = 16 };
 
-#define NEARLY 100.0 /* variances that a step may promise to be taken unseen */
-#define FINALLY 1e-2
+#define SEARCH_PROMISE_VARIANCES 100.0 /* variances that a step may promise to be taken unseen */
+#define FINAL_PROMISE_VARIANCES 1e-2
 /* variances beyond another force, with which a search that did not end is no answer */
-#define FAR 100.0
+#define REFUTED_RSS_VARIANCES 100.0
 
 const char *restoring_name(enum restoring_force force)
 {
@@ -85,7 +85,8 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
         fit->omega = fit->motion.value[EQUATION_OMEGA];
         const struct law_fit before = *fit;
         const bool found =
-            law_descend(to < n ? &part.law : x, to < n ? NEARLY : FINALLY, rounding, fit);
+            law_descend(to < n ? &part.law : x,
+                        to < n ? SEARCH_PROMISE_VARIANCES : FINAL_PROMISE_VARIANCES, rounding, fit);
         if (to == n)
             return found;
         if (!found) /* too few periods may not hold every parameter: more of them from where it was
@@ -103,7 +104,7 @@ static bool follow(const struct law_samples *x, const struct law_fit *other,
     fit->motion.value[EQUATION_CUBIC] = 0;
     fit->omega = fit->motion.value[EQUATION_OMEGA];
     fit->parameters = drag_indices(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
-    return law_descend(x, FINALLY, rounding, fit);
+    return law_descend(x, FINAL_PROMISE_VARIANCES, rounding, fit);
 }
 
 /* ---- the choice, by the rule of the laws of damping ---- */
@@ -148,14 +149,14 @@ static bool cubic_remains(const struct force_fits *all, const struct drag_fit *d
                            fit->motion.value[EQUATION_SPEED] / omega);
     const double max = fabs(fit->motion.value[EQUATION_CUBIC]) +
                        2 * sqrt(all->variance) * law_formal(fit, fit->parameters - 1);
-    return chance(all, simple) < HIDDEN ||
+    return chance(all, simple) < HIDDEN_TERM_CHANCE ||
            (simple == RESTORING_LINEAR && max * a * a > SHARE_MAX * omega * omega);
 }
 
 /* Whether the search, though it did not end, came nowhere near what another force leaves. */
 static bool far_off(const struct force_fits *all, int i, int other)
 {
-    return all->fit[i].rss - all->fit[other].rss > FAR * all->variance;
+    return all->fit[i].rss - all->fit[other].rss > REFUTED_RSS_VARIANCES * all->variance;
 }
 
 /* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than
@@ -208,7 +209,7 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
     unsigned every = 0;
     take(x, from, &part);
     begin(&part.law, &f->start, &first);
-    law_descend(&part.law, NEARLY, f->rounding, &first);
+    law_descend(&part.law, SEARCH_PROMISE_VARIANCES, f->rounding, &first);
     for (int i = 0; i < RESTORING_FORCES; i++) {
         const bool tried = i != RESTORING_SINE || angle;
         every |= (unsigned)tried << i;

@@ -7,19 +7,20 @@
 #include <math.h>
 #include <string.h>
 
-#define REJECTED 5.0  /* robust standard deviations */
-#define ROUNDING 1e-9 /* of an amplitude: what is nearer is no outlier of a simulation */
-#define SURE 3.0      /* standard deviations of an amplitude, and */
-/* where the slowest has fewer than PERIODS: a random walk looks like that */
+#define REJECTED_ROBUST_SIGMAS 5.0 /* robust standard deviations */
+/* Smaller deviations, relative to the amplitude, are no outliers of a simulation. */
+#define AMPLITUDE_ROUNDING_RELATIVE 1e-9
+#define MODE_SURE_SIGMAS 3.0 /* standard deviations of an amplitude, and */
+/* where the slowest has fewer than SLOW_MODE_PERIODS: a random walk looks like that */
 #define SURE_SLOW 5.0
-#define CLEAR 6.0     /* of the noise beside its line */
-#define DECIDES 6.0   /* BIC */
-#define RESOLVED 1.5  /* line widths 1/span between two frequencies */
-#define LEFT 8.0      /* standard deviations of a line that is left */
-#define LEFT_MIN 0.02 /* of the smallest amplitude */
-#define POOR 0.10     /* rms of the residuals over that of the signal */
-#define PERIODS 3.0
-#define OVERTONE 0.1   /* line widths from a multiple of a slower frequency */
+#define MODE_CLEAR_NOISE_RATIO 6.0 /* of the noise beside its line */
+#define BIC_DECIDES 6.0            /* BIC */
+#define RESOLVED_LINE_WIDTHS 1.5   /* line widths 1/span between two frequencies */
+#define LEFT_LINE_SIGMAS 8.0       /* standard deviations of a line that is left */
+#define LEFT_MIN 0.02              /* of the smallest amplitude */
+#define POOR_RESIDUAL_RATIO 0.10   /* rms of the residuals over that of the signal */
+#define SLOW_MODE_PERIODS 3.0
+#define OVERTONE_LINE_WIDTHS 0.1 /* line widths from a multiple of a slower frequency */
 #define TWO_RATHER 0.3 /* of the sum of squares is left by a second line: a sway leaves more */
 
 struct modes_fitting {
@@ -75,9 +76,10 @@ static bool reject(struct modes_fitting *f, size_t *rejected)
         if (f->samples.use[i])
             f->scratch[count++] = fabs(f->residual[i]);
     const struct measured *mode = f->fit.value + MODES_FIRST;
-    const double rounding = ROUNDING * hypot(mode[MODE_A].value, mode[MODE_B].value);
-    const double limit =
-        fmax(REJECTED * MAD_TO_SIGMA * values_quantile(f->scratch, count, 0.5), rounding);
+    const double rounding =
+        AMPLITUDE_ROUNDING_RELATIVE * hypot(mode[MODE_A].value, mode[MODE_B].value);
+    const double limit = fmax(
+        REJECTED_ROBUST_SIGMAS * MAD_TO_SIGMA * values_quantile(f->scratch, count, 0.5), rounding);
     for (size_t i = 0; i < n; i++)
         far += !(fabs(f->residual[i]) <= limit);
     const bool any = limit > 0 && far > 0 && !fit_discards_much(far, n);
@@ -215,7 +217,7 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
     for (int k = 0; k + 1 < modes->modes; k++) {
         const struct normal_mode *a = &modes->mode[k], *b = a + 1;
         const double apart = (b->frequency.value - a->frequency.value) * span;
-        if (apart < RESOLVED)
+        if (apart < RESOLVED_LINE_WIDTHS)
             fit_warn(
                 fit,
                 "%.5g and %.5g Hz are %.2g line widths 1/%.3g s apart, too near to be told apart "
@@ -225,8 +227,8 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
         for (int j = k + 1; j < modes->modes; j++) {
             const struct measured f = modes->mode[j].frequency;
             const double n = nearbyint(f.value / a->frequency.value);
-            const double doubt =
-                2 * hypot(f.uncertainty, n * a->frequency.uncertainty) + OVERTONE / span;
+            const double doubt = 2 * hypot(f.uncertainty, n * a->frequency.uncertainty) +
+                                 OVERTONE_LINE_WIDTHS / span;
             if (overtone(a->frequency.value, f.value, doubt))
                 fit_warn(fit,
                          "%.5g Hz is %g times %.5g Hz: an overtone of that oscillation, not a mode "
@@ -234,7 +236,7 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
                          f.value, n, a->frequency.value);
         }
     }
-    if (modes->mode[0].frequency.value * span < PERIODS)
+    if (modes->mode[0].frequency.value * span < SLOW_MODE_PERIODS)
         fit_warn(fit,
                  "only %.2g periods of the slowest mode: it and the offset are poorly separated",
                  modes->mode[0].frequency.value * span);
@@ -252,7 +254,8 @@ static void warn_rest(const struct modes_fitting *f, const struct modes_fit *mod
     for (int k = 0; k < modes->modes; k++)
         smallest = fmin(smallest, modes->mode[k].amplitude.value);
     if (series_peaks(&left, f->arena, &line, 1) == 1 &&
-        line.amplitude.value > fmax(LEFT * line.amplitude.uncertainty, LEFT_MIN * smallest))
+        line.amplitude.value >
+            fmax(LEFT_LINE_SIGMAS * line.amplitude.uncertainty, LEFT_MIN * smallest))
         fit_warn(fit, "the residuals hold another line, at %.5g Hz%s", line.frequency.value,
                  modes->modes < MODES_MAX ? ": try one mode more" : "");
     for (size_t i = 0; i < f->series->n; i++) {
@@ -260,7 +263,7 @@ static void warn_rest(const struct modes_fitting *f, const struct modes_fit *mod
         signal += f->samples.use[i] ? moves * moves : 0;
     }
     const double poor = sqrt(f->fit.rss / signal);
-    if (poor > POOR)
+    if (poor > POOR_RESIDUAL_RATIO)
         fit_warn(fit, "the model is poor: its residuals are %.0f %% of the signal (rms)",
                  100 * poor);
     if (fit->rejected > 0)
@@ -338,7 +341,8 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
                     struct error *error)
 {
     const double span = f->series->t[f->series->n - 1] - f->series->t[0];
-    const double sure = modes->mode[0].frequency.value * span < PERIODS ? SURE_SLOW : SURE;
+    const double sure =
+        modes->mode[0].frequency.value * span < SLOW_MODE_PERIODS ? SURE_SLOW : MODE_SURE_SIGMAS;
     for (int k = 0; k < modes->modes; k++) {
         const struct measured a = modes->mode[k].amplitude;
         if (!(a.value > sure * a.uncertainty)) {
@@ -347,7 +351,7 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
                       modes->mode[k].frequency.value, a.value, a.uncertainty);
             return error_hint(error, "record longer, or fit fewer modes");
         }
-        if (!(a.value > CLEAR * noise_beside(f, &modes->mode[k]))) {
+        if (!(a.value > MODE_CLEAR_NOISE_RATIO * noise_beside(f, &modes->mode[k]))) {
             error_set(error, ERROR_NUMERICAL,
                       "what is found at %.5g Hz does not stand out of the noise beside it",
                       modes->mode[k].frequency.value);
@@ -370,7 +374,7 @@ static int count_modes(const struct samples *x, int count, const struct cancel *
         if (found < 0)
             return found;
         for (sure = 0; sure < found && sure < count &&
-                       modes_evidence(start, sure + 1, found, samples) > DECIDES;)
+                       modes_evidence(start, sure + 1, found, samples) > BIC_DECIDES;)
             sure++;
     }
     return sure;
@@ -441,8 +445,8 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
         return false;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
     if (!may_be_two_lines(x) || search_two_lines(x, start, &samples) < 2 ||
-        !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
-        !(modes_evidence(start, 2, 2, samples) > DECIDES) ||
+        !(modes_evidence(start, 1, 2, samples) > BIC_DECIDES) ||
+        !(modes_evidence(start, 2, 2, samples) > BIC_DECIDES) ||
         !(start[2].rss < TWO_RATHER * start[1].rss))
         return false;
     const double *mode = start[2].value + MODES_FIRST;
@@ -458,6 +462,6 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     }
     *pair = (struct mode_pair){
         {1 / slow, 1 / fast}, 1 / (fast - slow), start[2].rss / (square - sum * sum / used)};
-    return fast - slow > RESOLVED * width && slow > RESOLVED * width &&
+    return fast - slow > RESOLVED_LINE_WIDTHS * width && slow > RESOLVED_LINE_WIDTHS * width &&
            !overtone(slow, fast, width);
 }

@@ -71,7 +71,7 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
 }
 
-#define ROUNDING 1e-20 /* of a sum of squares: less says nothing */
+#define SQUARES_ROUNDING_RELATIVE 1e-20 /* of a sum of squares: less says nothing */
 
 /* ---- fewer samples ---- */
 
@@ -286,7 +286,7 @@ int modes_search(const struct samples *x, int modes, bool quick, const struct ca
 double modes_evidence(const struct mode_start *start, int k, int found, double samples)
 {
     const double n = samples / autocorrelation_factor(start[found].autocorrelation);
-    const double rounding = ROUNDING * start[0].rss;
+    const double rounding = SQUARES_ROUNDING_RELATIVE * start[0].rss;
     return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) -
            MODE_PARAMETERS * log(n) - 2 * log(n / 2);
 }

@@ -7,8 +7,9 @@
 #include <float.h>
 #include <math.h>
 
-#define HALF_WIDTH 0.1  /* [periods] samples on each side of a crossing that place it */
-#define SHAPE 0.01      /* of the swing in the window: what decay and drift do to its shape */
+#define HALF_WIDTH 0.1 /* [periods] samples on each side of a crossing that place it */
+/* Change of the swing's shape in the window by decay and drift, relative to the swing. */
+#define SHAPE_CHANGE_FRACTION 0.01
 #define NOISE_FREE 1e-6 /* of the amplitude: below, interpolation is better than averaging */
 
 struct context {
@@ -83,7 +84,8 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
                    v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
             double y = s->y[i] - c->mean;
             if (fitted && pass > 1 &&
-                fabs(y - p * u - q * v) > 5 * c->noise + SHAPE * fabs(q) * c->half) {
+                fabs(y - p * u - q * v) >
+                    5 * c->noise + SHAPE_CHANGE_FRACTION * fabs(q) * c->half) {
                 continue;
             }
             cc += u * u;

@@ -6,8 +6,8 @@
 
 enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
 
-#define FLOOR_WRONG 0.15 /* part of it, of recordings that are rounded */
-#define SHARED 3.0       /* scatter of the noise's own energy, in units of it */
+#define FLOOR_WRONG 0.15         /* part of it, of recordings that are rounded */
+#define NOISE_ENERGY_SCATTER 3.0 /* scatter of the noise's own energy, in units of it */
 
 /* Fits the line through the logarithms of the readings against the time after t0. Readings that are
  * not positive have no logarithm, and are left out, as those that are little but noise. */
@@ -46,7 +46,7 @@ static void local_mean(const struct samples *x, size_t from, size_t to,
         weight += s * s;
         square += s * s * s * s;
     }
-    const double value = sum / weight - noise->floor, alone = SHARED * noise->floor;
+    const double value = sum / weight - noise->floor, alone = NOISE_ENERGY_SCATTER * noise->floor;
     const double scatter = noise->spread * noise->spread * fmax(value, 0) + alone * alone;
     reading->t = moment / weight;
     reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};

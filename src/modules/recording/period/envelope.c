@@ -15,7 +15,7 @@
 enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
 
 /* mean square to which averaging over a period is good: no law is better than that */
-#define AVERAGED 1e-10
+#define MEAN_SQUARE_MIN 1e-10
 
 struct envelope {
     size_t count;
@@ -119,7 +119,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
         for (size_t i = 0; i < e->count; i++) {
             square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
         }
-        result->mean_square = fmax(square / (double)e->count, AVERAGED);
+        result->mean_square = fmax(square / (double)e->count, MEAN_SQUARE_MIN);
         result->gamma = gamma ? gsl_vector_get(at, 1) : 0;
         result->q = quadratic ? gsl_vector_get(at, p - 1) : 0;
         result->found = result->found && isfinite(square);

@@ -16,14 +16,14 @@
 #include <math.h>
 #include <string.h>
 
-#define BESIDE 4   /* bins on each side of a line where its surroundings are looked at */
-#define APART 1.5  /* bins: nearer to a line that was found is its own foot */
-#define ROUNDS 6   /* each line is fitted again beside the others */
-#define LEAST 0.01 /* of the first line */
+#define SURROUNDING_BINS 4 /* bins on each side of a line where its surroundings are looked at */
+#define LINE_FOOT_BINS 1.5 /* bins: nearer to a line that was found is its own foot */
+#define REFIT_ROUNDS 6     /* each line is fitted again beside the others */
+#define LINE_MIN_FRACTION 0.01 /* of the first line */
 /* a line stands so far above its surroundings: by chance none of 10^4 bins does */
-#define SIGMAS 8
+#define LINE_CLEAR_SIGMAS 8
 /* the first one so far above white noise, its own foot counted as such: it may be broad */
-#define WHITE 6
+#define FIRST_LINE_CLEAR_SIGMAS 6
 /* times the variance of a residual by which a damping has to lower the sum of squares */
 #define DAMPED_BETTER 12.0
 
@@ -31,7 +31,7 @@ double variance_beside(const struct samples *x, const double *residual, double o
 {
     const double bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
     double power = 0, used = 0, bins = 0;
-    for (int k = -BESIDE; k <= BESIDE; k++) {
+    for (int k = -SURROUNDING_BINS; k <= SURROUNDING_BINS; k++) {
         const double w = omega + k * bin;
         double c = 0, s = 0, n = 0;
         for (size_t i = 0; i < x->n && k != 0 && w > 0.5 * bin; i++) {
@@ -73,8 +73,8 @@ static bool stands(const struct samples *x, const struct harmonic *h, enum harmo
     peak->amplitude = (struct measured){amplitude, sqrt(2 * variance / n)};
     peak->frequency = (struct measured){
         h->omega / TWO_PI, sqrt(variance * h->inverse[RATE_OMEGA][RATE_OMEGA]) / TWO_PI};
-    const double chance =
-        first ? WHITE * white * sqrt(2 / n) : SIGMAS * peak->amplitude.uncertainty;
+    const double chance = first ? FIRST_LINE_CLEAR_SIGMAS * white * sqrt(2 / n)
+                                : LINE_CLEAR_SIGMAS * peak->amplitude.uncertainty;
     return amplitude > chance;
 }
 
@@ -94,7 +94,7 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
 {
     struct samples one = *x;
     one.y = work;
-    for (int k = 0; k < ROUNDS * count; k++) {
+    for (int k = 0; k < REFIT_ROUNDS * count; k++) {
         struct harmonic *h = &line[k % count];
         const double a = h->a, b = h->b, omega = h->omega, origin = h->origin, gamma = h->gamma;
         for (size_t i = 0; i < x->n; i++) {
@@ -126,9 +126,9 @@ static bool next_line(const struct samples *x, struct harmonic *line, int found,
     bool good = true;
     for (int i = 0; i <= found && good; i++) {
         good = stands(x, &line[i], FREE_OMEGA, left, found == 0, &peak[i]) &&
-               hypot(line[i].a, line[i].b) >= LEAST * hypot(line[0].a, line[0].b);
+               hypot(line[i].a, line[i].b) >= LINE_MIN_FRACTION * hypot(line[0].a, line[0].b);
         for (int j = 0; j < i; j++)
-            good &= fabs(line[i].omega - line[j].omega) > APART * bin;
+            good &= fabs(line[i].omega - line[j].omega) > LINE_FOOT_BINS * bin;
     }
     return good;
 }

@@ -13,11 +13,12 @@ enum {
     COARSE_PERIOD = 128, /* samples of a period in whose windows harmonics do not cancel */
 };
 
-#define WANES 0.7      /* amplitude between two maxima from which on it is looked for beats */
-#define CHANCE 3.0     /* standard deviations of an amplitude */
-#define POOR 2.0       /* what a damped sine leaves, over the noise, */
-#define CORRELATED 0.5 /* and hangs together */
-#define SHARP 1e-6     /* of the period: nothing better is looked for */
+/* Beats are looked for if the amplitude falls below this ratio between two maxima. */
+#define BEAT_AMPLITUDE_RATIO 0.7
+#define AMPLITUDE_CLEAR_SIGMAS 3.0   /* standard deviations of an amplitude */
+#define POOR_RESIDUAL_RATIO 2.0      /* what a damped sine leaves, over the noise, */
+#define RESIDUAL_CORRELATION_MIN 0.5 /* and hangs together */
+#define PERIOD_SHARP_RELATIVE 1e-6   /* of the period: nothing better is looked for */
 /* relative difference of readings of one period */
 #define SAME_PERIOD 0.05
 /* what is followed window by window and a damped sine in a part of it differ by more only if one of
@@ -26,9 +27,9 @@ enum {
 /* of two periods that are so near, the sum waxes and wanes */
 #define BEATS_RATIO_LOG 0.4
 /* standard deviations from which on the phases of sines contradict whole cycles */
-#define CONTRADICTS 3.0
+#define CONTRADICTION_SIGMAS 3.0
 /* an edge: of the range, between two samples */
-#define EDGE 0.4
+#define EDGE_RANGE_FRACTION 0.4
 #define BEATS_SHARE 0.9  /* of the power about the highest line */
 #define BEATS_LEAVE 0.01 /* of the power: where two lines leave more, there are others */
 
@@ -59,7 +60,7 @@ static bool whole_period(const struct motion *m, struct period *period)
 /* At least that, where the window shows an oscillation at all. */
 static double sure_amplitude(const struct track_window *w)
 {
-    return w->clear ? w->amplitude * fmax(1 - CHANCE * w->sigma, 0) : 0;
+    return w->clear ? w->amplitude * fmax(1 - AMPLITUDE_CLEAR_SIGMAS * w->sigma, 0) : 0;
 }
 
 /* The amplitude of the windows between two that are larger: the smallest share that is not chance.
@@ -74,7 +75,7 @@ static double deepest_wane(const struct track *track, struct arena *arena)
     for (size_t k = 0; after && k < track->windows; k++) {
         const struct track_window *w = &track->window[k];
         const double around = fmin(before, after[k]),
-                     here = w->amplitude * (1 + CHANCE * fmin(w->sigma, 1));
+                     here = w->amplitude * (1 + AMPLITUDE_CLEAR_SIGMAS * fmin(w->sigma, 1));
         deepest = around > 0 && w->used > 0 ? fmin(deepest, here / around) : deepest;
         before = fmax(before, sure_amplitude(w));
     }
@@ -85,7 +86,7 @@ static double deepest_wane(const struct track *track, struct arena *arena)
 static void warn_beats(const struct track *track, struct arena *arena, struct period *period)
 {
     const double deepest = deepest_wane(track, arena);
-    if (deepest < WANES) {
+    if (deepest < BEAT_AMPLITUDE_RATIO) {
         snprintf(period->warning, sizeof period->warning,
                  "the amplitude falls to %.0f %% and rises again: two frequencies ('measure "
                  "spectrum' lists them), sway or a drive",
@@ -97,8 +98,8 @@ static void warn_beats(const struct track *track, struct arena *arena, struct pe
  * model that is not true. */
 static bool is_poor(const struct motion *m)
 {
-    return harmonic_sigma(&m->harmonic, FREE_GAMMA) > POOR * m->overview.noise &&
-           m->autocorrelation > CORRELATED;
+    return harmonic_sigma(&m->harmonic, FREE_GAMMA) > POOR_RESIDUAL_RATIO * m->overview.noise &&
+           m->autocorrelation > RESIDUAL_CORRELATION_MIN;
 }
 
 /* Returns true if the amplitude changes and one damped sine explains nearly all: what it leaves is
@@ -188,7 +189,7 @@ static void take_multiple(const struct series *series, bool exact, const struct 
                  guess = multiple * period->period.value;
     if (multiple == 1) {
         /* A wave that is no sine is placed better by its crossings than by phases of sines. */
-        if (period->period.uncertainty > SHARP * period->period.value &&
+        if (period->period.uncertainty > PERIOD_SHARP_RELATIVE * period->period.value &&
             wave_period(series, kind, arena, &other) && is_same(&other, guess) &&
             other.period.uncertainty < period->period.uncertainty / 10)
             *period = other;
@@ -259,7 +260,7 @@ static void prefer_cycles(const struct series *series, const struct series *rows
         cycle_period(rows, period->period.value, arena, &other) &&
         is_same(period, other.period.value) &&
         fabs(other.period.value - period->period.value) >
-            CONTRADICTS * hypot(other.period.uncertainty, period->period.uncertainty)) {
+            CONTRADICTION_SIGMAS * hypot(other.period.uncertainty, period->period.uncertainty)) {
         /* of few cycles it is not sure which of the two is wrong */
         if (other.periods < CYCLES_SURE)
             other.period.uncertainty =
@@ -279,7 +280,7 @@ static void widen_by_edges(const struct series *series, struct period *period)
         high = fmax(high, series->y[i]);
     }
     for (size_t i = 1; i < series->n; i++)
-        edges += fabs(series->y[i] - series->y[i - 1]) > EDGE * (high - low);
+        edges += fabs(series->y[i] - series->y[i - 1]) > EDGE_RANGE_FRACTION * (high - low);
     if (period->periods >= 1 && edges >= period->periods) {
         const double dt = (series->t[series->n - 1] - series->t[0]) / (double)(series->n - 1);
         period->period.uncertainty =

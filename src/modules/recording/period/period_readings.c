@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#define CLEAN 1e-4 /* noise over amplitude of a simulation */
+#define SIMULATION_NOISE_RATIO 1e-4 /* noise over amplitude of a simulation */
 
 /* Mean height of the extremes over the middle between neighbours of either kind, each the top of a
  * parabola; NAN: fewer than two. */
@@ -37,7 +37,8 @@ static bool read_window(const struct series *part, double middle, double width, 
     series_overview(part, arena, &overview);
     *reading = (struct period_reading){
         .t = middle, .amplitude = a.amplitude, .period = p.period, .periods = p.periods};
-    const double swing = overview.noise < CLEAN * a.amplitude.value ? mean_swing(part) : NAN;
+    const double swing =
+        overview.noise < SIMULATION_NOISE_RATIO * a.amplitude.value ? mean_swing(part) : NAN;
     if (isfinite(swing)) /* overtones belong to the swing: the sine that fits best is smaller or
                             larger */
         reading->amplitude.value = swing;

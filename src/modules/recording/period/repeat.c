@@ -9,7 +9,7 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 
-#define ROUNDING 1e-9 /* of a value: one without noise states nothing */
+#define VALUE_ROUNDING_RELATIVE 1e-9 /* of a value: one without noise states nothing */
 
 /* Weighted mean with `between` added to each stated uncertainty; returns the sum of squares in
  * units of these. */
@@ -52,7 +52,7 @@ bool repeat_values(const struct measured *x, int n, struct repeat *r)
         .n = n, .birge = NAN, .chance = NAN, .between = NAN, .weighted = {NAN, NAN}};
     for (int i = 0; i < n; i++) {
         sum += x[i].value;
-        stated &= x[i].uncertainty > ROUNDING * fabs(x[i].value);
+        stated &= x[i].uncertainty > VALUE_ROUNDING_RELATIVE * fabs(x[i].value);
     }
     if (n < 2)
         return false;

@@ -12,9 +12,12 @@ enum { COLUMNS = 5, WINDOW_SAMPLES = 10, PERIODS_MAX = 32, FEW = 2, MANY = 8, RO
 #define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
 #define CLEAR_AT 5.0   /* explained over residual variance, per degree of freedom */
 #define PIVOT_MIN 1e-8 /* squared sine of the angle between a column and those before it */
-#define FOLLOW 0.5     /* how much of a window's news about the frequency is believed at once */
-#define FILLED 0.6     /* of a window: less is beside a gap, too short for a phase */
-#define STRAY 0.35     /* relative: so far the frequency may be from where it started */
+#define FREQUENCY_GAIN                                                                             \
+    0.5 /* how much of a window's news about the frequency is believed at once                     \
+         */
+#define WINDOW_FILLED_MIN 0.6 /* of a window: less is beside a gap, too short for a phase */
+/* Largest relative distance of the frequency from where it started. */
+#define FREQUENCY_STRAY_RELATIVE 0.35
 
 /* Of the columns 1, s, s^2, cos, sin and y. */
 struct track_gram {
@@ -142,7 +145,7 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
         gap = gap || split < next;
         at = next;
         if (w.to < w.from + COLUMNS + 2 ||
-            x->t[w.to - 1] - x->t[w.from] < FILLED * span / (double)count)
+            x->t[w.to - 1] - x->t[w.from] < WINDOW_FILLED_MIN * span / (double)count)
             continue;
         gap = split < next && w.to == split;
         w.t = 0.5 * (x->t[w.from] + x->t[w.to - 1]);
@@ -173,7 +176,8 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
 static void follow(const struct samples *x, struct track *track, size_t start, int direction,
                    double omega)
 {
-    const double min = (1 - STRAY) * omega, max = (1 + STRAY) * omega;
+    const double min = (1 - FREQUENCY_STRAY_RELATIVE) * omega,
+                 max = (1 + FREQUENCY_STRAY_RELATIVE) * omega;
     struct track_window *before = &track->window[start];
     for (size_t k = start + (size_t)direction; k < track->windows; k += (size_t)direction) {
         struct track_window *w = &track->window[k];
@@ -185,7 +189,7 @@ static void follow(const struct samples *x, struct track *track, size_t start, i
         if (!w->clear)
             continue;
         w->off = off;
-        omega = fmin(fmax(omega + FOLLOW * off / step, min), max);
+        omega = fmin(fmax(omega + FREQUENCY_GAIN * off / step, min), max);
         before = w;
     }
 }
@@ -263,7 +267,8 @@ static double refined(const struct track *track, size_t start, double omega)
             count++;
         }
     }
-    return count > 0 && fabs(sum / count / omega - 1) < STRAY ? sum / count : omega;
+    return count > 0 && fabs(sum / count / omega - 1) < FREQUENCY_STRAY_RELATIVE ? sum / count
+                                                                                 : omega;
 }
 
 bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena,

@@ -15,11 +15,11 @@
 #include <math.h>
 #include <string.h>
 
-#define TURNS_MAX 64 /* within a step of the mesh: it was chosen with at most one */
-#define LOOKS 32     /* parts of a step in which the last moment before a turn is looked for */
-#define HALVINGS 60
-#define CORRECTIONS 3
-#define NEAR 1e-13 /* of the time: a turn that is known so well is there */
+#define TURNS_MAX 64  /* within a step of the mesh: it was chosen with at most one */
+#define STEP_LOOKS 32 /* parts of a step in which the last moment before a turn is looked for */
+#define HALVINGS_MAX 60
+#define CORRECTIONS_MAX 3
+#define TURN_KNOWN_RELATIVE 1e-13 /* of the time: a turn that is known so well is there */
 
 struct dry_walk {
     const struct scene_curve *c;
@@ -86,13 +86,13 @@ static double release(const struct dry_walk *w, double end)
 {
     const double from = w->step->t;
     double a[2];
-    for (int k = 1; k <= LOOKS; k++) {
-        double free = from + (end - from) * k / LOOKS,
-               stuck = from + (end - from) * (k - 1) / LOOKS;
+    for (int k = 1; k <= STEP_LOOKS; k++) {
+        double free = from + (end - from) * k / STEP_LOOKS,
+               stuck = from + (end - from) * (k - 1) / STEP_LOOKS;
         accelerations(w, free, w->step->y, a);
         if (onward(a) == 0)
             continue;
-        for (int j = 0; j < HALVINGS; j++) {
+        for (int j = 0; j < HALVINGS_MAX; j++) {
             const double middle = 0.5 * (stuck + free);
             accelerations(w, middle, w->step->y, a);
             *(onward(a) != 0 ? &free : &stuck) = middle;
@@ -150,12 +150,12 @@ static double turning(const struct dry_walk *w)
     struct dense_polynomial v;
     double before = 0, after = 1;
     method_polynomial(w->c->method, w->step, 1, &v);
-    for (int k = LOOKS - 1; k > 0 && before == 0; k--) {
-        const double theta = (double)k / LOOKS;
+    for (int k = STEP_LOOKS - 1; k > 0 && before == 0; k--) {
+        const double theta = (double)k / STEP_LOOKS;
         before = w->branch * dense_polynomial_at(&v, theta) > 0 ? theta : 0;
         after = before == 0 ? theta : after;
     }
-    for (int j = 0; j < HALVINGS; j++) {
+    for (int j = 0; j < HALVINGS_MAX; j++) {
         const double middle = 0.5 * (before + after);
         *(w->branch * dense_polynomial_at(&v, middle) > 0 ? &before : &after) = middle;
     }
@@ -175,13 +175,13 @@ static bool move(struct dry_walk *w, double end)
         return false;
     const bool turns = w->branch * step->y[1] < 0;
     double h = turns ? turning(w) * step->h : step->h;
-    for (int k = 0; k < CORRECTIONS && turns; k++) {
+    for (int k = 0; k < CORRECTIONS_MAX && turns; k++) {
         double rate[LIMIT_VARIABLES];
         if (!step_again(w, &saved, h))
             return false;
         system_derivative(&w->c->variation->base, saved.t + h, step->y, rate);
         const double off = rate[1] != 0 ? -step->y[1] / rate[1] : 0;
-        if (!(fabs(off) > NEAR * (fabs(saved.t) + h)) || !(h + off > 0))
+        if (!(fabs(off) > TURN_KNOWN_RELATIVE * (fabs(saved.t) + h)) || !(h + off > 0))
             break;
         h += off;
     }

@@ -11,8 +11,8 @@
 
 enum { STEPS_MOST = 24, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
 
-#define SAME 1e-9        /* of a step: nearer ones are the same */
-#define ROUNDING 4.4e-16 /* of a time */
+#define SAME_STEP_RELATIVE 1e-9        /* of a step: nearer ones are the same */
+#define TIME_ROUNDING_RELATIVE 4.4e-16 /* of a time */
 
 struct linear_propagator {
     double dt;
@@ -37,7 +37,7 @@ static const size_t storage_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
 
 static bool same_step(double dt, double wanted, double t)
 {
-    return fabs(dt - wanted) <= SAME * dt + ROUNDING * fabs(t);
+    return fabs(dt - wanted) <= SAME_STEP_RELATIVE * dt + TIME_ROUNDING_RELATIVE * fabs(t);
 }
 
 /* The prepared step nearest to what is wanted; -1: none. */
@@ -65,7 +65,7 @@ static bool collect_steps(struct linear_motion *m, double t0, const double *t, s
     double at = t0;
     for (size_t i = 0; i < n; i++) {
         const double wanted = t[i] - at;
-        if (!(wanted > ROUNDING * fabs(t[i])))
+        if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t[i])))
             continue;
         int k = find_step(m, wanted, t[i]);
         if (k < 0 && m->steps == STEPS_MOST)
@@ -178,7 +178,7 @@ propagator_advance(int n, int directions, const struct linear_propagator *p, dou
 double linear_motion_advance(struct linear_motion *m, double from, double t, double *state)
 {
     const double wanted = t - from;
-    if (!(wanted > ROUNDING * fabs(t)))
+    if (!(wanted > TIME_ROUNDING_RELATIVE * fabs(t)))
         return from;
     int k = find_step(m, wanted, t);
     if (k < 0) { /* of other samples than were announced: takes a step's place */

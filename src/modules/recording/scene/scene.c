@@ -9,15 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEFT 1.5 /* times the noise: so much left has a reason */
-/* residuals of that share of the series' spread: curve and data are not in phase */
-#define PHASE_LOST 0.5
-#define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
-#define FIRST_SHARE 0.02   /* of the series, where its period is not known */
-#define LARGER 1.7         /* by which the part grows */
-#define ITERATIONS 40
+#define RESIDUAL_NOISE_RATIO 1.5 /* times the noise: so much left has a reason */
+#define PHASE_LOST 0.5         /* residuals over spread at which curve and data are out of phase */
+#define FIRST_PERIODS 1.25     /* of the first part that a lost fit begins with */
+#define FIRST_SHARE 0.02       /* of the series, where its period is not known */
+#define PART_GROWTH_FACTOR 1.7 /* by which the part grows */
+#define ITERATIONS_MAX 40
 /* residuals of that share are no sensor's: of a simulation, without spikes but not random */
-#define NOTHING 1e-6
+#define NEGLIGIBLE_RELATIVE 1e-6
 #define TOLERANCE_MIN 1e-11 /* of the integration */
 #define TOLERANCE_MAX 1e-7
 
@@ -151,12 +150,12 @@ static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_
     struct series part = *f->request->series;
     struct curve_options options = f->options;
     part.n = n;
-    options.robust = last && f->request->robust && f->sigma > NOTHING * f->spread;
+    options.robust = last && f->request->robust && f->sigma > NEGLIGIBLE_RELATIVE * f->spread;
     options.rough = !last;
     options.costly = true;
     options.stretch = f->stretch;
     options.bootstrap = last ? f->request->bootstrap : 0;
-    options.iterations = ITERATIONS;
+    options.iterations = ITERATIONS_MAX;
     struct arena scratch = {0}; /* nothing but values is wanted of what is not the last */
     const bool ok =
         scene_curve_mesh(f->curve, f->at, &part, error) &&
@@ -198,7 +197,7 @@ static bool approach(struct scene_fitting *f, double period, struct error *error
     size_t n = min;
     while (n < series->n && series->t[n] < series->t[0] + first)
         n++;
-    for (bool all = false; !all; n = (size_t)(LARGER * (double)n)) {
+    for (bool all = false; !all; n = (size_t)(PART_GROWTH_FACTOR * (double)n)) {
         all = n >= series->n;
         *error = (struct error){0};
         if (!fit_part(f, all ? series->n : n, false, &fit, error)) {
@@ -357,12 +356,12 @@ static double tolerance(const struct scene_fitting *f, const struct overview *ov
  */
 static void accept_simulation(const struct scene_fitting *f, struct curve_fit *fit)
 {
-    bool determined = fit->sigma < NOTHING * f->spread;
+    bool determined = fit->sigma < NEGLIGIBLE_RELATIVE * f->spread;
     for (int j = 0; j < fit->parameters; j++) {
         determined = determined &&
                      (fit->bound[j] || (fit->determined[j] && isfinite(fit->value[j].uncertainty)));
         for (int i = 0; i < j; i++)
-            determined = determined && fabs(fit->correlation[j][i]) < 1 - NOTHING;
+            determined = determined && fabs(fit->correlation[j][i]) < 1 - NEGLIGIBLE_RELATIVE;
     }
     if (fit->converged || !determined ||
         fit_discards_much(fit->rejected, fit->used + fit->rejected))
@@ -398,7 +397,8 @@ static bool try_other_swings(struct scene_fitting *f, const double *proposed, do
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
     memcpy(found, f->at, bytes);
     memcpy(best, f->at, bytes);
-    for (size_t k = 0; k < COUNT_OF(factors) && friction >= 0 && sigma > LEFT * noise; k++) {
+    for (size_t k = 0;
+         k < COUNT_OF(factors) && friction >= 0 && sigma > RESIDUAL_NOISE_RATIO * noise; k++) {
         struct curve_fit fit;
         memcpy(f->at, k == 0 ? proposed : found, bytes);
         f->at[friction] *= k == 0 ? 1 : factors[k];

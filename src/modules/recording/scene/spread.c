@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#define TOLERANCE 1e-10
+#define RUN_TOLERANCE 1e-10
 
 /* ---- where the field jumps: differences of runs ---- */
 
@@ -18,8 +18,8 @@
  * 2004), which the variational equations of the steps do not see.
  */
 
-#define SHIFT 0.1 /* standard deviations that a parameter is moved */
-#define ROWS 200  /* recorded in a radian: their cubic is good to 1e-12 */
+#define PARAM_SHIFT_SIGMAS 0.1 /* standard deviations that a parameter is moved */
+#define ROWS_PER_RADIAN 200    /* recorded in a radian: their cubic is good to 1e-12 */
 #define ROWS_MAX 1e6
 
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
@@ -29,8 +29,9 @@ struct run *study_run(const struct scene *scene, double end, const struct cancel
     struct error ignored;
     if (!scene_bind(scene, &system, &ignored))
         return NULL;
-    const double span = end - system.t0, natural = system.scale[0] / (ROWS * system.scale[1]);
-    struct run_settings settings = {.dt = span / 1e4, .tol = TOLERANCE};
+    const double span = end - system.t0,
+                 natural = system.scale[0] / (ROWS_PER_RADIAN * system.scale[1]);
+    struct run_settings settings = {.dt = span / 1e4, .tol = RUN_TOLERANCE};
     settings.record = (struct recording_rule){RECORD_TIMES, 1, natural};
     if (system.order != 2 || !(natural > span / ROWS_MAX))
         settings.record.interval = span / ROWS_MAX;
@@ -83,7 +84,8 @@ static bool differences(const struct spread_request *request, double *slope, str
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
     for (int j = 0; j < request->known->count; j++) {
-        const double by = SHIFT * sqrt(request->known->covariance[j * request->known->count + j]);
+        const double by =
+            PARAM_SHIFT_SIGMAS * sqrt(request->known->covariance[j * request->known->count + j]);
         struct run *side[2] = {run_with(request, request->known->index[j], -by),
                                run_with(request, request->known->index[j], by)};
         double ends[2] = {-1, 1};
@@ -132,7 +134,7 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
     struct scene_curve c = {.scene = *request->scene,
                             .frees = request->known->count,
                             .variable = request->variable,
-                            .tol = TOLERANCE,
+                            .tol = RUN_TOLERANCE,
                             .cancel = request->cancel};
     struct system system;
     if (!scene_bind(&c.scene, &system, error))

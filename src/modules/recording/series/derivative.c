@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-#define GAP 1.5 /* median steps: no parabola across that */
+#define GAP_MEDIAN_STEPS 1.5 /* median steps: no parabola across that */
 
 static double median_step(const struct series *s, double *work)
 {
@@ -55,7 +55,7 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
            *gain = arena_array(arena, n, sizeof *gain);
     if (!value || !gain)
         return error_memory(error);
-    const double longest = GAP * median_step(series, gain);
+    const double longest = GAP_MEDIAN_STEPS * median_step(series, gain);
     size_t begin = 0, end = 0, known = 0; /* [begin, end): without a gap */
     for (size_t i = 0; i < n; i++) {
         if (cancelled_at(series->cancel, i))
@@ -86,7 +86,7 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
                                       .known = known,
                                       .gain = values_quantile(gain, known, 0.5),
                                       .points = points,
-                                      .step = longest / GAP,
+                                      .step = longest / GAP_MEDIAN_STEPS,
                                       .quantity = rate == QUANTITY_NUMBER ? QUANTITY_OTHER : rate};
     return true;
 }

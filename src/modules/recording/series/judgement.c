@@ -12,13 +12,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#define EPSILON 2.220446049250313e-16
+#define DOUBLE_EPSILON 2.220446049250313e-16
 #define STEP_MAX 1e-8
 /* of the uncertainty: derivatives of integrated curves have errors, too */
 #define STEP_COSTLY 1e-6
 #define GRADIENT_MAX 1e-6
 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
-#define CORRELATED 0.1
+#define AUTOCORRELATION_MIN 0.1
 
 /*
  * Full Gauss-Newton step, covariance for residuals of variance 1, what is determined. Returns the
@@ -109,7 +109,7 @@ void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curv
     if (!isfinite(fit->rss))
         return;
     const double offset = solve(&t, step, fit), left = variance(p, fit, free), sigma = sqrt(left),
-                 length = sqrt(fit->rss), rounding = 32 * EPSILON * p->size;
+                 length = sqrt(fit->rss), rounding = 32 * DOUBLE_EPSILON * p->size;
     fit->sigma = sigma;
     fit->small_step = isfinite(left);
     fit->small_gradient = offset <= fmax(GRADIENT_MAX * length, rounding);
@@ -230,8 +230,9 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
     diagnose(p, fit);
     rounding_doubts(p, fit, rounding);
     fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
-    double factor =
-        fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
+    double factor = fit->autocorrelation > AUTOCORRELATION_MIN
+                        ? autocorrelation_factor(fit->autocorrelation)
+                        : 1;
     double freedom = fmax(1, (double)fit->used / factor - fit->parameters),
            student = gsl_cdf_tdist_Pinv(0.975, freedom);
     for (int j = 0; j < fit->parameters; j++) {

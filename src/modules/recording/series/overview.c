@@ -12,16 +12,16 @@
 #define DECREMENT_MAX 3.2  /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
-#define FEW 4            /* periods */
-#define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
-#define FEW_NOISES 2.0   /* and hangs together */
-#define FEW_TOGETHER 0.5 /* (autocorrelation) */
-#define DRIFTS 3.0       /* standard deviations of the offset's slope from which on it is fitted */
+#define FEW_PERIODS 4          /* periods */
+#define FEW_LEAVE 0.1          /* of their power, where what is left is larger than the noise by */
+#define FEW_NOISES 2.0         /* and hangs together */
+#define FEW_TOGETHER 0.5       /* (autocorrelation) */
+#define DRIFT_SLOPE_SIGMAS 3.0 /* a slope of the offset is fitted above this */
 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
-#define CHANCE 20.0
+#define CHANCE_LOG 20.0
 #define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
-#define WHITE 0.2
-#define GONE 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
+#define WHITE_CORRELATION 0.2
+#define GONE_DECAY_EXPONENT 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
 
 static void refuse(struct overview *overview, const char *format, ...) PRINTF_LIKE(2, 3);
 
@@ -111,7 +111,7 @@ static void require_significant(struct motion *m)
     double explained = total - m->harmonic.rss,
            independent = n / autocorrelation_factor(m->autocorrelation);
     const bool wanders = m->autocorrelation > 0.5;
-    const double chance = m->autocorrelation < WHITE ? WHITE_CHANCE : CHANCE;
+    const double chance = m->autocorrelation < WHITE_CORRELATION ? WHITE_CHANCE : CHANCE_LOG;
     /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
     if (wanders) {
         independent = fmax(independent, m->overview.periods * m->overview.periods);
@@ -165,7 +165,7 @@ static void judge_few(struct motion *m)
     for (size_t i = 0; i < x->n; i++) {
         power += x->use[i] ? (x->y[i] - m->harmonic.c) * (x->y[i] - m->harmonic.c) : 0;
     }
-    if (m->overview.periods < FEW && m->autocorrelation > FEW_TOGETHER &&
+    if (m->overview.periods < FEW_PERIODS && m->autocorrelation > FEW_TOGETHER &&
         left > FEW_NOISES * m->overview.noise && m->harmonic.rss > FEW_LEAVE * power) {
         refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods",
                100 * sqrt(m->harmonic.rss / power), m->overview.periods);
@@ -184,7 +184,7 @@ static void find_drift(struct motion *m)
                        sqrt(widen * drifting.inverse[LINEAR_D][LINEAR_D]);
         double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
                exact = 1e-9 * hypot(drifting.a, drifting.b);
-        if (fabs(drifting.d) > DRIFTS * sigma && fabs(drifting.d) * span > exact) {
+        if (fabs(drifting.d) > DRIFT_SLOPE_SIGMAS * sigma && fabs(drifting.d) * span > exact) {
             m->harmonic = drifting;
             memcpy(m->residual, m->scratch, m->samples.n * sizeof(double));
         }
@@ -297,7 +297,7 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, double re
     memcpy(reason, o->reason, sizeof reason);
     o->noise = noise;
     memory = fit_whole(m, omega, SINE_TRIED_IF_NEAR, arena);
-    if (o->oscillates && !(m->harmonic.gamma * span > GONE)) {
+    if (o->oscillates && !(m->harmonic.gamma * span > GONE_DECAY_EXPONENT)) {
         refuse(o, "%s", reason);
     }
     if (!o->oscillates) {

@@ -7,11 +7,10 @@
 #include <gsl/gsl_fft_real.h>
 #include <math.h>
 
-#define PIECE                                                                                      \
-    ((size_t)1 << 17)      /* values: some 5 ms, and what comes out is GSL's to the last bit       \
-                            */
-#define ROTATIONS 64       /* of a phase between two that are computed */
-#define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
+/* Values transformed at a time: about 5 ms, with the same bits as GSL's transform. */
+#define TRANSFORM_PIECE ((size_t)1 << 17)
+#define PHASE_ROTATIONS_MAX 64 /* of a phase between two that are computed */
+#define LOWEST_PERIODS 1.3     /* a peak below so many periods in the record is drift */
 
 enum { PART_MIN = 16, CANDIDATES = 5 };
 
@@ -32,8 +31,8 @@ static bool combine(const double *even, const double *odd, size_t n, double *out
         if (k % LOOK_EACH_ROWS == 0 && cancelled(cancel))
             return false;
         const double before = c;
-        c = k % ROTATIONS ? c * turn_c - s * turn_s : cos(angle * (double)k);
-        s = k % ROTATIONS ? before * turn_s + s * turn_c : sin(angle * (double)k);
+        c = k % PHASE_ROTATIONS_MAX ? c * turn_c - s * turn_s : cos(angle * (double)k);
+        s = k % PHASE_ROTATIONS_MAX ? before * turn_s + s * turn_c : sin(angle * (double)k);
         const double a = even[k], b = even[half - k];
         const double re = c * odd[k] + s * odd[half - k], im = c * odd[half - k] - s * odd[k];
         out[k] = a + re;
@@ -49,7 +48,7 @@ bool transform_real(double *data, size_t n, double *scratch, const struct cancel
     const size_t half = n / 2;
     if (cancelled(cancel))
         return false;
-    if (n <= PIECE)
+    if (n <= TRANSFORM_PIECE)
         return gsl_fft_real_radix2_transform(data, 1, n) == 0;
     for (size_t i = 0; i < half; i++) {
         scratch[i] = data[2 * i];

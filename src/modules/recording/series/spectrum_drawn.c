@@ -12,10 +12,12 @@
 
 #include <math.h>
 
-#define GAP 8            /* times the usual step: nothing was recorded there */
-#define FINE 8           /* bins in 1/span: a line between two of them is 0.3 % too low at most */
+#define GAP_USUAL_STEPS 8 /* times the usual step: nothing was recorded there */
+/* Bins in 1/span: a line between two of them is at most 0.3 % too low. */
+#define BINS_PER_LINE_WIDTH 8
 #define FINE_MAX 1048576 /* bins, of longer series as many as the samples give */
-#define BESIDE 1         /* points of the grid before the first sample, and two after the last */
+/* Points of the grid before the first sample; two follow the last one. */
+#define GRID_MARGIN_POINTS 1
 
 /* The usual step [s]: the mean of all that are no gaps; *gap: the shortest that is one. */
 static double usual_step(const struct samples *x, double *scratch, double *gap)
@@ -24,7 +26,7 @@ static double usual_step(const struct samples *x, double *scratch, double *gap)
     size_t steps = 0;
     for (size_t i = 0; i + 1 < x->n; i++)
         scratch[i] = x->t[i + 1] - x->t[i];
-    *gap = GAP * values_quantile(scratch, x->n - 1, 0.5);
+    *gap = GAP_USUAL_STEPS * values_quantile(scratch, x->n - 1, 0.5);
     for (size_t i = 0; i + 1 < x->n; i++) {
         const double step = x->t[i + 1] - x->t[i];
         if (step < *gap) {
@@ -97,7 +99,8 @@ static double spread_all(const struct samples *x, double *weight, double spacing
         const double s = x->t[i] - middle;
         const double w = weight[i] * 0.5 * (1 + cos(TWO_PI * s / span));
         gain += w;
-        spread(BESIDE + (x->t[i] - first) / spacing, w * (x->y[i] - line[0] - line[1] * s), grid);
+        spread(GRID_MARGIN_POINTS + (x->t[i] - first) / spacing,
+               w * (x->y[i] - line[0] - line[1] * s), grid);
     }
     return gain;
 }
@@ -141,7 +144,7 @@ static size_t bins_of(double points, size_t n)
     const double max = fmax(FINE_MAX, 4 * (double)n);
     size_t length = 32;
     while ((double)length < fmin(points, max) ||
-           ((double)length < FINE * points && length < FINE_MAX))
+           ((double)length < BINS_PER_LINE_WIDTH * points && length < FINE_MAX))
         length *= 2;
     return length;
 }

@@ -19,7 +19,7 @@
     "posicion posición "                                                                          \
     "desplazamiento posizione spostamento distanza elongation hauteur"
 #define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
-#define MOSTLY 0.9                            /* of the steps of a time column go up */
+#define TIME_STEPS_UP_MIN 0.9                 /* of the steps of a time column go up */
 
 /* What the numbers of a column say. */
 struct profile {
@@ -31,15 +31,15 @@ struct profile {
     bool whole;
 };
 
-/* Of a long recording every stretch of STRETCH rows out of several is looked at: a profile is a
- * guess, not a result. */
-#define STRETCH 1024u
-#define STRETCHES 256u
+/* Of a long recording every stretch of STRETCH_ROWS rows out of several is looked at: a profile is
+ * a guess, not a result. */
+#define STRETCH_ROWS 1024u
+#define STRETCHES_MAX 256u
 
 static size_t row_after(size_t row, size_t rows)
 {
-    const size_t stride = rows / (STRETCH * STRETCHES) + 1;
-    return (row + 1) % STRETCH == 0 ? row + 1 + (stride - 1) * STRETCH : row + 1;
+    const size_t stride = rows / (STRETCH_ROWS * STRETCHES_MAX) + 1;
+    return (row + 1) % STRETCH_ROWS == 0 ? row + 1 + (stride - 1) * STRETCH_ROWS : row + 1;
 }
 
 static struct profile profile_of(const struct recording *recording, const double *value)
@@ -49,7 +49,7 @@ static struct profile profile_of(const struct recording *recording, const double
     size_t rising = 0, falling = 0, by_one = 0, even = 0, counted = 0;
     for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
         const double x = value[i];
-        before = i % STRETCH == 0 ? NAN : before;
+        before = i % STRETCH_ROWS == 0 ? NAN : before;
         if (!isfinite(x))
             continue;
         const double apart = x - mean; /* Welford 1962 */
@@ -70,7 +70,7 @@ static struct profile profile_of(const struct recording *recording, const double
     const double steps = counted > 0 ? (double)counted : 1, step = climbed / steps;
     before = NAN;
     for (size_t i = 0; i < recording->rows; i = row_after(i, recording->rows)) {
-        before = i % STRETCH == 0 ? NAN : before;
+        before = i % STRETCH_ROWS == 0 ? NAN : before;
         if (isfinite(value[i])) {
             even += fabs(value[i] - before - step) <= 0.5 * step;
             before = value[i];
@@ -86,7 +86,7 @@ static struct profile profile_of(const struct recording *recording, const double
 
 static bool rises(const struct profile *p)
 {
-    return p->numbers > 1 && p->ahead && p->rising >= MOSTLY;
+    return p->numbers > 1 && p->ahead && p->rising >= TIME_STEPS_UP_MIN;
 }
 
 static bool constant(const struct profile *p)
@@ -111,7 +111,7 @@ static bool is_index(const struct recording *recording, const struct profile *p,
 {
     const struct column *column = &recording->column[i];
     /* The only column is what was recorded, even if it counts. */
-    return recording->columns > 1 && p->whole && rises(p) && p->by_one >= MOSTLY &&
+    return recording->columns > 1 && p->whole && rises(p) && p->by_one >= TIME_STEPS_UP_MIN &&
            !is_time(column) &&
            (name_has_word(column->name, INDEX_WORDS) ||
             (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
@@ -242,7 +242,7 @@ static int time_among(const struct recording *recording, const struct profile *p
     for (int i = 0; i < recording->columns; i++) {
         /* Coarse clocks repeat themselves; one that mostly goes back is none. */
         if (!is_time(&recording->column[i]) || !profile[i].ahead ||
-            profile[i].falling > 1 - MOSTLY || (own && !in_run(recording, i)))
+            profile[i].falling > 1 - TIME_STEPS_UP_MIN || (own && !in_run(recording, i)))
             continue;
         first = first < 0 ? i : first;
         left = i < recording->value ? i : left;
@@ -259,7 +259,7 @@ static bool runs_backwards(const struct recording *recording, const struct profi
             continue;
         if (profile[i].ahead)
             return false;
-        falls |= profile[i].falling >= MOSTLY;
+        falls |= profile[i].falling >= TIME_STEPS_UP_MIN;
     }
     return falls;
 }
@@ -307,7 +307,7 @@ static int guessed_time(const struct recording *recording, const struct profile 
     const bool could = recording->columns > 1 && in_run(recording, at) &&
                        first->quantity == QUANTITY_OTHER && rises(&profile[at]) &&
                        !is_index(recording, &profile[at], at);
-    if (could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY))
+    if (could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= TIME_STEPS_UP_MIN))
         return at;
     return recording->columns > 1 && !(recording->header_rate > 0) ? only_clock(recording, profile)
                                                                    : -1;

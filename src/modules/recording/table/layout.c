@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-#define RUN 3      /* consecutive rows that make a table, where the file has so many */
-#define SCORED 200 /* lines counted to compare two readings */
+#define TABLE_ROWS_MIN 3     /* consecutive rows that make a table, where the file has so many */
+#define SCORED_LINES_MAX 200 /* lines counted to compare two readings */
 
 /* In the order of preference when two read the same number of lines; '\n' separates nothing: a
  * single column. */
@@ -81,7 +81,7 @@ static bool find_rows(const struct table_text *text, size_t from, struct separat
 {
     int same = 0;
     *found = (struct found){.reading = reading, .trailing = true};
-    for (size_t i = from, counted = 0; i < text->heads && counted < SCORED; i++) {
+    for (size_t i = from, counted = 0; i < text->heads && counted < SCORED_LINES_MAX; i++) {
         if (table_skipped(text->head[i].text))
             continue;
         /* One field, as lines without the separator have, is no row where two are wanted: most
@@ -291,13 +291,17 @@ static bool find_best(const struct table_text *text, size_t from,
     static const struct {
         int min, run;
         bool words, grouped;
-    } passes[] = {{2, RUN, false, false}, {2, RUN, true, false}, {2, RUN, false, true},
-                  {1, RUN, false, false}, {2, 2, false, false},  {2, 1, false, false}};
+    } passes[] = {{2, TABLE_ROWS_MIN, false, false},
+                  {2, TABLE_ROWS_MIN, true, false},
+                  {2, TABLE_ROWS_MIN, false, true},
+                  {1, TABLE_ROWS_MIN, false, false},
+                  {2, 2, false, false},
+                  {2, 1, false, false}};
     for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
         struct found best = {0};
         bool tied = false; /* either mark could stand between thousands */
         const bool grouped = passes[pass].grouped;
-        for (size_t i = 0; i < COUNT_OF(readings) && (grouped || best.score < SCORED);
+        for (size_t i = 0; i < COUNT_OF(readings) && (grouped || best.score < SCORED_LINES_MAX);
              i++) { /* more than all is not read */
             struct found found;
             struct table_layout trial;

@@ -9,13 +9,13 @@
 #include <strings.h>
 
 /* [byte] so that neither end-of-line byte is looked for through the whole file */
-#define WINDOW 256
+#define WINDOW_BYTES 256
 
 static size_t line_length(struct text text)
 {
-    for (size_t from = 0; from < text.len; from += WINDOW) {
+    for (size_t from = 0; from < text.len; from += WINDOW_BYTES) {
         const char *at = text.at + from;
-        size_t len = text.len - from < WINDOW ? text.len - from : WINDOW;
+        size_t len = text.len - from < WINDOW_BYTES ? text.len - from : WINDOW_BYTES;
         const char *feed = memchr(at, '\n', len);
         if (feed)
             len = (size_t)(feed - at);

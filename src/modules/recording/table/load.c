@@ -17,16 +17,16 @@ void recording_warn(struct recording *recording, const char *format, ...)
     struct buffer sentence = {0};
     if (!recording->warning)
         recording->warning =
-            arena_array(&recording->arena, WARNINGS + 1, sizeof *recording->warning);
+            arena_array(&recording->arena, WARNINGS_MAX + 1, sizeof *recording->warning);
     if (!recording->warning)
         return;
     va_start(args, format);
-    if (recording->warnings < WARNINGS)
+    if (recording->warnings < WARNINGS_MAX)
         buffer_vformat(&sentence, format, args);
     else
         buffer_format(&sentence, "and %d more %s", recording->unsaid + 1,
                       recording->unsaid ? "kinds" : "kind");
-    recording->unsaid += recording->warnings >= WARNINGS;
+    recording->unsaid += recording->warnings >= WARNINGS_MAX;
     va_end(args);
     char *copy = sentence.failed ? NULL : arena_text(&recording->arena, buffer_text(&sentence));
     if (copy) {

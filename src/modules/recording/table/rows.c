@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BEFORE_LAST 8 /* rows looked at to see whether the last one is cut … */
-#define ESTIMATE 64   /* lines whose length tells how many there are */
-#define RECENT 16     /* … among those kept in mind: a power of two above it */
+#define BEFORE_LAST 8     /* rows that are examined to find whether the last one is cut */
+#define ESTIMATE_LINES 64 /* lines whose length tells how many there are */
+#define ROWS_KEPT 16      /* rows kept for that: a power of two above BEFORE_LAST */
 
 struct row_problem {
     size_t count, first; /* how many, and the line of the first */
@@ -29,14 +29,14 @@ struct row_reader {
     struct row_problem ragged, extra, *words; /* words: of each column */
     /* Rows of another width that are kept: those that end early, those with numbers behind. */
     struct row_problem shorter, wider;
-    size_t other_line;           /* line of the newest row of another width, 0 before the first */
-    int other_fields;            /* number of its fields */
-    int frequent_fields;         /* width that many lines have, 0 as long as there is none */
-    int long_looks;              /* searches for it so far */
-    struct stamp_column *stamps; /* of each column */
-    struct text recent[RECENT];  /* recent[i % RECENT]: row i, while it is one of the last */
-    size_t capacity;             /* rows there is memory for */
-    bool ended;                  /* the newest row has a line end */
+    size_t other_line;             /* line of the newest row of another width, 0 before the first */
+    int other_fields;              /* number of its fields */
+    int frequent_fields;           /* width that many lines have, 0 as long as there is none */
+    int long_looks;                /* searches for it so far */
+    struct stamp_column *stamps;   /* of each column */
+    struct text recent[ROWS_KEPT]; /* recent[i % ROWS_KEPT] is row i if it is one of the last */
+    size_t capacity;               /* rows there is memory for */
+    bool ended;                    /* the newest row has a line end */
 };
 
 /* ---- memory ---- */
@@ -100,7 +100,7 @@ static const char *plain_row(struct row_reader *reader, const char *at, const ch
         if (!at)
             return NULL;
     }
-    reader->recent[row % RECENT] = (struct text){begin, (size_t)(at - begin)};
+    reader->recent[row % ROWS_KEPT] = (struct text){begin, (size_t)(at - begin)};
     at += at < end && *at == separator && separator != ' ' && separator != '\n';
     at += at < end && *at == '\r';
     return at < end && *at == '\n' ? at + 1 : NULL;
@@ -297,29 +297,27 @@ static size_t decimals(struct text number, char decimal)
     return count;
 }
 
-/*
- * Is the newest row, which has no line end, cut in mid-number? It is if it has fewer decimals than
- * the rows before agree on; or, where these do not agree or have none, if its last number is the
- * beginning of the one above (-1 below -120).
- */
+/* Returns true if the newest row, which has no line end, is cut in mid-number: it has fewer
+ * decimals than the rows before agree on or, if they do not agree or have none, its last number is
+ * the beginning of the one above (-1 below -120). */
 static bool is_cut(const struct row_reader *reader)
 {
     const struct table_layout *layout = reader->layout;
     const size_t row = reader->recording->rows - 1;
-    struct text last = last_field(reader, reader->recent[row % RECENT]);
+    struct text last = last_field(reader, reader->recent[row % ROWS_KEPT]);
     size_t agreed = 0;
     bool agree = true;
     if (row == 0)
         return false;
     for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
         size_t here =
-            decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
+            decimals(last_field(reader, reader->recent[(row - i) % ROWS_KEPT]), layout->decimal);
         agree = agree && (i == 1 || here == agreed);
         agreed = here;
     }
     double value;
     enum cell_kind cell = table_cell(last, layout->decimal, &value);
-    struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
+    struct text above = last_field(reader, reader->recent[(row - 1) % ROWS_KEPT]);
     if (cell == CELL_WORD || text_is(last, "-"))
         return table_cell(above, layout->decimal, &value) != CELL_WORD;
     if (agree && agreed > 0)
@@ -421,7 +419,7 @@ static bool read_line(struct row_reader *reader, struct text *rest, size_t numbe
     } else if (!row) {
         note(&reader->ragged, number, line);
     } else {
-        reader->recent[recording->rows % RECENT] = line;
+        reader->recent[recording->rows % ROWS_KEPT] = line;
         recording->line[recording->rows] = (uint32_t)number;
         recording->t[recording->rows++] = (double)*data;
     }
@@ -450,7 +448,7 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
         return error_memory(error);
     /* As many rows as there are if the first are as long as the others. */
     size_t lines = 0;
-    while (lines < ESTIMATE && table_line(&line, &first))
+    while (lines < ESTIMATE_LINES && table_line(&line, &first))
         lines++;
     const size_t bytes = rest.len - line.len;
     if (!reserve(&reader,
@@ -481,7 +479,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
         char shown[SHORT_NAME];
         recording_warn(
             recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
-            short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
+            short_name(last_field(&reader, reader.recent[(recording->rows - 1) % ROWS_KEPT]),
+                       shown));
         recording->rows--;
         recording->dropped++;
     }

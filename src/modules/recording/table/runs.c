@@ -14,7 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
-#define SHOWN 12 /* runs in a list */
+#define LISTED_RUNS_MAX 12 /* runs in a list */
 
 static void set_name(struct recording_run *run, struct text name)
 {
@@ -77,11 +77,11 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
 
 void run_list(const struct recording *recording, struct buffer *text)
 {
-    for (int i = 0; i < recording->runs && i < SHOWN; i++)
+    for (int i = 0; i < recording->runs && i < LISTED_RUNS_MAX; i++)
         buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name,
                       i == recording->taken ? " = taken" : "");
-    if (recording->runs > SHOWN)
-        buffer_format(text, " and %d more", recording->runs - SHOWN);
+    if (recording->runs > LISTED_RUNS_MAX)
+        buffer_format(text, " and %d more", recording->runs - LISTED_RUNS_MAX);
 }
 
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
@@ -158,7 +158,7 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
     struct arena arena = {0};
     struct load_options own = *options;
     struct table_text part;
-    struct table_block *block = calloc(BLOCKS, sizeof *block);
+    struct table_block *block = calloc(TABLE_BLOCKS_MAX, sizeof *block);
     const int blocks = block ? find(text, block, &own) : 0;
     const bool done =
         !block        ? error_memory(error)

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define DAY 86400.0 /* [s] */
+#define SECONDS_PER_DAY 86400.0 /* [s] */
 
 double stamp_seconds(struct stamp_column *column, struct text field)
 {
@@ -17,7 +17,7 @@ double stamp_seconds(struct stamp_column *column, struct text field)
         *column = (struct stamp_column){.count = 1, .date = stamp.date, .first = stamp.day};
     column->date &= stamp.date;
     column->clocks += stamp.clock;
-    return (double)(stamp.day - column->first) * DAY + stamp.second;
+    return (double)(stamp.day - column->first) * SECONDS_PER_DAY + stamp.second;
 }
 
 /* Returns true for times of day. Beside stamps with a date and a time, a date alone is midnight. */
@@ -35,8 +35,8 @@ static size_t pass_midnights(double *value, size_t rows)
         if (isnan(value[i]))
             continue;
         const double now = value[i];
-        midnights += before - now > DAY / 2;
-        value[i] += DAY * (double)midnights;
+        midnights += before - now > SECONDS_PER_DAY / 2;
+        value[i] += SECONDS_PER_DAY * (double)midnights;
         before = now;
     }
     return midnights;
@@ -74,7 +74,7 @@ static void count_from_first(struct recording *recording, int i)
     snprintf(column->unit, sizeof column->unit, "s");
     column->quantity = QUANTITY_TIME;
     column->factor = 1;
-    const double clock = fmod(first, DAY);
+    const double clock = fmod(first, SECONDS_PER_DAY);
     recording_warn(
         recording,
         "%s holds dates or times of day: taken as seconds from the first, %02d:%02d:%06.3f",

@@ -15,8 +15,8 @@
 #define HEAD_LINES 4096        /* lines looked at to find the table … */
 #define HEAD_BYTES (1u << 20)  /* … and bytes */
 #define SHORT_NAME 48          /* a name from outside, cut for a message */
-#define WARNINGS 10            /* sentences kept in a recording; more are counted */
-#define BLOCKS 1024            /* blocks of a file that are told apart */
+#define WARNINGS_MAX 10        /* sentences kept in a recording; more are counted */
+#define TABLE_BLOCKS_MAX 1024  /* blocks of a file that are told apart */
 #define TABLE_BYTES (1u << 30) /* most memory that the columns of a recording take */
 
 struct table_line {
@@ -137,9 +137,9 @@ bool runs_of_columns(struct recording *recording, bool (*part)(struct text name,
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
 /* "Run #1 = taken, Run #2" */
 void run_list(const struct recording *recording, struct buffer *text);
-/* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the
- * header says about separators; the one wanted, else the first with a table, is given to `read` as
- * a text of its own. */
+/* Below each other: `find` gives the blocks (at most TABLE_BLOCKS_MAX, 0: an ordinary table) and
+ * what the header says about separators; the one wanted, else the first with a table, is given to
+ * `read` as a text of its own. */
 /* Runs below each other without a header between them: the clock goes back to where it began. Keeps
  * the rows of the run that is wanted, else of the first. Needs the times [s]. */
 bool take_run_below(struct recording *recording, const struct load_options *options,

@@ -16,9 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MEDIAN_SAMPLE 4096 /* steps looked at for the median */
-#define UNEVEN 0.1         /* of the median step: beyond it the sampling is called uneven */
-#define GAP 1.5            /* median steps */
+#define MEDIAN_SAMPLE 4096       /* steps looked at for the median */
+#define UNEVEN_STEP_FRACTION 0.1 /* of the median step: beyond it the sampling is called uneven */
+#define GAP_MEDIAN_STEPS 1.5     /* median steps */
 
 /* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once.
  */
@@ -287,13 +287,13 @@ static void warn_steps(struct recording *recording)
     for (size_t i = 0; i + 1 < recording->rows && !cancelled_at(recording->cancel, i); i++) {
         const double step = recording->t[i + 1] - recording->t[i];
         longest = step > longest ? step : longest;
-        if (step > GAP * median) {
+        if (step > GAP_MEDIAN_STEPS * median) {
             first = gaps++ == 0 ? recording->line[i] : first;
             continue;
         }
         min = step < min ? step : min;
         max = step > max ? step : max;
-        uneven += fabs(step - median) > UNEVEN * median;
+        uneven += fabs(step - median) > UNEVEN_STEP_FRACTION * median;
     }
     if (gaps > 0)
         recording_warn(recording,
@@ -304,7 +304,7 @@ static void warn_steps(struct recording *recording)
         recording_warn(recording,
                        "the sampling is uneven: %zu of %zu steps differ by more than %.0f %% from "
                        "%.4g s (%.4g to %.4g s)",
-                       uneven, recording->rows - 1, 100 * UNEVEN, median, min, max);
+                       uneven, recording->rows - 1, 100 * UNEVEN_STEP_FRACTION, median, min, max);
 }
 
 /* Values in SI; what is missing inside is said. */
