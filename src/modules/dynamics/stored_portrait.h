@@ -16,9 +16,10 @@ struct stored_portrait {
 
 /* That of the session, which knows none at first. NULL: no memory. */
 struct stored_portrait *stored_portrait(const struct session *session);
-/* Is it of that scene with these values, and of these variables? */
+/* Returns true if the portrait is of that scene with these values and variables. */
 bool portrait_is_of(const struct stored_portrait *stored, const struct portrait_request *request);
-/* Made where it is not the last one; it is there until the next one is made. NULL: error. */
+/* Returns the stored portrait, or makes it if it is another one; it remains valid until the next
+ * one is made. Returns NULL after an error. */
 const struct portrait *session_portrait(const struct session *session,
                                         const struct portrait_request *request,
                                         struct error *error);

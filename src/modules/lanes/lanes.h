@@ -16,8 +16,8 @@
 
 struct lanes;
 
-/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step?
- * Two of them together? */
+/* Return true if such a system can go in lanes with this method, drag (as resolved by
+ * method_applies()) and step, or two of them together. */
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
 bool lanes_alike(const struct system *a, const struct system *b);
 struct lanes *lanes_create(void); /* Returns NULL if out of memory */

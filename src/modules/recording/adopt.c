@@ -25,7 +25,7 @@ struct adoption {
     int count;
     const char *left_out[LEFT_OUT_MAX];
     int left;
-    int data;             /* place of the recording that was fitted, -1: none */
+    int data;             /* index of the recording that was fitted, or -1 */
     bool as_on_data;      /* it starts where the fit does: it can be compared */
     struct inputs inputs; /* what entered besides the fit */
     bool pendulum;        /* the scene swings on a rod, not on a spring */
@@ -71,8 +71,8 @@ static void leave_out(struct adoption *a, const char *what)
                          */
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
 
-/* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or
- * was stopped. */
+/* Returns the rms of the scene, run from its start over the window of the fit, or NAN if it cannot
+ * be compared or was stopped. */
 static double rms_of_run(const struct adoption *a)
 {
     const struct session *session = a->session;
@@ -173,7 +173,7 @@ static bool is_turning(enum quantity quantity)
            quantity == QUANTITY_ANGULAR_ACCELERATION;
 }
 
-/* Place of the recording that was fitted, -1: it was none, or is gone. */
+/* Returns the index of the recording that was fitted, or -1 if it was none or has been removed. */
 static int fitted_recording(const struct session *session)
 {
     const struct text of = text_of(fits_of(session)->fit_of);

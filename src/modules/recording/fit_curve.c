@@ -165,7 +165,7 @@ static struct inputs exact_in(const struct scene *scene, const int *index, int c
     return inputs;
 }
 
-/* "k = 15 N/m, m = 0.2 kg (free= frees them)"; NULL: nothing. */
+/* Returns "k = 15 N/m, m = 0.2 kg (free= frees them)", or NULL if nothing is held. */
 static const char *describe_fixed(const struct scene *scene, const int *fixed, int count,
                                   struct arena *arena)
 {

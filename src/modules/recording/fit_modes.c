@@ -13,7 +13,7 @@
 static const struct mode_value {
     const char *lead, *key, *result;
     size_t at;
-    enum quantity quantity; /* QUANTITY_OTHER: that of the series */
+    enum quantity quantity; /* QUANTITY_OTHER takes that of the series */
 } of_mode[] = {
     {": f = ", "frequency", "fit_f", offsetof(struct normal_mode, frequency), QUANTITY_FREQUENCY},
     {"\n    gamma = ", "gamma", "fit_gamma", offsetof(struct normal_mode, gamma), QUANTITY_RATE},

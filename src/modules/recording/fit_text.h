@@ -18,12 +18,12 @@ struct fit_summary {
     const struct fit *motion;
     const struct curve_fit *curve;
     const struct modes_fit
-        *modes; /* besides `motion`, which then is its summary; NULL: not several modes */
+        *modes; /* several modes, of which `motion` is then the summary, else NULL */
     const char *const *name;
     const enum quantity
         *quantity;     /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
-    const char *fixed; /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
-    struct measured k; /* NAN: not known */
+    const char *fixed; /* parameters that were not fitted, as "m = 0.2 kg, k = 15 N/m", or NULL */
+    struct measured k; /* NAN if unknown */
     bool spring;       /* k could be known */
     struct inputs inputs; /* what entered besides the recording */
     char warning[FIT_WARNINGS][200];
@@ -32,7 +32,7 @@ struct fit_summary {
 
 /* The mass on the spring, if somebody has said what it is. */
 bool known_mass(const struct scene *scene, struct measured *mass);
-/* "name = value"; measured: an uncertainty is shown however small it is. */
+/* Writes "name = value". If `measured` is true, an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured);
 /* "name = 40.0 +- 0.5 s" for top/rate, "name > 80 s" where the rate may be 0; nothing where it is
@@ -73,7 +73,7 @@ struct fit_request {
 
 bool fit_the_scene(const struct fit_request *call, struct error *error);
 bool fit_a_formula(const struct fit_request *call, struct text formula, struct error *error);
-/* mass: of one oscillator, NULL: not known. */
+/* `mass` is that of one oscillator, or NULL if unknown. */
 bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
                    struct error *error);
 /* Keeps y - residual at the samples as the curve of the last fit, with what `fit` says of it. */

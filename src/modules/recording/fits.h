@@ -11,7 +11,7 @@
 struct stored_fit {
     struct fit fit;
     enum quantity quantity; /* of what was fitted */
-    struct measured k;      /* NAN: nobody had said what the mass is */
+    struct measured k;      /* NAN if the mass was not set */
     struct exact_names exact;
     size_t statement; /* of the log that made it, counted from 1: session_store_fit() says so */
     char of[LIMIT_NAME + 16];
@@ -22,17 +22,17 @@ struct adopted_fit {
     struct scene scene; /* model NULL: nothing was adopted */
     struct scene_covariance known;
     struct exact_names exact;
-    char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
+    char of[LIMIT_NAME + 16]; /* what was fitted, such as "data swing3" */
     size_t statement;         /* of the log that adopted it, counted from 1 */
 };
 
 /* The band of an adopted fit about a run, for the panes. */
 struct fit_band {
-    int run; /* its number; 0: none was looked for */
+    int run; /* number of the run, or 0 if no band was computed */
     size_t rows;
     double end; /* [s] rows and end of the run when it was */
     struct adopted_fit of;
-    size_t n; /* 0: it has none */
+    size_t n; /* 0 if it has none */
     int variables;
     double from, step; /* [s] */
     double *half;      /* [variables][n] half the width */
@@ -44,14 +44,15 @@ struct fits {
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
     double fit_zero;              /* of the recording at that time: its offset counts from there */
     /* Where the last fit was one of the scene or of a formula: */
-    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_values() */
+    double *fit_curve[2]; /* [fit_samples] times and values, or NULL to use fit_values() */
     size_t fit_samples;
-    uint64_t fit_curve_sum;   /* under which the session's file has it; 0: not yet */
+    /* checksum under which the session's file has the curve, or 0 if it has not */
+    uint64_t fit_curve_sum;
     struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
     struct adopted_fit adopted;
     struct fit_band band;
-    int fit_modes; /* so many damped sines at once; 0: it was no fit of modes */
+    int fit_modes; /* number of damped sines, or 0 if it was no fit of modes */
     struct stored_fit *stored_fit;
     int stored_fits;
     bool live; /* what grows now, or next, is fitted every second */

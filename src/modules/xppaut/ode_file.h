@@ -51,8 +51,9 @@ struct ode_scene {
 };
 
 struct ode_options {
-    struct text set; /* values of this one; "": none */
-    /* Of the lower-case name of a variable or parameter: is it needed? NULL: none is. */
+    struct text set; /* values of this one, or "" for none */
+    /* Returns true if the variable or parameter with this lower-case name is needed. May be NULL if
+     * none is. */
     bool (*taken)(struct text name);
     const struct cancel *cancel;
 };

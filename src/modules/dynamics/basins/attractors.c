@@ -105,7 +105,7 @@ static int comes_to(const struct basin_walk *walk, struct walker *w)
                : BASIN_MISSING;
 }
 
-/* Is it where it was so many looks before? */
+/* Returns true if the walker has repeatedly been where it was a fixed number of looks before. */
 static bool repeats(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->looks; q++) {

@@ -271,7 +271,7 @@ static void unmark_repeats(struct branch_walk *w)
         }
 }
 
-/* Does the branch end with the point that has been recorded? */
+/* Returns true if the branch ends with the point that has been recorded. */
 static bool is_over(struct branch_walk *w, const struct curve_place *at,
                     const struct curve_place *next, const struct curve_place *start, bool leaves)
 {
@@ -317,8 +317,8 @@ static bool jumps(struct branch_walk *w, const struct solution *s)
            field_jumps(field, field->system.t0, s->state, s->period);
 }
 
-/* Where no step leads on: does the orbit come to a jump just beyond, in the direction of the
- * branch? Whether a correction gets across it, or none does, are matters of rounding. */
+/* Returns true if the orbit meets a jump just beyond the last step, in the direction of the branch.
+ * Rounding decides whether a correction gets across it. */
 static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, double longest)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)

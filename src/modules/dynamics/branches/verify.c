@@ -200,7 +200,7 @@ static bool is_empty(const struct branch_request *r, const struct branch_point *
     return !near;
 }
 
-/* Is the orbit that is born at a Hopf point on the side that the criticality says? */
+/* Checks that the orbit born at a Hopf point is on the side that the criticality predicts. */
 static enum branch_verdict confirm_birth(const struct branch_request *r,
                                          const struct branch_point *at, double unstable)
 {

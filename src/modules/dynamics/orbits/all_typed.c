@@ -57,7 +57,7 @@ static size_t letters(struct text text)
     return n;
 }
 
-/* Does the name stand in one of the expressions? */
+/* Returns true if the name occurs in one of the expressions. */
 static bool used(const struct writing *w, const char *wanted)
 {
     for (int i = 0; i < w->lines; i++)

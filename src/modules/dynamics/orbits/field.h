@@ -102,8 +102,8 @@ double field_side(const struct vector_field *field, const struct field_plane *pl
 double field_crossing(struct vector_field *field, double t, const double *start, double span,
                       const double *end, const struct field_plane *plane, double *at);
 
-/* Do the equations jump anywhere on the way from there (not where only their slopes do)? Then what
- * derivatives say of differences is not so. */
+/* Returns true if the equations jump anywhere on the way from `start` (a jump of their slopes alone
+ * does not count). Derivatives then do not predict differences. */
 bool field_jumps(struct vector_field *field, double t, const double *start, double span);
 
 #endif

@@ -75,7 +75,7 @@ static void sample(const struct plane *plane, uint64_t *seed, double *y)
         y[i] = plane->about[i] + plane->size[i] * (2 * random_fraction(seed) - 1);
 }
 
-/* Is the divergence 0 everywhere? */
+/* Returns true if the divergence is 0 everywhere. */
 static bool keeps_areas(const struct plane *plane)
 {
     uint64_t seed = 11;
@@ -90,7 +90,8 @@ static bool keeps_areas(const struct plane *plane)
     return keeps;
 }
 
-/* R f(R y) = -f(y), R a reflection of y - about: of one variable, or an exchange of both? */
+/* Returns true if R f(R y) = -f(y), where the reflection R changes the sign of one variable of y -
+ * about or exchanges both. */
 static bool reverses(const struct plane *plane, const double r[4])
 {
     const double *about = plane->about;
@@ -110,7 +111,7 @@ static bool reverses(const struct plane *plane, const double r[4])
     return same;
 }
 
-/* Is it one where all eigenvalues are imaginary? */
+/* Returns true if equilibria with imaginary eigenvalues are centres. */
 static bool has_centres(const struct vector_field *field, const struct system *bounded,
                         const double *about)
 {

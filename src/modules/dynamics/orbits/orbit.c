@@ -26,7 +26,7 @@
 
 /* ---- the smallest period ---- */
 
-/* An orbit with that many parts of the period would do as well? */
+/* Returns true if the orbit closes after the period divided by `parts`, too. */
 static bool closes_after(struct orbit_search *s, const struct solution *orbit, int parts)
 {
     double end[FIELD_VARIABLES];

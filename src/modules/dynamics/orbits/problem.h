@@ -59,8 +59,9 @@ double orbit_curve_upright(const struct orbit_curve *curve);
  * else moves along the orbit: `direction` at u becomes that of the new unknowns. False: they are as
  * they were. Autonomous. */
 bool orbit_curve_stretch(struct orbit_curve *curve, const double *u, double *direction);
-/* Would shorter segments do better? Halves those in which differences grow too much: u, and a
- * direction there, become those of the new unknowns; false: it cannot be cut. */
+/* orbit_curve_is_long() returns true if shorter segments are needed. orbit_curve_cut() halves those
+ * in which differences grow too much, converts u and a direction there to the new unknowns, and
+ * returns false if it cannot. */
 bool orbit_curve_is_long(const struct orbit_curve *curve);
 bool orbit_curve_cut(struct orbit_curve *curve, double *u, double *direction);
 double orbit_curve_period(const struct orbit_curve *curve, const double *u); /* [s] */

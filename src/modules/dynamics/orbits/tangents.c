@@ -122,7 +122,7 @@ static bool stays(struct tangents *t)
     return true;
 }
 
-/* Did the equations jump between two branches that a step went across? */
+/* Returns true if the equations jump between two branches that a step has crossed. */
 static bool jumps(const struct tangents *t, double *branch)
 {
     const struct system *system = &t->variation.base;

@@ -16,7 +16,7 @@ struct local {
     size_t from, to;               /* rows it judges */
     double amplitude;              /* at t */
     double scale;                  /* robust standard deviation of the residuals */
-    bool fitted;                   /* false: too few good samples */
+    bool fitted;                   /* false if there are too few good samples */
     double parameter[LOCAL_TERMS]; /* of the fit about t, where times are in periods */
 };
 
@@ -29,7 +29,7 @@ struct cleaning {
     double period;
     const struct cancel *cancel;
     double step;             /* [s] median */
-    double quantum;          /* SI; values are multiples of it; 0: no step is seen */
+    double quantum;          /* SI; values are multiples of it, or 0 if no step is seen */
     double swing;            /* of all but the extreme values */
     double typical;          /* median of the local scales */
     unsigned char *excluded; /* [n] takes no part in the local fits: clipped, stuck, missing */
@@ -46,7 +46,8 @@ struct cleaning {
 
 /*
  * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods
- * about each whole period, robustly; fills local, residual, model and typical. False: no memory.
+ * about each whole period, robustly; fills local, residual, model and typical. Returns false if out
+ * of memory.
  */
 bool clean_fit(struct cleaning *cleaning);
 

@@ -33,8 +33,8 @@ static struct spread spread_of(const struct motion_rows *x, size_t from, size_t 
     return s;
 }
 
-/* The amplitude of the sine of this period in rows from … to, beside their mean; NAN: they do not
- * determine it. */
+/* Returns the amplitude of the sine of this period in rows from … to, beside their mean, or NAN if
+ * they do not determine it. */
 static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period,
                            double *count)
 {

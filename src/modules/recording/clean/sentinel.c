@@ -18,7 +18,7 @@ enum {
     REPEATED_MIN = 3,  /* times that the value occurs */
     RUNS_MIN = 2,      /* of it */
     DIFFERENT_MIN = 5, /* values that the others have: two levels are a signal of their own */
-    RUN_MEAN_MAX = 20, /* rows: longer ones are a rest */
+    RUN_MEAN_MAX = 20, /* in rows; longer ones are a rest */
     KINDS_MAX = 3      /* different ones of one sensor */
 };
 

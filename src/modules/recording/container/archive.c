@@ -71,7 +71,7 @@ struct unpacking {
     const struct archive_api *api;
     struct archive *archive;
     const char *shown;
-    struct intake *intake; /* NULL: nobody looks */
+    struct intake *intake; /* may be NULL */
     size_t out;            /* [byte] that came out so far */
     size_t max;            /* [byte] that may come out */
     const struct cancel *cancel;
@@ -88,8 +88,8 @@ static bool damaged(const struct unpacking *u, struct error *error)
     return error_hint(error, "transfer the file again, or export the data as CSV");
 }
 
-/* So many bytes more: do they come out of too few? Those count that were taken in so far: what
- * expands without bound is told at once. */
+/* Returns true if `more` further bytes are too many for what was taken in so far, so that unbounded
+ * expansion is detected at once. */
 static bool is_bomb(const struct unpacking *u, size_t more)
 {
     const int64_t in = u->api->archive_filter_bytes(u->archive, -1);

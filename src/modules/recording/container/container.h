@@ -18,7 +18,7 @@
 #define EXPANSION_MAX 64           /* times its size that an archive may grow to … */
 #define EXPANSION_FREE (16u << 20) /* … beyond so many bytes, which are always allowed */
 
-/* intake.c: what a file is, told from its first bytes. */
+/* Kind of a file, told from its first bytes (intake.c). */
 enum packing {
     PACKING_NONE,
     PACKING_UTF16,
@@ -41,7 +41,7 @@ struct intake {
     bool sought; /* there is a table in the beginning */
     /* text that was being written: its last line is left out, as it may be half of one */
     bool grew;
-    uint64_t sum; /* of all bytes that were read; 0: more than SUMMED_BYTES */
+    uint64_t sum; /* checksum of all bytes that were read, or 0 above SUMMED_BYTES */
 };
 
 /* The look of a read_watch whose context is a struct intake: refuses what is no text and no
@@ -52,38 +52,40 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes,
                  struct error *error);
 
 struct container_part {
-    char name[LIMIT_NAME + 1]; /* of the entry, sheet or data set, made safe; "": the file itself */
-    struct buffer text;        /* UTF-8 */
+    /* name of the entry, sheet or data set, made safe; "" for the file itself */
+    char name[LIMIT_NAME + 1];
+    struct buffer text; /* UTF-8 */
 };
 
 struct contents {
-    const char *container;       /* "gzip", "zip", "xlsx" …; NULL: a plain file */
+    const char *container;       /* "gzip", "zip", "xlsx" …, or NULL for a plain file */
     struct container_part *part; /* [PARTS_MAX] */
-    uint64_t sum;                /* of the file's bytes; 0: nobody has looked */
+    uint64_t sum;                /* checksum of the file's bytes, or 0 if not computed */
     size_t parts;                /* at least 1 after contents_read */
     bool grew;                   /* while it was read; its last line is left out */
     const struct cancel *cancel; /* of the options it was read with */
 };
 
-/* What long loops over a container ask; false: `error` says that it was stopped. */
+/* Called in long loops over a container. Returns false with `error` set if reading was stopped. */
 static inline bool unpacking_goes_on(const struct cancel *cancel, struct error *error)
 {
     return !cancelled(cancel) || error_set(error, ERROR_CANCELLED, "reading was stopped");
 }
 
 /*
- * Reads the file at `path` and unpacks it. `shown`: its name for messages. ERROR_IO with the reason
- * and what to do: not readable, damaged, too large, a container that is not known, or one whose
- * library is missing.
+ * Reads the file at `path` and unpacks it. Messages call it `shown`. Fails with ERROR_IO, the
+ * reason and advice if the file is not readable, damaged or too large, if its container is unknown,
+ * or if a library is missing.
  */
 bool contents_read(const char *path, const char *shown, const struct load_options *options,
                    struct contents *contents, struct error *error);
 void contents_free(struct contents *contents);
 
-/* A new part; NULL: no memory, or PARTS_MAX of them (the rest is left out). */
+/* Adds a part. Returns NULL if out of memory or if there are PARTS_MAX parts (further ones are left
+ * out). */
 struct container_part *contents_add(struct contents *contents, struct text name);
 
-/* archive.c: entries of a zip or gzip archive in memory. */
+/* Entry of a zip or gzip archive in memory (archive.c). */
 struct archive_entry {
     char *path; /* as in the archive, NUL-terminated */
     struct buffer bytes;
@@ -95,16 +97,16 @@ struct archive_content {
     size_t entries;
 };
 
-/* `wanted` says which entries are unpacked (NULL: all); the others are skipped. intake looks at
- * what comes out; NULL: nobody does. */
+/* Unpacks the entries for which `wanted` is true, or all if it is NULL. intake examines what is
+ * unpacked, unless NULL. */
 bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
                     struct intake *intake, struct archive_content *content, struct error *error);
 void archive_content_free(struct archive_content *content);
-/* NULL: not there */
+/* Returns NULL if there is no such entry. */
 const struct buffer *archive_content_find(const struct archive_content *content, const char *path);
 
-/* xml.c: a document, element by element. Handlers return false to stop (the error is then theirs).
- */
+/* Handlers for a document, element by element (xml.c). They return false to stop (the error is then
+ * theirs). */
 struct xml_reader {
     void *context;
     const struct cancel *cancel;
@@ -115,16 +117,17 @@ struct xml_reader {
 
 bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
               struct error *error);
-const char *xml_attribute(const char **attributes, const char *name); /* NULL: not there */
+/* Returns NULL if there is no such entry. */
+const char *xml_attribute(const char **attributes, const char *name); /* or NULL */
 
 /* xml_tables.c: Logger Pro (.cmbl) and CASSY Lab 2 (.labx). */
 bool xml_tables(struct text document, const char *shown, struct contents *contents,
                 struct error *error);
-/* octave.c: vectors of a text file of Octave, side by side. Adds no part where the file is to be
- * read as any other text. */
+/* Adds vectors of a text file of Octave, side by side (octave.c). Adds no part where the file is to
+ * be read as any other text. */
 bool octave_tables(struct text text, const char *shown, struct contents *contents,
                    struct error *error);
-/* workbook.c, workbook_old.c: sheets of .xlsx and .xls. */
+/* Add the sheets of .xlsx and .xls (workbook.c, workbook_old.c). */
 bool workbook_sheets(const struct archive_content *content, const char *shown,
                      struct contents *contents, struct error *error);
 /* the entries of an .xlsx that hold sheets, words and formats */

@@ -16,9 +16,9 @@
 enum { VARIABLES_MAX = 256 };
 
 struct octave_variable {
-    struct text name, body; /* body: its numbers, separated by white space */
+    struct text name, body; /* the body has its numbers, separated by white space */
     double rows, columns;   /* 0 of what is no array of real numbers */
-    bool is_range;          /* body: base, limit, increment */
+    bool is_range;          /* the body has base, limit, increment */
     double base, increment;
 };
 

@@ -212,7 +212,7 @@ static bool word_end(void *context, const char *name)
 
 /* ---- a sheet ---- */
 
-/* Column of a reference such as "BC12", from 0; -1: none. */
+/* Returns the column of a reference such as "BC12", counted from 0, or -1. */
 static int column_of(const char *reference)
 {
     int column = 0;

@@ -108,7 +108,7 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
         error_set(error, ERROR_IO,
                   "%s is no Excel workbook (.xls) that can be read, or it is cut short", shown);
         error_hint(error, "open it where it was made and save it as .xlsx or CSV");
-    } else if (!book) { /* FreeXL 1.0.6, bug: success without a workbook */
+    } else if (!book) { /* bug of FreeXL 1.0.6, which returns success without a workbook */
         error_set(error, ERROR_IO,
                   "FreeXL cannot read %s: it gives up without an error, as it does where a text "
                   "cell of the workbook is empty (phyphox writes such cells)",

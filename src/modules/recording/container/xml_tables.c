@@ -19,7 +19,7 @@ enum {
 };
 
 struct xml_column {
-    struct buffer name, unit, cells; /* cells: one a line */
+    struct buffer name, unit, cells; /* one cell a line */
 };
 
 struct tables {
@@ -29,7 +29,7 @@ struct tables {
     bool known; /* the document is one of the two */
     bool cassy;
     int strange;           /* elements that belong to neither so far */
-    struct buffer *target; /* what text goes to, NULL: nowhere */
+    struct buffer *target; /* receives text, may be NULL */
     struct buffer set;     /* name of the data set */
     struct xml_column *column;
     size_t columns;

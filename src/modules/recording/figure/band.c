@@ -83,7 +83,8 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 
 /* ---- in a figure ---- */
 
-/* Variable of the state that a plot of so many coordinates draws first; -1: it draws none. */
+/* Returns the variable of the state that a plot of so many coordinates draws first, or -1 if it
+ * draws none. */
 static int first_variable(const struct drawing *d)
 {
     const struct figure_request *request = d->request;

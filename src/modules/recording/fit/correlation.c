@@ -25,7 +25,8 @@ struct blocks {
     size_t begin;  /* the sample of each from which on the correlation sums */
     double step;   /* [s] between samples */
     double period; /* [samples] */
-    double whole; /* [samples] of whole periods that the correlation sums over; 0: as many as fit */
+    /* [samples] of whole periods that the correlation sums over; 0 takes as many as fit */
+    double whole;
     const struct cancel *cancel;
 };
 
@@ -189,8 +190,8 @@ static double peak_about(struct blocks *b, double shift, double *doubt)
 /*
  * Variance of the period from the peaks over that of the line through all phases. In noise n about
  * y the shift of peak k is off by the sum of n y' over the first k periods less that over the last
- * ones: what lies between cancels. Peaks share these samples, blocks do not. samples: of the whole
- * recording.
+ * ones: what lies between cancels. Peaks share these samples, blocks do not. `samples` counts those
+ * of the whole recording.
  */
 static double variance_of_peaks(const struct blocks *b, double samples, int peaks)
 {

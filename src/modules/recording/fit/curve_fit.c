@@ -20,7 +20,8 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY 
 
 /* ---- the problem ---- */
 
-/* Residuals and derivatives at x, in the curve's order; false: the curve has none there. */
+/* Computes residuals and derivatives at x, in the curve's order. Returns false if the curve has
+ * none there. */
 static bool evaluate(struct curve_problem *p, const double *x)
 {
     const size_t count = (size_t)p->curve->parameters, bytes = count * sizeof *x;
@@ -198,8 +199,8 @@ static double robust_scale(struct curve_problem *p, double middle, size_t from, 
     return MAD_TO_SIGMA * values_quantile(p->scratch + from, to - from, 0.5);
 }
 
-/* Weights of the residuals in robust standard deviations. Returns the largest change; INFINITY:
- * stopped. */
+/* Sets the weights of the residuals in robust standard deviations. Returns the largest change, or
+ * INFINITY if stopped. */
 static double set_weights(struct curve_problem *p, bool soft)
 {
     const size_t stretches = p->stretch > 0 && p->n >= 2 * p->stretch ? p->n / p->stretch : 1;
@@ -308,8 +309,8 @@ static void set_units(struct curve_problem *p, const struct curve_options *o, co
 }
 
 /*
- * Of very many samples the start comes from a fit of every so manieth. False: an error that ends
- * everything; a part that has no answer leaves the start as it was.
+ * Of very many samples the start comes from a fit of every so manieth. Returns false after an error
+ * that ends everything; a part that has no answer leaves the start unchanged.
  */
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)

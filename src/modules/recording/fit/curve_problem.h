@@ -38,10 +38,11 @@ enum { CURVE_MANY = 20000 }; /* samples from which on a start comes from a part 
  */
 bool curve_part(const struct series *series, struct arena *arena, struct series *part);
 
-/* ---- judgement.c: what an answer is worth ---- */
+/* ---- quality of an answer (judgement.c) ---- */
 
 /* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss;
- * probe: also look a standard deviation to either side, which takes two evaluations a parameter. */
+ * If `probe` is true, it also evaluates one standard deviation to either side, which takes two
+ * evaluations a parameter. */
 void fit_judge(struct curve_problem *problem, const double *x, bool probe, struct curve_fit *fit);
 /* Diagnostics of the residuals, widening, intervals, words. */
 void fit_conclude(const struct curve_problem *problem, struct curve_fit *fit);

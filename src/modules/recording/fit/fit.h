@@ -21,17 +21,17 @@ struct fit_curve {
     int parameters;
     const char *const *name; /* [parameters] for messages */
     void *context;
-    /* Values [n] at the times t [n] and, unless NULL, derivatives [n][parameters]. False: there is
-     * no value there (or the evaluation was cancelled). */
+    /* Computes values [n] at the times t [n] and, unless NULL, derivatives [n][parameters]. Returns
+     * false if there is no value or the evaluation was cancelled. */
     bool (*evaluate)(void *context, const double *parameter, const double *t, size_t n,
                      double *value, double *derivative);
 };
 
 struct curve_options {
     const double *low,
-        *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
-    /* [parameters] in which the curve is linear, all together: where they start does not matter;
-     * NULL: nothing is known */
+        *high; /* [parameters] bounds or NULL; -INFINITY and INFINITY leave a side open */
+    /* [parameters] true for those in which the curve is linear, all together, so that their start
+     * does not matter; NULL if unknown */
     const bool *linear;
     /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
     bool robust;
@@ -40,18 +40,18 @@ struct curve_options {
     /* an evaluation takes long, as where a motion is integrated: digits far below the
      * uncertainties are not looked for */
     bool costly;
-    /* robust: so many samples in a row are judged by their own scatter, where that is larger than
-     * that of all: what the curve misses for long is no outlier; 0: all together */
+    /* number of samples in a row that a robust fit judges by their own scatter if it is larger than
+     * that of all, as what the curve misses for long is no outlier; 0 judges all together */
     size_t stretch;
-    int iterations; /* at most; 0: 500 */
-    int bootstrap;  /* parametric bootstrap samples for the intervals, 0: none */
+    int iterations; /* maximum; 0 means 500 */
+    int bootstrap;  /* number of parametric bootstrap samples for the intervals, may be 0 */
     uint64_t seed;  /* of the bootstrap */
     const struct cancel *cancel;
 };
 
 struct curve_fit {
     int parameters;
-    /* uncertainty: widened for correlated residuals; NAN: not determined */
+    /* uncertainties are widened for correlated residuals, and NAN if not determined */
     struct measured value[CURVE_PARAMETERS];
     double formal[CURVE_PARAMETERS]; /* the same as if residuals were independent */
     /* 95 % (Student's t; of the bootstrap where it was asked for) */
@@ -106,7 +106,7 @@ struct formula_column {
 
 struct formula {
     const struct expr *expr;
-    const struct cancel *cancel; /* ends its evaluation; NULL: nobody can */
+    const struct cancel *cancel; /* ends its evaluation unless NULL */
     int parameters;
     const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
@@ -126,7 +126,8 @@ struct formula {
 bool formula_compile(struct text text, const struct expr_scope *known,
                      const struct formula_column *column, int columns, struct arena *arena,
                      struct formula *formula, size_t *used, struct error *error);
-/* The start of a parameter by name; false: the formula has no such parameter (with suggestion). */
+/* Sets the start of a parameter by name. Returns false, with a suggestion, if the formula has no
+ * such parameter. */
 bool formula_start(struct formula *formula, struct text name, double start, struct error *error);
 /*
  * Fits it. Starts that are not given are looked for: parameters in which the formula is linear are
@@ -151,7 +152,7 @@ enum drag_law {
 };
 
 struct drag_law_row {
-    struct row row; /* linear, linear+quadratic, …; citation: its equation */
+    struct row row; /* linear, linear+quadratic, …; the citation is its equation */
     enum drag_law law;
 };
 
@@ -179,7 +180,7 @@ enum {
     EQUATION_PARAMETERS
 };
 
-/* What pulls back: omega0^2 y, omega0^2 y + beta y^3 (Duffing), omega0^2 sin(y) (pendulum: y is an
+/* Restoring force omega0^2 y, omega0^2 y + beta y^3 (Duffing) or omega0^2 sin(y) (pendulum, y is an
  * angle). */
 enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE, RESTORING_FORCES };
 
@@ -195,9 +196,9 @@ struct equation {
 };
 
 /*
- * Values [n] at ascending times t >= t0, offset included, and unless NULL their derivatives
- * [n][EQUATION_PARAMETERS]. Integrated to rounding, through turning points and into rest. False: it
- * cannot be integrated so far.
+ * Computes values [n] at ascending times t >= t0, offset included, and unless NULL their
+ * derivatives [n][EQUATION_PARAMETERS]. Integrates to rounding, through turning points and into
+ * rest. Returns false if it cannot be integrated that far.
  */
 bool equation_solve(const struct equation *equation, const double *t, size_t n, double *value,
                     double *derivative);
@@ -207,7 +208,7 @@ enum { EQUATION_ORDER = 18, EQUATION_COLUMNS = EQUATION_OFFSET + 1 };
 /* Derivatives that will be wanted: none, all but that by b where b is 0, all. */
 enum equation_slopes { EQUATION_VALUES, EQUATION_SLOPES_BUT_B, EQUATION_SLOPES };
 
-/* The same some samples at a time, forwards: where the integration has come to. */
+/* State of an integration that is evaluated forwards, some samples at a time. */
 struct equation_walk {
     enum restoring_force force;
     int order;
@@ -215,7 +216,7 @@ struct equation_walk {
     bool quadratic; /* there is such drag, or the derivative by it is wanted */
     double t0, omega, offset;
     double g, b, f, cubic; /* in the time unit 1/omega */
-    double side;           /* sign of the velocity, 0: at rest for good */
+    double side;           /* sign of the velocity, or 0 if it rests for good */
     double at;             /* [rad] where the step begins */
     /* Taylor coefficients of y, and of its derivatives by the parameters */
     double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
@@ -231,12 +232,12 @@ struct drag_fit {
     struct drag_candidate {
         enum drag_law law;
         bool converged;
-        /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0: it has none */
+        /* gamma [1/s], b [1/m], f [m/s^2] if y is a length; 0 if the law has no such term */
         struct measured rate[DRAG_RATES];
         double bic; /* of this many independent residuals */
         double rms;
     } candidate[DRAG_LAWS];
-    int candidates;     /* 0: the fit was not one of drag */
+    int candidates;     /* 0 if the fit was not one of drag */
     enum drag_law best; /* the simplest that remains: the law that the fit's values are those of */
     /* bit i: the data do not exclude candidate[i]; more than one: not distinguishable */
     unsigned remaining;
@@ -249,13 +250,13 @@ struct drag_fit {
         bool converged;
         double bic;
     } restoring[RESTORING_FORCES];
-    int forces;                 /* 0: only the spring was tried */
+    int forces;                 /* 0 if only the spring was tried */
     enum restoring_force force; /* the simplest that remains */
     /* bit i: the data do not exclude force i; more than one: not distinguishable */
     unsigned forces_remaining;
     struct measured cubic; /* beta [1/(s^2 y^2)] of a Duffing spring */
     double signal;         /* rms of the motion alone */
-    double wander;  /* of the baseline: standard deviation between its blocks; 0: it stands still */
+    double wander;  /* standard deviation between blocks of the baseline; 0 if it does not wander */
     char said[240]; /* the choice in words, with the numbers */
 };
 
@@ -265,7 +266,7 @@ struct drag_fit {
  * scene's free parameters by ascending place.
  */
 struct fit_covariance {
-    int n; /* 0: not known */
+    int n; /* 0 if unknown */
     double at[CURVE_PARAMETERS][CURVE_PARAMETERS];
 };
 
@@ -284,14 +285,16 @@ struct fit {
     /* gamma of the two halves of the window, NAN where a half determines nothing */
     struct measured halves[2];
     struct measured half_periods[2]; /* [s] */
-    enum drag_law preferred; /* of damping; LAW_NONE: the laws were not compared (fit drag does) */
+    /* law of damping, or LAW_NONE if the laws were not compared (fit drag compares them) */
+    enum drag_law preferred;
     bool converged;
     int iterations;
     double autocorrelation; /* lag 1 of the residuals */
     char warning[8][200];
     int warnings;
-    double t0;             /* [s] time of the first sample: t in the model counts from here */
-    struct measured drift; /* [y/s] of the offset, which is that at t0; 0: it stands still */
+    double t0; /* [s] time of the first sample: t in the model counts from here */
+    /* [y/s] drift of the offset, which is given at t0; 0 if it does not drift */
+    struct measured drift;
     struct drag_fit drag;
     struct fit_covariance covariance;
 };
@@ -316,7 +319,8 @@ struct fit_model {
  * converge. GSL's error handler is off (base/numeric.c).
  */
 extern const struct catalog fit_catalog;
-const struct fit_model *fit_model_by_name(struct text name); /* exact name or alias; NULL: none */
+/* finds by exact name or alias, else NULL */
+const struct fit_model *fit_model_by_name(struct text name);
 const struct fit_model *fit_model_at(size_t i);
 const struct fit_model *fit_model_from(const struct row *row); /* which is one of them */
 
@@ -351,10 +355,10 @@ struct modes_fit {
 };
 
 /*
- * y = c + d t + the sum of so many damped sines, by least squares; no guesses. Uncertainties as
- * those of fit_catalog's rows: widened for what the residuals share with each parameter.
- * ERROR_NUMERICAL: fewer frequencies stand out of the noise. True: look at fit.converged; a warning
- * tells where two lie too near to each other.
+ * Fits y = c + d t + the sum of `modes` damped sines by least squares, without guesses.
+ * Uncertainties are widened, as those of fit_catalog's rows, for what the residuals share with each
+ * parameter. Fails with ERROR_NUMERICAL if fewer frequencies stand out of the noise. If it returns
+ * true, fit.converged must be checked; a warning tells if two lie too near to each other.
  */
 bool series_modes(const struct series *series, int modes, struct arena *arena,
                   const struct cancel *cancel, struct modes_fit *fit, struct error *error);
@@ -363,19 +367,21 @@ bool series_modes(const struct series *series, int modes, struct arena *arena,
 
 struct repeat {
     int n;
-    struct measured mean; /* all alike; uncertainty: scatter/sqrt(n) */
+    struct measured mean; /* unweighted, with uncertainty scatter/sqrt(n) */
     double scatter;       /* standard deviation of one */
-    /* by the stated uncertainties, and what follows from these alone; NAN: one states none */
+    /* weighted by the stated uncertainties, and what follows from these alone; NAN if one states
+     * none */
     struct measured weighted;
     double birge;  /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
     double chance; /* that stated uncertainties which are right scatter so much */
-    /* standard deviation to be added to each, so that they explain the scatter; 0: none */
+    /* standard deviation to be added to each, so that they explain the scatter; may be 0 */
     double between;
     struct measured quote; /* weighted with both: what should be quoted */
     double interval;       /* half of its 95 % interval (Student) */
 };
 
-/* Birge 1932, Paule and Mandel 1982. False: fewer than two. */
+/* Averages repeated values (Birge 1932, Paule and Mandel 1982). Returns false for fewer than two.
+ */
 bool repeat_values(const struct measured *x, int n, struct repeat *repeat);
 
 #endif

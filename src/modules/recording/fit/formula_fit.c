@@ -146,7 +146,7 @@ struct refining {
     struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
 };
 
-/* What came out, in the memory of the answer. False: no memory. */
+/* Copies the result into the memory of the answer. Returns false if out of memory. */
 static bool keep(struct refining *r, const struct curve_fit *trial)
 {
     const size_t n = r->series->n;

@@ -101,7 +101,7 @@ bool least_squares_descend(const struct least_squares *model, const struct desce
 /* Sets the linear parameters at x to the best for the others. Returns the sum of squares, NAN where
  * the model has no value. */
 double solve_linears(const struct least_squares *model, double *x, struct triangle *triangle);
-/* inward: which way leads from the bound, 1 or -1. */
+/* `inward` is the direction away from the bound, 1 or -1. */
 bool on_bound(const struct least_squares *model, int j, double x, double *inward);
 
 #endif

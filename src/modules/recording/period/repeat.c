@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The same quantity measured several times: do the stated uncertainties explain the scatter, and
- * what is to be quoted? Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl. Bur. Stand.
- * 87 (1982) 377.
+ * Tests whether the stated uncertainties of repeated measurements explain their scatter, and
+ * computes the value to be quoted. Birge, Phys. Rev. 40 (1932) 207; Paule & Mandel, J. Res. Natl.
+ * Bur. Stand. 87 (1982) 377.
  */
 #include "modules/recording/series/internal.h"
 

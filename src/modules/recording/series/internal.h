@@ -11,7 +11,7 @@ struct cancel;
 
 #define HALVES_DIFFER 2.5 /* standard deviations from which two halves are said to differ */
 
-/* ---- samples.c: a series with a mask, and robust statistics ---- */
+/* ---- a series with a mask, and robust statistics (samples.c) ---- */
 
 /* Returns the index of the first sample at or after t [s]. */
 static inline size_t samples_index(const struct samples *samples, double t)
@@ -40,26 +40,26 @@ struct series series_longest_stretch(const struct series *series, double period)
 #define THIN_FOR_PERIOD 3e-2  /* and where its times are read, which means do not move */
 bool series_thin(const struct series *series, const unsigned char *use, double lost_share_max,
                  struct arena *arena, struct series *thin);
-/* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none.
- */
+/* Returns the first sample from which on no motion is visible, even after a strong decay, or n if
+ * there is none. */
 static inline size_t samples_quiet(const struct samples *x, double period)
 {
     return motion_quiet(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
 }
-/* An interval without samples that is 8 times as long as half of them are, in times that are no
- * even grid. */
+/* Returns true if an interval without samples is 8 times as long as half of them are, in times that
+ * are no even grid. */
 bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *memory);
 /* Hann window over all of the times, no matter what of them was recorded: the peak of a line is its
  * amplitude. */
 struct spectrum {
     double *amplitude; /* [bins] as y */
-    size_t bins;       /* from 0 to half the rate of the samples; 0: too few samples */
+    size_t bins;       /* from 0 to half the rate of the samples; 0 if there are too few samples */
     double step;       /* [Hz] between them */
 };
-/* false: no memory */
+/* Computes the spectrum. Returns false if out of memory. */
 bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
-/* The step to which values are rounded: the smallest between neighbours or a part of it,
- * if nearly all are multiples of it; else 0. */
+/* Returns the step to which values are rounded, the smallest between neighbours or a part of it, if
+ * nearly all are multiples of it; else 0. */
 double samples_quantum(const struct samples *samples);
 /* clears `use` of short far excursions */
 void samples_flag_spikes(struct samples *samples, double *scratch);
@@ -89,10 +89,10 @@ struct harmonic {
 };
 
 /*
- * Least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a and b
- * are 0). residual [n] or NULL: y - model, of all samples. False: too few samples or they do not
- * determine the parameters; `harmonic` is then not to be used. Where it returns true, look at
- * `converged`.
+ * Fits by least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a
+ * and b are 0). residual [n] is set to y - model of all samples unless NULL. Returns false if there
+ * are too few samples or if they do not determine the parameters; `harmonic` must then not be used.
+ * If it returns true, `converged` must be checked.
  */
 bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
                   struct harmonic *harmonic, double *residual);
@@ -101,7 +101,7 @@ bool harmonic_residuals(const struct samples *samples, const struct harmonic *ha
                         double *residual);
 /* standard deviation of the residuals */
 double harmonic_sigma(const struct harmonic *harmonic, int unknowns);
-/* Lag-1 autocorrelation of the residuals of the samples used. */
+/* Returns the lag-1 autocorrelation of the residuals of the samples used. */
 double residual_autocorrelation(const struct samples *samples, const double *residual);
 
 /* ---- widening.c ---- */
@@ -119,7 +119,8 @@ struct oscillation {
     double a, b, omega, gamma, origin;
 };
 
-/* fitted: parameters of amplitude and decay together, as many as of phase and frequency. */
+/* Number `fitted` is that of the parameters of amplitude and decay together, as many as of phase
+ * and frequency. */
 struct widening residual_widening(const struct samples *samples, const double *residual,
                                   const struct oscillation *oscillation, int fitted);
 
@@ -134,7 +135,7 @@ double autocorrelation_factor(double rho);
  */
 double line_correlation_factor(double rho, double n);
 
-/* ---- motion.c: what every analysis of an oscillation starts from ---- */
+/* ---- the start of every analysis of an oscillation (motion.c) ---- */
 
 struct swing_segment {
     size_t from, to; /* samples [from, to) */
@@ -148,22 +149,22 @@ struct swing_segment {
 };
 
 struct motion {
-    struct samples samples; /* use: without spikes, rejected and clipped samples */
+    struct samples samples; /* `use` leaves out spikes, rejected and clipped samples */
     struct overview overview;
     struct harmonic harmonic;      /* damped sine, robust */
     double *residual;              /* [n] of it */
     double *scratch;               /* [n] */
     struct swing_segment *segment; /* [segments] two periods each, one after the other */
     size_t segments;
-    double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
+    double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), or 0 */
     double autocorrelation;
     bool tracked; /* found window by window: the damped sine is only the nearest there is */
     bool buried;  /* in noise, so that no part of it has to be looked at */
     size_t rejected, clipped; /* clipped are counted in rejected */
 };
 
-/* False: no memory. overview.oscillates tells the rest; harmonic and what follows it are filled
- * only if it is true. */
+/* Returns false if out of memory. harmonic and the members after it are filled only if
+ * overview.oscillates is true. */
 bool motion_init(struct motion *motion, const struct series *series, struct arena *arena,
                  const struct cancel *cancel);
 /* Fits one damped sine to the whole series and looks no further where it does not fit. Returns
@@ -213,27 +214,28 @@ bool find_first_swing(const struct series *series, struct swing *swing);
 /* ---- robust.c ---- */
 
 /*
- * Clears `use` of missed echoes, two periods at a time, with the motion's omega
- * and gamma; fills segment, rejected, clipped and improves overview.noise. False: no memory.
+ * Clears `use` of missed echoes, two periods at a time, with the motion's omega and gamma; fills
+ * segment, rejected, clipped and improves overview.noise. Returns false if out of memory.
  */
 bool reject_outliers(struct motion *motion, struct arena *arena);
 
 /* ---- clipping.c ---- */
 
 /* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic,
- * its residuals and the counts. False: no memory. */
+ * its residuals and the counts. Returns false if out of memory. */
 bool censor_clipped(struct motion *motion, struct arena *arena);
 
 /* ---- samples.c ---- */
 
-/* More than parameters, or the reason. */
+/* Returns false with the reason unless there are more samples than parameters. */
 bool enough_samples(const struct series *series, int parameters, struct error *error);
 
 /* ---- spectrum.c ---- */
 
 /*
- * As gsl_fft_real_radix2_transform leaves it: real parts from 0 up, imaginary parts from n down.
- * n: a power of two; scratch [n], NULL where n <= 2^17. False: cancelled.
+ * Transforms to the order of gsl_fft_real_radix2_transform: real parts from 0 up, imaginary parts
+ * from n down. n is a power of two; scratch [n] may be NULL for n <= 2^17. Returns false if
+ * cancelled.
  */
 bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel);
 
@@ -247,8 +249,8 @@ double *series_correlations(const struct series *series, struct arena *arena, do
 bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
                         struct series *part);
 
-/* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false
- * without memory. */
+/* Returns the angular frequency of the highest peak [rad/s], or NAN if none is inside the band.
+ * Sets *memory to false if out of memory. */
 double peak_frequency(const struct samples *samples, bool *memory);
 /* Sets omega [max] to the highest peaks [rad/s] of the mean spectrum of that many parts: of many, a
  * frequency that drifts has a line. Returns how many there are. *memory becomes false without
@@ -272,8 +274,8 @@ bool overview_is_exact(const struct overview *overview);
 
 /* ---- peak.c ---- */
 
-/* Variance of one sample in white noise that has as much power as the residuals have about omega,
- * where a line is. */
+/* Returns the variance of one sample in white noise that has as much power as the residuals have
+ * about omega, where a line is. */
 double variance_beside(const struct samples *x, const double *residual, double omega);
 
 /* ---- modes.c ---- */
@@ -283,13 +285,13 @@ struct mode_pair {
     double left;            /* share of the power that both leave */
 };
 
-/* Whether it is two damped sines, and one alone is far from it. */
+/* Returns true if it is two damped sines, and one alone is far from it. */
 bool two_lines(const struct samples *samples, struct mode_pair *pair);
 
 /* ---- amplitude.c ---- */
 
-/* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few
- * samples there. */
+/* Fits a harmonic locally to the samples [from, to) with the motion's omega and gamma. Returns
+ * false if there are too few samples. */
 bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct reading *reading);
 
 /* ---- envelope.c ---- */
@@ -300,9 +302,10 @@ struct envelope_rates {
 };
 
 /*
- * Linear, quadratic and linear+quadratic drag of the envelope. *sway: scatter of the amplitudes
- * about the best of them, relative to their size, where it is more than their noise, else 0; NAN:
- * too few readings to tell. rates of these three where they were found. False: no memory.
+ * Fits linear, quadratic and linear+quadratic drag to the envelope. *sway is the scatter of the
+ * amplitudes about the best of them, relative to their size, if it exceeds their noise, else 0; NAN
+ * if there are too few readings. Sets the rates of those of the three that were found. Returns
+ * false if out of memory.
  */
 bool envelope_laws(const struct motion *motion, double *sway, struct envelope_rates rates[3]);
 
@@ -324,9 +327,10 @@ int law_choose(const struct law_evidence *evidence, struct fit *fit);
 /* ---- drag.c ---- */
 
 /*
- * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or
- * an acceleration, b and f are still those of the position. forces: the restoring force is looked
- * for too. The motion's samples and residuals are then those of the law.
+ * Fits the whole oscillation under every law, starting from the rates, and chooses. Also for a
+ * velocity or an acceleration, b and f are those of the position. If `forces` is true, the
+ * restoring force is searched for, too. The motion's samples and residuals are then those of the
+ * law.
  */
 bool drag_laws(struct motion *motion, enum quantity quantity, bool forces,
                const struct envelope_rates rates[3], struct arena *arena, struct fit *fit,
@@ -335,7 +339,7 @@ bool drag_laws(struct motion *motion, enum quantity quantity, bool forces,
 /* ---- warnings.c ---- */
 
 void fit_warn(struct fit *fit, const char *format, ...) PRINTF_LIKE(2, 3);
-/* sway: what envelope_laws returned. */
+/* Adds warnings to the fit; sway is that of envelope_laws(). */
 void fit_diagnose(const struct motion *motion, double sway, struct fit *fit);
 
 #endif

@@ -89,8 +89,8 @@ static bool start_gamma(struct motion *m, double omega)
 }
 
 /*
- * Could noise have done this? Variance ratio of the damped sine against the residuals about a
- * straight line; residuals that hang together count as fewer.
+ * Refuses an oscillation that noise could have produced. Tests the variance ratio of the damped
+ * sine against the residuals about a straight line; correlated residuals count as fewer.
  */
 static void require_significant(struct motion *m)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Columns that neither a name nor a unit calls the time: do their numbers look like a clock? */
+/* Recognises columns of times by their numbers if neither a name nor a unit identifies them. */
 #include "modules/recording/table/table.h"
 
 #include <math.h>

@@ -251,7 +251,7 @@ static bool is_unit_name(struct text name)
                     unit->quantity == QUANTITY_ANGLE);
 }
 
-/* Are they all units, single letters among them: "s cm"? */
+/* Returns true if all names are units, single letters among them, as in "s cm". */
 static bool all_unit_names(const struct table_layout *layout)
 {
     struct text names = layout->names, name;

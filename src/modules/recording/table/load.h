@@ -13,15 +13,16 @@ struct unit;
 #define SUMMED_BYTES ((size_t)128 << 20)
 
 struct load_options {
-    struct text time, value;             /* column name, or number counted from 1; empty: choose */
-    const struct unit *unit, *time_unit; /* NULL: what the file says */
+    /* column name, or number counted from 1; empty lets the program choose */
+    struct text time, value;
+    const struct unit *unit, *time_unit; /* NULL takes what the file gives */
     double rate;                         /* [Hz] 0: not given */
-    char decimal, separator;             /* 0: find out */
-    struct text name;                    /* as=NAME; empty: from the file name */
-    const struct cancel *cancel;         /* NULL: nobody ends it */
-    /* instead of what its file says; NULL: that */
+    char decimal, separator;             /* 0 detects it */
+    struct text name;                    /* as=NAME; empty takes the name of the file */
+    const struct cancel *cancel;         /* may be NULL */
+    /* replaces what the file gives unless NULL */
     const struct calibration *calibration;
-    struct text run; /* run=NAME or number; empty: the first with data in it */
+    struct text run; /* run=NAME or number; empty takes the first with data in it */
 };
 
 /* One format is one file, src/modules/NAME/formats/FORMAT.def, that ends in its row. */
@@ -30,13 +31,14 @@ struct format {
     struct row row;
     bool any;   /* takes what no other does */
     bool whole; /* its read chooses the columns and makes the times, too */
-    int (*probe)(const struct table_text *text); /* 0: not mine … 100: certain */
+    int (*probe)(const struct table_text *text); /* from 0 (another format) to 100 (certain) */
     bool (*read)(const struct table_text *text, const struct load_options *options,
                  struct recording *recording, struct error *error);
 };
 
 extern const struct catalog format_catalog;
-const struct format *format_by_name(struct text name); /* exact name or alias; NULL: none */
+/* finds by exact name or alias; NULL if there is none */
+const struct format *format_by_name(struct text name);
 const struct format *format_at(size_t i);
 
 /* Reads a file. Binary files, files without a table, without time and rate are refused with the
@@ -47,10 +49,11 @@ struct recording *recording_load(const char *path, const struct load_options *op
  * line each. */
 void recording_describe(const struct recording *recording, struct buffer *text);
 /*
- * The uncertainties of these samples, all of the recording: of the file's column of errors of the
- * value, by its name (error, yerr, uncertainty, sigma, sd …) and unit. NULL without one, and where
- * 100 samples or more have the same: that is a calibration, no scatter (the lab's sensor writes
- * 0.239 cm on every row). Array from `arena`; false: no memory.
+ * Finds the uncertainties of all samples of the recording in the file's column of errors of the
+ * value, by its name (error, yerr, uncertainty, sigma, sd …) and unit. The result is NULL without
+ * such a column, and where 100 samples or more have the same: that is a calibration, no scatter
+ * (the lab's sensor writes 0.239 cm on every row). The array is from `arena`. Returns false if out
+ * of memory.
  */
 bool recording_errors(const struct recording *recording, const struct series *series,
                       struct arena *arena, const double **half);
@@ -79,8 +82,8 @@ extern const struct catalog finding_catalog; /* at the enum's place */
 
 /*
  * Looks at the whole file, whatever its window is, once; the result belongs to the recording.
- * period [s]: about that of the oscillation (to a few percent); NAN: it has none, then only what
- * needs none is looked for, and `still` says why. False: no memory.
+ * period [s] is that of the oscillation to a few percent; with NAN only defects that need no period
+ * are looked for, and `still` tells why. Returns false if out of memory.
  */
 bool recording_inspect(struct recording *recording, double period, const char *still,
                        struct error *error);
@@ -93,8 +96,8 @@ void recording_clean(struct recording *recording);
  * not cleaned. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text);
 
-/* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none.
- * False: no memory. */
+/* Finds a unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena, or
+ * NULL if there is none. Returns false if out of memory. */
 bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit);
 
 /* Samples of a motion; those count whose mask [n] is `wanted`. */
@@ -105,12 +108,12 @@ struct motion_rows {
     size_t n;
 };
 
-/* The first sample from which on nothing is seen to move, for two periods at least and two after
- * the start; n: none. */
+/* Returns the first sample from which on no motion is visible, for at least two periods and two
+ * after the start, or n if there is none. */
 size_t motion_quiet(const struct motion_rows *rows, double period);
 
-/* The same where a damped sine through what was before would still be seen: dry friction, a hand, a
- * stop. n: none. */
+/* Returns the same only if a damped sine through the samples before would still be visible there,
+ * so that dry friction, a hand or a stop has ended the motion; else n. */
 size_t motion_rest(const struct motion_rows *rows, double period);
 
 #endif

@@ -26,16 +26,16 @@ struct table_line {
 
 struct table_layout {
     char separator, decimal;
-    int columns;              /* 0: no table */
+    int columns;              /* 0 means that there is no table */
     const char *begin;        /* the first row … */
     size_t line;              /* … and its line, counted from 1 */
-    struct text names, units; /* header lines, empty: none */
+    struct text names, units; /* header lines, empty if there are none */
     char name_separator;      /* of these lines */
-    int fields_above;         /* in the line above the rows, 0: none */
+    int fields_above;         /* number of fields in the line above the rows, or 0 */
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
     bool grouped; /* the other mark stands between thousands, also where there is only one: 1.020 */
-    struct text stem; /* of the names of columns without one; empty: "column" */
+    struct text stem; /* first part of the names of columns without one; empty means "column" */
     /* Column, counted from 1, whose decimals are not padded (0.20 is 20 of unpadded_parts = 1000
      * parts); 0 means none. */
     int unpadded;
@@ -57,18 +57,18 @@ struct table_block {
     const char *begin;   /* a line of its header … */
     size_t line, header; /* … its number, counted from 1, and that of the header's first line */
     size_t len;          /* to the end of its rows */
-    struct text name;    /* of the run, empty: none */
+    struct text name;    /* name of the run, empty if it has none */
     struct text head[3]; /* lines of the header, as the format needs them */
 };
 
 enum cell_kind { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time of day */ };
 
-/* lines.c: LF, CRLF, CR CR LF and CR end a line. False: nothing left. */
+/* From lines.c. LF, CRLF, CR CR LF and CR end a line. Returns false if nothing is left. */
 bool table_line(struct text *rest, struct text *line);
 bool table_comment(struct text line); /* # … or % …, or as sigrok-cli writes them: ; word */
 bool table_skipped(struct text line); /* blank, a comment, or a line drawn below the names */
-/* Cuts the next field off *rest, trimmed and without its quotes. False: nothing left. Separator ' '
- * is any run of blanks. */
+/* Cuts the next field off *rest, trimmed and without its quotes. Returns false if nothing is left.
+ * Separator ' ' is any run of blanks. */
 bool table_field(struct text *rest, char separator, struct text *field);
 /* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight.
  */
@@ -78,31 +78,31 @@ bool table_grouped(struct text field, char decimal, double *value);
 size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */
 const char *short_name(struct text text, char out[SHORT_NAME]); /* safe to show */
 
-/* intake.c: what is no text, or empty. */
+/* Returns false with the error if the text is binary or empty (intake.c). */
 bool refuse_binary(struct text text, const char *name, struct error *error);
-/* recording.c: does a table begin in the first lines? */
+/* Returns true if a table begins in the first lines (recording.c). */
 bool table_begins(struct text content, const char *shown, const struct load_options *options,
                   struct error *error);
 
 bool table_head(struct table_text *text, struct arena *arena); /* splits the first lines */
 
-/* calibrated.c: the numbers of the value become true ones, unless they are. Error: they
- * were calibrated as another quantity. */
+/* Calibrates the numbers of the value unless they are calibrated (calibrated.c). It is an error if
+ * they were calibrated as another quantity. */
 bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
                          struct error *error);
-/* layout.c: the first table at or after head[from]. */
+/* Finds the first table at or after head[from] (layout.c). */
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
                 struct table_layout *layout, struct error *error);
 
-/* marks.c: Returns true if `mark` stands between thousands in the table, also alone in a number. */
+/* Returns true if `mark` stands between thousands in the table, also alone in a number. */
 bool is_grouped(const struct table_text *text, const struct table_layout *layout, char mark);
 /* Sets layout->unpadded. */
 void find_unpadded(const struct table_text *text, struct table_layout *layout);
 /* The number in a field of the column layout->unpadded; NAN if it is written in another way. */
 double unpadded_value(struct text field, const struct table_layout *layout);
 
-/* header.c: the fields of a header line ("Time (s)" is one, also between blanks); names and units
- * of the columns, from the two header lines. */
+/* Functions of header.c. A header line has fields ("Time (s)" is one, also between blanks); the two
+ * header lines give names and units of the columns. */
 bool header_field(struct text *rest, char separator, struct text *field);
 bool table_columns(const struct table_layout *layout, struct recording *recording,
                    struct error *error);
@@ -116,30 +116,31 @@ bool name_has_word(const char *name, const char *words);
 #define ERROR_WORDS "error err xerr yerr uncertainty unc sigma sd"
 #define ERROR_WORDS_ACROSS "xerr terr time t x"
 
-/* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none
- * does. */
+/* Returns the sampling rate [Hz] that a line above the table gives ("# Sample rate: 50 Hz"), or 0
+ * if none does (rate.c). */
 double table_rate(const struct table_text *text);
-/* The number behind `key` in one of the first lines, any case: "Sample Interval" of "Sample
- * Interval,0.02". */
+/* Finds the number behind `key` in one of the first lines, any case, such as "Sample Interval" of
+ * "Sample Interval,0.02". */
 bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest);
 
-/* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted
- * from 0. */
+/* Reads columns and rows of the layout into the recording (rows.c); t gets the number of each row,
+ * counted from 0. */
 bool table_rows(const struct table_text *text, const struct table_layout *layout,
                 struct recording *recording, struct error *error);
 /* The read function of a format that is nothing but a table. */
 bool table_read(const struct table_text *text, const struct load_options *options,
                 struct recording *recording, struct error *error);
 
-/* runs.c: several recordings in a file. `part` finds the run's name in a column's name. */
+/* Separates several recordings in a file (runs.c). `part` finds the run's name in a column's name.
+ */
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
                      struct error *error);
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
 /* "Run #1 = taken, Run #2" */
 void run_list(const struct recording *recording, struct buffer *text);
-/* Below each other: `find` gives the blocks (at most TABLE_BLOCKS_MAX, 0: an ordinary table) and
- * what the header says about separators; the one wanted, else the first with a table, is given to
- * `read` as a text of its own. */
+/* Reads tables below each other. `find` gives the blocks (at most TABLE_BLOCKS_MAX, or 0 for an
+ * ordinary table) and what the header says about separators; the one wanted, else the first with a
+ * table, is given to `read` as a text of its own. */
 /* Runs below each other without a header between them: the clock goes back to where it began. Keeps
  * the rows of the run that is wanted, else of the first. Needs the times [s]. */
 bool take_run_below(struct recording *recording, const struct load_options *options,
@@ -152,18 +153,19 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
                     struct recording *recording, table_blocks *find, table_block_read *read,
                     struct error *error);
 
-/* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
-/* What a text holds, by the format that is surest of it, `but` one (NULL: none). */
+/* Functions of choose.c and time.c choose the columns and take time [s] and value [SI] from them.
+ */
+/* Returns the format that is surest of the text, except `but`, which may be NULL. */
 const struct format *format_of(const struct table_text *text, const struct format *but);
 bool recording_choose(struct recording *recording, const struct load_options *options,
                       struct error *error);
-/* The column that is a clock by its name or unit, else the first if nobody has named it; -1: none.
- */
+/* Returns the column that is a clock by its name or unit, else the first if it has no name, or -1
+ * if there is none. */
 int recording_clock(const struct recording *recording);
-int recording_counter(struct recording *recording); /* column that counts the rows, -1: none */
+/* returns the column that counts the rows, or -1 */
+int recording_counter(struct recording *recording);
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
-/* clock_shape.c: Returns true if the numbers rise in every row, by nearly the same step in nine of
- * ten. */
+/* Returns true if the numbers rise in every row, by nearly the same step in nine of ten. */
 bool rises_evenly(const double *value, size_t n);
 /* Returns true if they never fall and lie along a straight line over the rows, as the stamps of a
  * coarse clock do, which repeat. */
@@ -171,8 +173,8 @@ bool is_along_line(const double *value, size_t n);
 /* Returns true if a count starts again whenever it is full, as one of 8 bits does: it does not
  * number the rows. */
 bool count_wraps(const double *value, size_t n);
-/* clock_jump.c: Moves the times behind a clock that was set back on, where the rows before and
- * after are evenly apart, and says so. */
+/* Moves the times behind a clock that was set back on, where the rows before and after are evenly
+ * apart, and says so. */
 void mend_clock_jumps(struct recording *recording);
 /* Lets the counts of a clock continue where it started again because it was full, and says so. A
  * column below 0 is none. */

@@ -98,7 +98,7 @@ unsigned lanes_turning_groups(const double *before, const double *row)
 struct stretch_watch {
     int64_t first, count;
     bool alike;                                           /* all lanes step by one clock */
-    double open[LANE_COUNT];                              /* has the window begun? */
+    double open[LANE_COUNT];                              /* true if the window has begun */
     double t0[LANE_COUNT], h[LANE_COUNT], to[LANE_COUNT]; /* to: the time after the last step */
 };
 
@@ -132,7 +132,8 @@ static bool ends_after(const struct lane_clock *clock, int64_t steps)
     return clock->whole == steps && clock->rest == 0;
 }
 
-/* One row after another: whose velocity has changed its sign? before: the row before these. */
+/* Finds, row after row, the lanes whose velocity has changed its sign; `before` is the row before
+ * these. */
 static void watch_lanes(struct sweep_worker *worker, const double *before,
                         const struct stretch_watch *of)
 {

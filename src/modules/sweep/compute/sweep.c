@@ -182,7 +182,8 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
     return parallel_threads(&(struct parallel){.threads = request->threads}, tasks);
 }
 
-/* Does a point go in lanes? One at an end may lack a force (F0 = 0) of all others. */
+/* Returns true if a point goes in lanes. One at an end may lack a force (F0 = 0) that all others
+ * have. */
 static bool lanes_go(const struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
