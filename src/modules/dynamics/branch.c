@@ -158,7 +158,7 @@ static bool read_words(struct session *session, const struct arguments *args,
 
 /* ---- where it begins ---- */
 
-/* The number that was typed behind `orbit` or `equilibrium`; NULL: none. */
+/* The number that was typed behind `orbit` or `equilibrium`, or NULL if there is none. */
 static const struct item *number_item(const struct branch_words *words, struct item *item)
 {
     *item = (struct item){.text = words->number};

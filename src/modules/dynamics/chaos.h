@@ -20,24 +20,25 @@ struct lyapunov_request {
     double duration; /* [s] 0: about two million evaluations */
     double skip;     /* [s] before, -1: a tenth of the duration, or about as many evaluations */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 
 struct exponent {
-    double value, error; /* [1/s] standard error, NAN: not determined */
+    double value, error; /* [1/s] standard error, or NAN if not determined */
 };
 
 struct lyapunov {
     int n, count;
     struct exponent exponent[DYNAMICS_VARIABLES]; /* falling */
-    double sum;                /* [1/s] of these; all: the rate at which volumes grow, which is */
-    double divergence;         /* [1/s] the mean of tr df/dy over the same time */
-    struct exponent dimension; /* Kaplan, Yorke 1979; NAN: too few exponents were asked for */
-    double time, skip;         /* [s] as they were */
-    double period;             /* [s] of the drive; 0: autonomous; NAN: there is none */
+    double sum;        /* [1/s] of these; all: the rate at which volumes grow, which is */
+    double divergence; /* [1/s] the mean of tr df/dy over the same time */
+    /* Kaplan and Yorke 1979; NAN if too few exponents were asked for */
+    struct exponent dimension;
+    double time, skip; /* [s] as they were */
+    double period;     /* [s] of the drive; 0: autonomous, or NAN if there is none */
     /* of the drive: largest difference [1/s] between exponents of the last periods by the flow and
-     * by derivatives of the stroboscopic map; NAN: not compared */
+     * by derivatives of the stroboscopic map, or NAN if not compared */
     double strobe;
     bool determined;
     bool regular; /* not chaotic: means converge faster than any power of time */
@@ -46,7 +47,7 @@ struct lyapunov {
     int batches;
     double condition; /* largest of the tangents, between orthonormalisations */
     bool cancelled;
-    const char *reason; /* why it is not determined, or ends early; NULL: it does not */
+    const char *reason; /* why it is not determined, or ends early, or NULL if it does not */
     int64_t evals;
     const char *method; /* by which the motion and its tangents were solved, */
     double tol;         /* and the tolerance */
@@ -78,7 +79,7 @@ struct basins_request {
     } axis[2];
     int threads; /* 0: as many as there are processors */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 

@@ -29,14 +29,14 @@ struct solution {
     double param[2];                  /* SI */
     double state[DYNAMICS_VARIABLES]; /* SI; of an orbit where it begins */
     double period;                    /* [s] 0: equilibrium */
-    int multiple;                     /* of the drive's period; 0: there is none */
+    int multiple;                     /* of the drive's period, or 0 if there is none */
     /* eigenvalues [1/s] of the Jacobian, or multipliers, but for the trivial one of an autonomous
      * orbit */
     int values;
     struct eigenvalue value[DYNAMICS_VARIABLES];
     int unstable;    /* how many of them grow */
     double noise;    /* multipliers smaller than this are not known */
-    double trivial;  /* of an autonomous orbit: |M f - f| / |f|; NAN: there is none */
+    double trivial;  /* of an autonomous orbit: |M f - f| / |f|, or NAN if there is none */
     double residual; /* largest, in natural sizes */
     double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
 };
@@ -75,7 +75,7 @@ extern const struct catalog equilibrium_catalog; /* struct row, at the enum's pl
 
 struct equilibrium_form {
     enum equilibrium_type type;
-    int index; /* of Poincare and Hopf: the sign of det J; 0: not known */
+    int index; /* of Poincare and Hopf: the sign of det J, or 0 if unknown */
     /* [n] of each eigenvalue, real and imaginary part, of length 1 in SI units; of a conjugate pair
      * the second is the conjugate. NAN: there is none */
     double re[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES], im[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES];
@@ -85,7 +85,7 @@ struct equilibria_request {
     const struct scene *scene;
     double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 
@@ -186,7 +186,7 @@ struct branch_request {
     int max;      /* points in each direction, 0: 1000 */
     bool forward; /* towards growing values only, at the start */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
 };
 

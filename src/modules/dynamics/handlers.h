@@ -53,7 +53,7 @@ const char *shown_range(struct value_text *text, double from, double to, enum qu
     shown_range(&(struct value_text){""}, from, to, quantity, digits)
 void reply_stable(struct reply *reply, const struct solution *s, bool family);
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
-/* kept.c: list equilibria, orbits, branches, points; false: no memory. */
+/* kept.c: list equilibria, orbits, branches, points. Returns false if out of memory. */
 bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply);

@@ -81,7 +81,7 @@ void dynamics_free(struct dynamics *dynamics)
     free(dynamics);
 }
 
-/* For the present equations; what was of others goes. NULL: no memory. */
+/* For the present equations; what was of others goes. Returns NULL if out of memory. */
 static struct dynamics *dynamics_for(struct session *session)
 {
     struct dynamics_part *part = session_part(session, &dynamics_module);
@@ -159,7 +159,7 @@ bool dynamics_keep_equilibria(struct session *session, const struct equilibria *
     return true;
 }
 
-/* The place where that orbit is kept; -1: it is new. */
+/* The place where that orbit is kept, or -1 if it is new. */
 static int find_same_orbit(const struct dynamics *dynamics, const double *value,
                            const struct solution *orbit)
 {
@@ -241,7 +241,7 @@ static bool same_point(const struct kept_branch *a, const struct kept_point *p,
     return same;
 }
 
-/* The number of a point that is kept already at that place; 0: there is none. */
+/* The number of a point that is kept already at that place, or 0 if there is none. */
 static int known_number(const struct dynamics *dynamics, const struct kept_branch *branch,
                         const struct kept_point *point)
 {

@@ -13,7 +13,7 @@
 
 /* The last that were found. */
 struct kept_equilibria {
-    uint64_t id;   /* in the session's file; 0: there are none */
+    uint64_t id;   /* in the session's file, or 0 if there is none */
     double *value; /* [params] SI, of the scene then */
     int count;
     struct solution *of;
@@ -74,15 +74,15 @@ bool dynamics_put_next(const void *part, struct stored *stored, int *next);
 void dynamics_forget(const void *part, struct stored *stored);
 void dynamics_read(struct reader *reader);
 
-/* What is kept of the present equations; NULL: nothing. */
+/* What is kept of the present equations, or NULL if there is nothing. */
 const struct dynamics *session_dynamics(const struct session *session);
 void dynamics_free(struct dynamics *dynamics);
 
-/* Copies; what was found of other equations goes. False: no memory. */
+/* Copies; what was found of other equations goes. Returns false if out of memory. */
 bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
                               struct error *error);
 /* sample [samples][n + 1]. The orbit that is kept, also where it was known already; the oldest goes
- * where there are LIMIT_ORBITS. NULL: no memory. */
+ * where there are LIMIT_ORBITS. Returns NULL if out of memory. */
 const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
                                              int samples, const double *sample,
                                              struct error *error);
@@ -90,14 +90,14 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
  * Takes over the branch in *like, also when it fails; of the rest only what varies, from where and
  * which way is read. value [params]: of the scene that it was followed in. Its special points get
  * labels: the one that is there already at the same place. The oldest branch goes where there are
- * LIMIT_BRANCHES. NULL: no memory.
+ * LIMIT_BRANCHES. Returns NULL if out of memory.
  */
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
                                          const double *value, struct error *error);
 
-/* The number-th, from 1, by number; NULL: there is none. */
+/* The number-th, from 1, by number, or NULL if there is none. */
 const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number);
-/* Of "HB1", in upper or lower case, on the latest branch that has it; NULL: there is none. */
+/* Of "HB1", in upper or lower case, on the latest branch that has it, or NULL if there is none. */
 const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
                                         const struct kept_branch **branch);
 static inline const struct branch_point *kept_point_at(const struct kept_branch *branch,

@@ -33,7 +33,7 @@ struct separatrix {
     bool stable;     /* goes to the saddle; else it leaves it */
     int side;        /* 1 or -1: along the eigenvector */
     const char *end; /* "frame", "equilibrium", "goes on" */
-    int to;          /* the equilibrium, -1: none */
+    int to;          /* the equilibrium, or -1 if there is none */
     /* where it crosses the lines variable = value through equilibria, in the order of the way */
     int crossings;
     struct portrait_crossing {
@@ -43,7 +43,7 @@ struct separatrix {
     } crossing[CROSSINGS_MAX];
 };
 
-bool polyline_put(struct polyline *line, double x, double y); /* false: no memory */
+bool polyline_put(struct polyline *line, double x, double y); /* Returns false if out of memory. */
 
 enum portrait_line {
     PORTRAIT_NULLCLINE, /* of the variable across */
@@ -71,7 +71,7 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
 void portrait_free(struct portrait *portrait);
 
 /* A trajectory from `start` [n] on over `span` [s] (of any sign) until it leaves the box: into the
- * line. False: no memory. */
+ * line. Returns false if out of memory. */
 bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
                          struct polyline *line);
 

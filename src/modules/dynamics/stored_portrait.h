@@ -14,7 +14,7 @@ struct stored_portrait {
     struct portrait portrait;
 };
 
-/* That of the session, which knows none at first. NULL: no memory. */
+/* That of the session, which knows none at first. Returns NULL if out of memory. */
 struct stored_portrait *stored_portrait(const struct session *session);
 /* Returns true if the portrait is of that scene with these values and variables. */
 bool portrait_is_of(const struct stored_portrait *stored, const struct portrait_request *request);

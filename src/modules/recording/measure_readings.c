@@ -34,7 +34,7 @@ static struct measured twice_over(struct measured x)
 }
 
 /* [s] in which the first reading falls to 1/e, on the straight line between the logarithms of the
- * two about it; NAN: it does not. */
+ * two about it, or NAN if it does not. */
 static struct measured fall_to_e(const double *t, const struct measured *log_a, int count)
 {
     const double wanted = log_a[0].value - 1;

@@ -41,7 +41,7 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 /* The band that panes show, found once after a statement: 'set band on'. Nothing is done where it
  * is off, nothing was adopted, or it is known. */
 void session_store_band(struct session *session);
-/* Half the width of that band at a time; NAN: there is none. */
+/* Half the width of that band at a time, or NAN if there is none. */
 double stored_band_at(const struct fit_band *band, int variable, double t);
 
 /* For `plan`: that the scene has a band, and what it takes; nothing: it has none. */

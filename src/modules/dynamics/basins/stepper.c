@@ -87,7 +87,7 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
     }
 }
 
-/* What `steps` leaves off twice as many; false: no memory. */
+/* What `steps` leaves off twice as many. Returns false if out of memory. */
 static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
                         double *off)
 {

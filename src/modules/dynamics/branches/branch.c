@@ -338,7 +338,7 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
     return false;
 }
 
-/* From `at`, which is recorded already, until it ends; false: no memory. */
+/* From `at`, which is recorded already, until it ends. Returns false if out of memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
     const double longest = w->request->step > 0 ? w->request->step : STEP_LENGTH_MAX;

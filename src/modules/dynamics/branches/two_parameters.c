@@ -45,7 +45,7 @@ static void square_part(const struct special_curve *c, int n, double *square)
             square[i * n + j] = c->base.work->jacobian[i * all + j];
 }
 
-/* At the place looked at last; NAN: not known. */
+/* At the place looked at last, or NAN if unknown. */
 static double condition(const struct special_curve *c)
 {
     const int n = c->base.field.n;

@@ -27,14 +27,14 @@ struct branch_walk {
     struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
     struct curve_place behind; /* the first place on the other side of the start */
-    int behinds;               /* its unknowns; 0: there is none */
+    int behinds;               /* its unknowns, or 0 if there is none */
     int behind_grows;          /* how many values grow there; -1: not certain */
     struct curve_place sure;   /* the last place where that is certain, */
     double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
     int sure_grows;            /* -1: there was none; */
     int sure_point;            /* how many points there were then, */
     int explained;             /* and by how much special points since then have changed it */
-    int fold_at;               /* place of the last fold of orbits; 0: there was none */
+    int fold_at;               /* place of the last fold of orbits, or 0 if there is none */
     bool fold_least;           /* the parameter is least there, or largest */
     double fold_spread;        /* relative, of folds that are not told apart */
     struct curve_place before; /* the last place but one, if its phase is that of the last: */

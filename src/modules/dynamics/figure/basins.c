@@ -57,7 +57,7 @@ static double unit_of(const struct axis *side)
     return side->factor > 0 ? side->factor : 1;
 }
 
-/* "equilibrium at 1, 0 (49.4 %)", in the units of the sides; NULL: no memory */
+/* "equilibrium at 1, 0 (49.4 %)", in the units of the sides. Returns NULL if out of memory. */
 static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 {
     const struct table *of = found_table(d->session, TEXT("basin"));

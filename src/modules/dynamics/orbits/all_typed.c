@@ -21,7 +21,7 @@ static int rows_of(const struct system *system)
     return system->order == 2 ? system->n / 2 : system->n;
 }
 
-/* The text of a buffer that is freed; false: no memory. */
+/* The text of a buffer that is freed. Returns false if out of memory. */
 static bool take(struct writing *w, struct buffer *buffer, struct text *text)
 {
     text->at = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));

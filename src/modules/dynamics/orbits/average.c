@@ -45,7 +45,7 @@ static double trapezoid(double u)
     return end < 1 ? (1 - cos(PI * end)) / 2 : 1;
 }
 
-/* *square: the sum of squares of the weights, whose sum is 1; NULL: not wanted */
+/* *square: the sum of squares of the weights, whose sum is 1, or NULL if not wanted */
 static double weighted_mean(const double *value, size_t n, weight *of, double *square)
 {
     double sum = 0, weights = 0, squares = 0;

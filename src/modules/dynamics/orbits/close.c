@@ -18,7 +18,8 @@
 #define JACOBIAN_ENTRIES_MAX ((size_t)CURVE_MAX * CURVE_MAX)
 
 /* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
- * along which the unknowns stay as they are, NULL: none. room: [2][JACOBIAN_ENTRIES_MAX] */
+ * along which the unknowns stay as they are, or NULL if there is none. room:
+ * [2][JACOBIAN_ENTRIES_MAX] */
 static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;

@@ -192,7 +192,7 @@ struct chord {
     void *context;
     int looks;
     struct curve_place at;
-    double share; /* of `at`; NAN: there is none */
+    double share; /* of `at`, or NAN if there is none */
     bool failed;
 };
 

@@ -32,7 +32,7 @@ struct vector_field {
     double turn[FIELD_VARIABLES]; /* an angle's full turn; 0: no angle */
     struct variation *variation;  /* NULL until an orbit is asked for */
     bool varied;                  /* it is that of the parameters' values, */
-    double drive_by[2];           /* as these are; NAN: not known */
+    double drive_by[2];           /* as these are, or NAN if unknown */
     bool stiff;                   /* explicit steps have turned out to be too many */
     int64_t evals;                /* of right-hand sides and Jacobians so far */
     const struct cancel *cancel;
@@ -65,8 +65,8 @@ struct flow_slopes {
 };
 
 /*
- * The state `span` [s] after t, in `end` [n], and its derivatives; NULL: not wanted. False: the
- * solution does not get there, or cancelled.
+ * The state `span` [s] after t, in `end` [n], and its derivatives, or NULL if not wanted. False:
+ * the solution does not get there, or cancelled.
  */
 bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
                 struct flow_slopes *slopes);

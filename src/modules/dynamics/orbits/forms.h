@@ -21,7 +21,7 @@ bool typed_written(struct typed_models *models, const struct scene *scene, struc
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
                        struct typed_models **models, struct system *bounded, struct error *error);
 
-/* The field at a state, of a drive its mean over a period, and its Jacobian [n][n]; NULL: not
+/* The field at a state, of a drive its mean over a period, and its Jacobian [n][n], or NULL if not
  * wanted. */
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
 

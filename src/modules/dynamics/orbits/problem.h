@@ -26,7 +26,7 @@ struct orbit_curve {
     double fixed[CURVE_MAX], share[CURVE_MAX];
     bool forced;
     int multiple; /* of the drive's period */
-    double drive; /* [s] that period, where the parameter does not change it; 0: it does */
+    double drive; /* [s] that period, where the parameter does not change it, or 0 if it does */
     double psize, tsize;
     int winding[FIELD_VARIABLES];      /* turns of angles in a period */
     double reference[FIELD_VARIABLES]; /* a state in units of size, and how it moves there: */

@@ -65,7 +65,7 @@ struct orbit_search {
 };
 
 /* From this guess; across: a direction [1/SI] of the states and of the logarithm of the period in
- * which nothing moves, NULL: none. False: there is none, or it is a rest. */
+ * which nothing moves, or NULL if there is none. False: there is none, or it is a rest. */
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
                  const double *across, struct found_orbit *orbit);
 /* Largest of the ranges of the variables along it, in units of size. */

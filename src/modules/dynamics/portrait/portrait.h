@@ -13,7 +13,7 @@ struct portrait_work {
     const struct portrait_request *request;
     struct portrait *portrait;
     struct vector_field field;
-    const struct system *bounded; /* has bounds; NULL: it has none */
+    const struct system *bounded; /* has bounds, or NULL if it has none */
 };
 
 bool polyline_gap(struct polyline *line);
@@ -29,6 +29,6 @@ struct level_request {
 };
 bool level_lines(const struct level_request *request, struct polyline *line);
 
-bool portrait_separatrices(struct portrait_work *work); /* false: no memory */
+bool portrait_separatrices(struct portrait_work *work); /* Returns false if out of memory. */
 
 #endif

@@ -88,7 +88,7 @@ static double distance(const struct plane_walk *w, const double *state)
     return far;
 }
 
-/* The equilibrium, but for `except`, that the walk has come to; -1: none. */
+/* The equilibrium, but for `except`, that the walk has come to, or -1 if there is none. */
 static int reached(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;

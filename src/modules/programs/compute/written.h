@@ -23,7 +23,8 @@ extern const struct catalog dialect_catalog;
 /* A number, in C and Python one that is a double whatever stands beside it. */
 void dialect_number(struct buffer *out, enum dialect dialect, double number);
 /* "y^3" is y*y*y in C: name [names] of what stands for each name; zero [names]: of those that are
- * 0, whose products are left out, as programs do; NULL: none are. False: no memory. */
+ * 0, whose products are left out, as programs do; NULL: none are. Returns false if out of memory.
+ */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
                const bool *zero, struct buffer *out);
 /* ---- the forces of a scene ---- */

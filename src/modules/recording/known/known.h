@@ -24,8 +24,8 @@ bool find_run_period(const struct run *run, struct arena *arena, struct measured
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error);
-/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum; NAN: it has
- * none. */
+/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum, or NAN if it
+ * has none. */
 double motion_frequency(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena);
 bool recording_is_fitted(const struct session *session, const struct recording *recording);
@@ -86,7 +86,7 @@ bool find_faults(struct recording *recording, double period, struct arena *arena
 enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* it knows what rests */ };
 
 struct window_advice {
-    char text[200]; /* "": none */
+    char text[200]; /* "" if there is none */
 };
 
 /* period [s]: where it is known (not NAN) and the ends of the subject are as what lies next to

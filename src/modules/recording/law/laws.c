@@ -181,7 +181,7 @@ static unsigned remaining(const struct law_evidence *e, const struct drag_fit *d
 
 /* ---- in words ---- */
 
-/* The law with the least BIC among `others`, -1: none. */
+/* The law with the least BIC among `others`, or -1 if there is none. */
 static int next_best(const struct drag_fit *drag, int best, bool parts)
 {
     int next = -1;

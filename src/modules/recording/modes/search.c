@@ -75,7 +75,7 @@ void mode_curve_init(struct mode_curve *c, int modes, const struct series *serie
 
 /* ---- fewer samples ---- */
 
-/* [Hz] of the fastest line that stands out, 0: none. */
+/* [Hz] of the fastest line that stands out, or 0 if there is none. */
 static double fastest(const struct samples *x, struct arena *arena)
 {
     const struct series series = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
@@ -91,7 +91,7 @@ static double fastest(const struct samples *x, struct arena *arena)
     return max;
 }
 
-/* Means of so many neighbours that are used; false: no memory. */
+/* Means of so many neighbours that are used. Returns false if out of memory. */
 static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena,
                      struct series *thin)
 {

@@ -108,9 +108,9 @@ bool series_spectrum(const struct series *series, struct arena *arena, const dou
                      const double **amplitude, size_t *bins);
 
 /*
- * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares
- * sines (damped ones where these describe the series better) with their uncertainty in the noise
- * around the line. The amplitude is that of the best steady sine.
+ * The strongest line, and others that stand out; returns how many, or 0 if there is none.
+ * Least-squares sines (damped ones where these describe the series better) with their uncertainty
+ * in the noise around the line. The amplitude is that of the best steady sine.
  */
 int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
                  int max);

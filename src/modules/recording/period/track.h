@@ -40,15 +40,15 @@ struct track {
 };
 
 /*
- * Windows of so many periods of omega (more where there are few samples a period). False: no
- * memory.
+ * Windows of so many periods of omega (more where there are few samples a period). Returns false if
+ * out of memory.
  */
 bool track_follow(const struct samples *samples, double omega, double periods, struct arena *arena,
                   struct track *track);
 
 /*
  * The oscillation of the recording, from the peaks of its spectrum on, in the narrowest windows
- * that show one; omega is NAN where there is none. False: no memory.
+ * that show one; omega is NAN where there is none. Returns false if out of memory.
  */
 bool track_find(const struct samples *samples, struct arena *arena, struct track *track);
 
@@ -57,7 +57,7 @@ bool track_is_oscillation(const struct track *track);
 enum { LONG_RECORD = 4096 }; /* rows from which on a recording is followed by track_long() */
 
 /* Of a long recording, from a part of it and from means of neighbours: one pass over all samples.
- * False: no memory. */
+ * Returns false if out of memory. */
 bool track_long(const struct samples *samples, struct arena *arena, struct track *track);
 
 /*

@@ -40,7 +40,7 @@ static bool same_step(double dt, double wanted, double t)
     return fabs(dt - wanted) <= SAME_STEP_RELATIVE * dt + TIME_ROUNDING_RELATIVE * fabs(t);
 }
 
-/* The prepared step nearest to what is wanted; -1: none. */
+/* The prepared step nearest to what is wanted, or -1 if there is none. */
 static int find_step(const struct linear_motion *m, double wanted, double t)
 {
     if (m->last < m->steps && same_step(m->step[m->last].dt, wanted, t))

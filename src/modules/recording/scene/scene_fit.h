@@ -21,7 +21,7 @@ struct scene_fit_request {
     int frees;
     bool offset;   /* of the series: one more unknown */
     bool robust;   /* see struct curve_options */
-    int bootstrap; /* samples, 0: none */
+    int bootstrap; /* number of samples, may be 0 */
     uint64_t seed;
     const struct cancel *cancel;
 };

@@ -105,7 +105,7 @@ static double spread_all(const struct samples *x, double *weight, double spacing
     return gain;
 }
 
-/* Those that are used; false: no memory. */
+/* Those that are used. Returns false if out of memory. */
 static bool take_used(const struct samples *x, struct arena *arena, struct samples *used)
 {
     double *t = arena_array(arena, x->n + 1, sizeof *t);

@@ -199,7 +199,7 @@ static bool keyed_comment(struct text *line, struct table_layout *layout)
 }
 
 /* The lines above the first row: names, or names and then units. *above: fields in the line above,
- * 0: none. */
+ * or 0 if there is none. */
 static void find_names(const struct table_text *text, size_t first, size_t from,
                        struct table_layout *layout, int *above)
 {

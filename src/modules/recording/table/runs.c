@@ -34,7 +34,7 @@ static int run_named(const struct recording *recording, struct text name)
     return -1;
 }
 
-/* The number a name ends in: 2 of "Run #2"; -1: none. */
+/* The number a name ends in: 2 of "Run #2", or -1 if there is none. */
 static double trailing_number(const char *name)
 {
     size_t at = strlen(name);

@@ -42,7 +42,7 @@ static size_t pass_midnights(double *value, size_t rows)
     return midnights;
 }
 
-/* The column of dates that belongs to this one of times of day; -1: none. */
+/* The column of dates that belongs to this one of times of day, or -1 if there is none. */
 static int dates_beside(const struct recording *recording, const struct stamp_column *column,
                         int clock)
 {
