@@ -21,7 +21,7 @@ struct map {
     const struct basins_request *request;
     const struct basins *basins;
     const struct system *system;
-    int answer, width; /* [row] [cell] of the short answer; 0: everything */
+    int answer, width; /* [row] [cell] of the short answer; 0 shows everything */
     bool timed;
 };
 

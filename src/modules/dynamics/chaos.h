@@ -16,9 +16,9 @@
  */
 struct lyapunov_request {
     const struct scene *scene;
-    int count;       /* of the largest, 0: all */
+    int count;       /* number of largest exponents, or 0 for all */
     double duration; /* [s] 0: about two million evaluations */
-    double skip;     /* [s] before, -1: a tenth of the duration, or about as many evaluations */
+    double skip; /* [s] before, or -1 for a tenth of the duration or about as many evaluations */
     const struct cancel *cancel;
     void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
@@ -31,13 +31,13 @@ struct exponent {
 struct lyapunov {
     int n, count;
     struct exponent exponent[DYNAMICS_VARIABLES]; /* falling */
-    double sum;        /* [1/s] of these; all: the rate at which volumes grow, which is */
-    double divergence; /* [1/s] the mean of tr df/dy over the same time */
+    double sum;        /* [1/s] sum of these; that of all is the rate at which volumes grow */
+    double divergence; /* [1/s] mean of tr df/dy over the same time, which the sum of all equals */
     /* Kaplan and Yorke 1979; NAN if too few exponents were asked for */
     struct exponent dimension;
     double time, skip; /* [s] as they were */
-    double period;     /* [s] of the drive; 0: autonomous, or NAN if there is none */
-    /* of the drive: largest difference [1/s] between exponents of the last periods by the flow and
+    double period;     /* [s] of the drive; 0 if autonomous, NAN if it has no period */
+    /* with a drive, largest difference [1/s] between exponents of the last periods by the flow and
      * by derivatives of the stroboscopic map, or NAN if not compared */
     double strobe;
     bool determined;
@@ -54,7 +54,8 @@ struct lyapunov {
     double seconds;
 };
 
-/* False: nothing can be said, and why; or out of memory. Cancelled: of the time so far. */
+/* Returns false with the reason if no result is possible or if out of memory. If cancelled, results
+ * are those of the time so far. */
 bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
                    struct error *error);
 
@@ -77,7 +78,7 @@ struct basins_request {
         double from, to; /* SI */
         int count;
     } axis[2];
-    int threads; /* 0: as many as there are processors */
+    int threads; /* 0 uses all processors */
     const struct cancel *cancel;
     void (*progress)(void *context, double fraction); /* may be NULL */
     void *context;
@@ -89,14 +90,15 @@ struct basins {
     int64_t total, finished, escaping, undecided;
     signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
     double strobe;     /* [s] between looks */
-    int steps;         /* of a look; 0: adaptive, alone */
+    int steps;         /* steps of a look; 0 if they adapt and starts go alone */
     int64_t looks;     /* of all starts */
     int threads;
     double seconds;
     bool cancelled;
 };
 
-/* False: no such basins, out of memory. Cancelled: what is finished. basins_free() after both. */
+/* Returns false if there are no such basins or if out of memory. If cancelled, it holds what is
+ * finished. basins_free() must be called after both. */
 bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error);
 void basins_free(struct basins *basins);
 /* The value of an axis at its place. */

@@ -109,8 +109,8 @@ void equilibria_free(struct equilibria *found);
 
 struct orbit_request {
     const struct scene *scene;
-    double state[DYNAMICS_VARIABLES], t; /* SI: from there, [s] */
-    double period;                       /* [s] about; 0: as the motion shows it */
+    double state[DYNAMICS_VARIABLES], t; /* SI; the search begins there, at this time [s] */
+    double period;                       /* [s] approximate period; 0 takes it from the motion */
     double span;                         /* [s] of the motion that is looked at first, > 0 */
     bool settles; /* it may go on until it has settled: what attracts is wanted */
     const struct cancel *cancel;
@@ -121,12 +121,12 @@ struct orbit_request {
 struct found_orbit {
     struct solution solution;
     bool family; /* a multiplier is 1: others are beside it (or a fold of orbits is) */
-    /* [s] of the orbit from which it was followed to this one; 0: from none */
+    /* [s] period of the orbit from which it was followed to this one, or 0 */
     double family_from;
     bool given_up;    /* it is unstable, and a stable one was not looked for any longer */
-    double error;     /* of states and period, relative to natural sizes; NAN: of a family */
+    double error;     /* error of states and period, relative to natural sizes; NAN for a family */
     double away;      /* from the state of the request, at its nearest, of its extent; NAN */
-    double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
+    double energy_in; /* [J] work of the drive over a period; NAN if there is no energy */
     int samples;      /* of one period */
     double
         *sample; /* [samples][n + 1] time since its beginning [s], state; denser where it jumps */
@@ -143,16 +143,16 @@ void orbit_free(struct found_orbit *found);
 
 enum special {
     SPECIAL_NONE,
-    SPECIAL_FOLD,     /* LP: the branch turns back */
-    SPECIAL_HOPF,     /* HB: an orbit is born */
-    SPECIAL_CROSSING, /* BP: another branch crosses */
-    SPECIAL_DOUBLING, /* PD: an orbit of twice the period branches off */
+    SPECIAL_FOLD,     /* LP, where the branch turns back */
+    SPECIAL_HOPF,     /* HB, where an orbit is born */
+    SPECIAL_CROSSING, /* BP, where another branch crosses */
+    SPECIAL_DOUBLING, /* PD, where an orbit of twice the period branches off */
     SPECIAL_TORUS,    /* NS: Neimark-Sacker */
     SPECIAL_END,      /* EP */
     /* on curves of such points in two parameters: */
-    SPECIAL_CUSP,   /* CP: two folds meet */
+    SPECIAL_CUSP,   /* CP, where two folds meet */
     SPECIAL_DOUBLE, /* BT: Bogdanov-Takens, two eigenvalues are 0 */
-    SPECIAL_BAUTIN, /* GH: generalised Hopf, the first Lyapunov coefficient is 0 */
+    SPECIAL_BAUTIN, /* GH, generalised Hopf, where the first Lyapunov coefficient is 0 */
     SPECIAL_COUNT
 };
 
@@ -164,7 +164,7 @@ struct branch_point {
     double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
     double accuracy;    /* relative, of the parameter */
     int verified;       /* enum branch_verdict: what runs on both sides say of it */
-    double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
+    double tangent[2 + DYNAMICS_VARIABLES]; /* private, direction of the branch there */
 };
 
 /* The second parameter of a curve of special points. */
@@ -182,7 +182,7 @@ struct branch_request {
     const struct branch_point *leave;
     /* not NULL: the curve of points like that one (LP, HB, PD, NS) in both parameters */
     const struct branch_axis *second;
-    double step;  /* of the range, 0: chosen */
+    double step;  /* part of the range; 0 chooses it */
     int max;      /* points in each direction, 0: 1000 */
     bool forward; /* towards growing values only, at the start */
     const struct cancel *cancel;
@@ -201,11 +201,12 @@ struct branch {
     char ends[2][96]; /* why it ends there */
 };
 
-/* False: the start is no solution, or out of memory. Cancelled: what there is so far. */
+/* Returns false if the start is no solution or if out of memory. If cancelled, the branch holds
+ * what was found so far. */
 bool branch_follow(const struct branch_request *request, struct branch *branch,
                    struct error *error);
-/* Holds the special points against runs on both sides of them. Cancelled: those that are left stay
- * as they are. */
+/* Compares the special points with runs on both sides of them. If cancelled, the remaining ones are
+ * unchanged. */
 void branch_verify(const struct branch_request *request, struct branch *branch);
 void branch_free(struct branch *branch);
 

@@ -6,7 +6,7 @@
 #include "modules/dynamics/kept.h"
 #include <hooke/command/handler.h>
 
-/* equilibria.c: their table for people. */
+/* Writes the table of equilibria for people (equilibria.c). */
 void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
                     struct arena *arena);
 void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
@@ -53,7 +53,7 @@ const char *shown_range(struct value_text *text, double from, double to, enum qu
     shown_range(&(struct value_text){""}, from, to, quantity, digits)
 void reply_stable(struct reply *reply, const struct solution *s, bool family);
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
-/* kept.c: list equilibria, orbits, branches, points. Returns false if out of memory. */
+/* Lists equilibria, orbits, branches, points (kept.c). Returns false if out of memory. */
 bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply);
@@ -78,8 +78,8 @@ bool find_orbit(const struct session *session, const struct dynamics *dynamics,
                 const struct item *number, struct kept_reference *found, struct error *error);
 bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
                 struct kept_reference *found, struct error *error);
-/* orbit.c: from where the current run is, if it is one of this scene as it is, else from the start;
- * in words. */
+/* Starts the request at the current run if it is one of this scene, unchanged, else at the start.
+ * Returns that in words (orbit.c). */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request);
 /* What equilibria and flows are solved by, whatever the session's method is. */
@@ -92,7 +92,7 @@ void put_seconds(struct buffer *out, const struct session *session, double secon
 /* `use` of what is no run. */
 bool use_kept(HANDLER_PARAMETERS);
 
-/* lyapunov_series.c: the largest exponent of a run or a recording, as it was named. */
+/* Finds the largest exponent of a run or a recording, as it was named (lyapunov_series.c). */
 bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error);
 

@@ -40,7 +40,7 @@ struct kept_branch {
     uint64_t id;
     int number;
     double *value;        /* but for what varies */
-    int params, param[2]; /* which: places in the scene's */
+    int params, param[2]; /* `which` has indices into the scene's */
     double from[2], to[2];
     char of[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
     struct branch branch;    /* its points are owned */
@@ -64,11 +64,11 @@ extern const struct module dynamics_module;
 
 /* What the module keeps in a session. */
 struct dynamics_part {
-    struct dynamics *found;          /* NULL: nothing was found yet */
+    struct dynamics *found;          /* NULL if nothing was found yet */
     struct stored_portrait portrait; /* what 'plot portrait' and its pane show */
 };
 
-/* store.c: the functions of dynamics_module.store. */
+/* Functions of dynamics_module.store (store.c). */
 void dynamics_put_head(const void *part, struct buffer *to);
 bool dynamics_put_next(const void *part, struct stored *stored, int *next);
 void dynamics_forget(const void *part, struct stored *stored);

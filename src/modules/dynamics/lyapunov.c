@@ -19,7 +19,8 @@ static void put_measured(struct buffer *out, struct exponent value, enum quantit
         buffer_put(out, TEXT("not determined"));
 }
 
-/* The one that is 0 of a flow without a drive, in its place; -1: none is that near. */
+/* Returns the index of the exponent that is 0 of a flow without a drive, or -1 if none is that
+ * near. */
 static int zero_of(const struct lyapunov *f)
 {
     int zero = -1;

@@ -8,7 +8,7 @@
 
 /* What was made last, and of what: nothing of it is the user's. */
 struct stored_portrait {
-    bool known; /* whole: what was stopped is made again */
+    bool known; /* `whole` makes a portrait that was stopped again */
     struct scene scene;
     struct portrait_request request;
     struct portrait portrait;

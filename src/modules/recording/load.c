@@ -240,8 +240,8 @@ static bool read_sum(struct text text, uint64_t *sum, struct error *error)
     return true;
 }
 
-/* A recording that is no longer where it was saved from: the same bytes under the same name beside
- * the file of commands, or here. NULL: the error of before, with a word. */
+/* Finds a recording that has moved, by the same bytes under the same name beside the file of
+ * commands, or here. Returns NULL with the earlier error and a hint if there is none. */
 static struct recording *load_moved(const struct arguments *args, const char *path, uint64_t sum,
                                     const struct load_options *options, struct reply *reply,
                                     struct error *error)

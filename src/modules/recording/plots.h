@@ -30,8 +30,8 @@ bool drawing_residual(struct drawing *d, const struct recording *recording);
 /* series_tools.draw_band and draw_stored_band */
 bool drawing_band(struct drawing *d);
 bool drawing_stored_band(struct drawing *d);
-/* Whether the run has one: it is of the scene that was adopted, unchanged on its way, forwards.
- * where: the option as typed. ERROR_COMMAND says what is missing. */
+/* Returns true if the run has a band: it is of the scene that was adopted, unchanged on its way,
+ * forwards. `where` is the option as typed. ERROR_COMMAND tells what is missing. */
 bool band_of_run(const struct session *session, const struct run *run, struct text where,
                  struct error *error);
 /* Half the width [n] of a state variable's band at ascending times [s]. */

@@ -45,7 +45,7 @@ static int cells_of(int n)
     return n <= 2 ? 128 : n == 3 ? 48 : 0;
 }
 
-/* -1: outside */
+/* -1 if outside */
 static long cell_at(const struct basin_walk *walk, const double *y, const int *by)
 {
     const int cells = cells_of(walk->n);
@@ -248,8 +248,8 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
     return add(walk, &a);
 }
 
-/* Once around: until it comes through the plane across its start in the same direction, near it.
- * 0: it does not; *off: how far it is then. */
+/* Follows the orbit until it passes the plane across its start in the same direction, near it.
+ * Returns the time, or 0 if it does not; *off is then its distance. */
 static double go_round(struct basin_walk *walk, const double *start, double *off)
 {
     struct field_plane plane;

@@ -16,7 +16,7 @@ struct attractor {
     struct basin basin;
     int points;
     double *point;       /* [points][n] a closed line where it is an orbit */
-    unsigned char *cell; /* those that it visits and their neighbours; NULL: it repeats */
+    unsigned char *cell; /* cells that it visits and their neighbours, or NULL if it repeats */
 };
 
 /* Motions are looked at in units of sizes, angles in their first turn. */
@@ -56,7 +56,8 @@ struct stepper;
 struct stepper *stepper_create(const struct basin_walk *walk);
 void stepper_free(struct stepper *stepper);
 void stepper_advance(struct stepper *stepper, struct walker *walker, int count);
-/* How many steps a look needs from these states; 0: they go alone, by adaptive steps. */
+/* Returns the number of steps that a look needs from these states, or 0 if they go alone, by
+ * adaptive steps. */
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count);
 
 #endif

@@ -226,7 +226,7 @@ static bool fails_there(struct branch_walk *w, const char *why)
     return true;
 }
 
-/* Where the parameter stands still but for rounding, its turns are rounding, too: no folds. */
+/* If the parameter changes by rounding only, its turns are rounding, too, and not folds. */
 static void forget_turns(struct branch_walk *w)
 {
     struct branch_point *point = w->out->point;
@@ -338,7 +338,7 @@ static bool jumps_ahead(struct branch_walk *w, const struct curve_place *at, dou
     return false;
 }
 
-/* From `at`, which is recorded already, until it ends. Returns false if out of memory. */
+/* Follows the branch from `at`, which is recorded already. Returns false if out of memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
     const double longest = w->request->step > 0 ? w->request->step : STEP_LENGTH_MAX;

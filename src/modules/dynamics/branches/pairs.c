@@ -72,7 +72,7 @@ static double parabola_vertex(const struct test_minimum *m, double *value)
     return m->middle->along + by;
 }
 
-/* Puts a sample between the others; false: no place was found there. */
+/* Puts a sample between the others. Returns false if no solution was found there. */
 static bool sample_at(const struct test_minimum *m, double along)
 {
     const struct test_sample *a = along < m->middle->along ? m->low : m->middle,

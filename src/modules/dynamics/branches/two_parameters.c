@@ -307,7 +307,7 @@ static bool record(struct special_walk *w, const struct curve_place *at, enum sp
     return branch_append(w->out, &c->base, at, special, &s);
 }
 
-/* False: no memory, or it ends there. */
+/* Returns false if out of memory or if the curve ends there. */
 static bool record_specials(struct special_walk *w, const struct curve_place *from,
                             const struct curve_place *to)
 {

@@ -261,7 +261,7 @@ static enum branch_verdict confirm_fold(const struct branch_request *r,
                                                                            : verdict;
 }
 
-/* beside: how far in the parameter, part of its range. */
+/* `beside` is the distance in the parameter, as a part of its range. */
 static enum branch_verdict confirm(const struct branch_request *r, const struct branch_point *at,
                                    double beside)
 {

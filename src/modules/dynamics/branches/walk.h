@@ -28,10 +28,10 @@ struct branch_walk {
     bool any[CURVE_TESTS];
     struct curve_place behind; /* the first place on the other side of the start */
     int behinds;               /* its unknowns, or 0 if there is none */
-    int behind_grows;          /* how many values grow there; -1: not certain */
+    int behind_grows;          /* number of values that grow there, or -1 if uncertain */
     struct curve_place sure;   /* the last place where that is certain, */
     double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
-    int sure_grows;            /* -1: there was none; */
+    int sure_grows;            /* -1 if there was none */
     int sure_point;            /* how many points there were then, */
     int explained;             /* and by how much special points since then have changed it */
     int fold_at;               /* place of the last fold of orbits, or 0 if there is none */
@@ -70,8 +70,8 @@ struct found_special {
 bool branch_append(struct branch *branch, const struct solution_curve *path,
                    const struct curve_place *at, enum special special,
                    const struct solution *solution);
-/* The special points between the last place and this one that lie in the parameter's range, in
- * their order; false: no memory. `seen`: what is there. */
+/* Finds the special points between the last place and this one that lie in the parameter's range,
+ * in their order. `seen` is the solution at `to`. Returns false if out of memory. */
 bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
                           const struct solution *seen);
 /* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
@@ -82,7 +82,7 @@ void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
 
 /* How many eigenvalues pass at such a point. */
 int special_passes(enum special special);
-/* What is nearly on an edge becomes so; false: it is beyond. */
+/* Moves what is nearly on an edge to the edge. Returns false if it is beyond. */
 bool is_in_range(const struct branch_request *request, double *param);
 /* Those between two places whose tests have different signs; how many values pass at them. */
 int specials_by_signs(struct branch_walk *walk, const struct curve_place *a,
@@ -101,7 +101,7 @@ bool special_record(struct branch_walk *walk, const struct found_special *found)
 #define BRANCH_JUMP "the equations jump along the orbit, and multipliers with them"
 
 /* Finds the first place of a branch. Side -1 goes against growing values of the parameter, so that
- * the branch is in order. False: there is none, and the error says why. */
+ * the branch is in order. Returns false with the reason if there is none. */
 bool branch_begin(const struct branch_request *request, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error);
 /* Returns true if the start is an orbit of a family, which has many at one value. */
@@ -124,7 +124,7 @@ bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *befor
 
 /* ---- together.c ---- */
 
-/* How many values grow for certain, -1: of one it is not certain. */
+/* Returns the number of values that grow for certain, or -1 if one is uncertain. */
 int walk_grows(struct branch_walk *walk, const struct solution *solution);
 /* Those since the last place of which that is known that the ones found do not explain. */
 void specials_unseen(struct branch_walk *walk, const struct curve_place *to,
@@ -134,14 +134,15 @@ void specials_sure(struct branch_walk *walk, const struct curve_place *at, int g
 /* ---- criticality.c ---- */
 
 /*
- * First Lyapunov coefficient of an equilibrium with eigenvalues +- i omega (Kuznetsov 2004, eq.
- * 5.62, <q, q> = <p, q> = 1, in the scene's own units). < 0: the orbits that are born are stable
- * where everything else is. *error: what differences leave uncertain. NAN: not found.
+ * Returns the first Lyapunov coefficient of an equilibrium with eigenvalues +- i omega (Kuznetsov
+ * 2004, eq. 5.62, <q, q> = <p, q> = 1, in the scene's own units). < 0: the orbits that are born are
+ * stable where everything else is. *error is the uncertainty from differences. Returns NAN if it is
+ * not found.
  */
 double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
                             double *error);
 
-/* ---- two_parameters.c: curves of special points ---- */
+/* ---- curves of special points (two_parameters.c) ---- */
 
 /* branch_follow() where there is a second parameter. */
 bool special_follow(const struct branch_request *request, struct branch *branch,

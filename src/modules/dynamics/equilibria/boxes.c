@@ -55,7 +55,7 @@ bool boxes_meet(int n, const struct interval *box, const struct interval *other)
 
 /* ---- the operator of Krawczyk ---- */
 
-/* An approximate inverse of the middle of the bounds; false: singular. */
+/* Computes an approximate inverse of the middle of the bounds. Returns false if it is singular. */
 static bool invert(int n, const struct interval *by, double *inverse)
 {
     for (int column = 0; column < n; column++) {

@@ -40,9 +40,9 @@ enum verdict { NONE, ONE, UNKNOWN };
 /*
  * Applies the operator of Krawczyk (Neumaier 1990, 5.1), K(X) = m - C f(m) + (1 - C J(X)) (X - m),
  * to the box [n] and intersects the box with the result, and a margin around it. by [n][n] are
- * bounds of the Jacobian on the box. NONE: the box has no zero. ONE: the box as it was before has
- * exactly one, which lies in the intersection. rounding [n], or NULL, becomes what rounding of f(m)
- * adds to each side of K.
+ * bounds of the Jacobian on the box. NONE means that the box has no zero, ONE that the box before
+ * had exactly one, which lies in the intersection. rounding [n], or NULL, becomes what rounding of
+ * f(m) adds to each side of K.
  */
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
                               const struct interval *by, double *rounding);

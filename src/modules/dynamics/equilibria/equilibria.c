@@ -34,7 +34,7 @@ struct equilibria_search {
     struct zero_search zeros;
     struct vector_field field;
     bool conservative;
-    struct typed_models *models; /* whose the equations with bounds are; NULL: the scene's */
+    struct typed_models *models; /* owner of the equations with bounds, or NULL for the scene's */
 };
 
 /* ---- where bounds do not decide ---- */

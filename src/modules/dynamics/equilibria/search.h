@@ -21,7 +21,7 @@ struct zero_search {
     struct system bounded; /* equations that have bounds */
     int n;
     double width[FIELD_VARIABLES]; /* of the range */
-    double turn[FIELD_VARIABLES];  /* of an angle whose range is one turn; 0: of no other */
+    double turn[FIELD_VARIABLES];  /* full turn of an angle whose range is one turn, else 0 */
     struct equilibria *found;      /* each solution is appended as it is proven */
     struct zero_proof *proof;      /* [capacity], of found->of */
     int capacity;

@@ -96,7 +96,7 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 /* ---- letters ---- */
 
 struct letters {
-    struct curve *curve; /* NULL: no start ends there */
+    struct curve *curve; /* NULL if no start ends there */
     double *x, *y;
 };
 

@@ -51,7 +51,7 @@ static bool next_equilibrium(const struct session *session, const struct plot_pl
     return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
 }
 
-/* The place of the equilibrium that it stands on; -1: on none. */
+/* Returns the index of the equilibrium at the cursor, or -1. */
 static int equilibrium_there(const struct session *session, const struct plot_plane *plane)
 {
     const struct equilibria *found = &stored_portrait(session)->portrait.found;

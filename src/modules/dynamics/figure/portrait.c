@@ -291,7 +291,7 @@ static bool add_equilibria(struct drawing *d, const struct portrait_request *wan
     return true;
 }
 
-/* An arrow: tail, tip, and its head twice. `cell`: sizes of the box on paper. */
+/* Draws an arrow of tail, tip, and its head twice. `cell` has the sizes of the box on paper. */
 static void put_arrow(double *x, double *y, const double at[2], const double step[2],
                       const double cell[2])
 {

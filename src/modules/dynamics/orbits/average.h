@@ -14,7 +14,7 @@ struct average {
     /* each several times as long as the values stay correlated, by Geyer's initial sequence (1992,
      * 3.3), or turn back to the mean */
     int batches;  /* at most AVERAGE_MOST */
-    double error; /* standard error of the mean by as many tapers, NAN: less than AVERAGE_BATCHES */
+    double error; /* standard error of the mean by as many tapers, or NAN below AVERAGE_BATCHES */
     /*
      * Mean with the weights exp(-1/(u(1-u))), which of regular motion converges faster than any
      * power of the time (Das, Saiki, Sander, Yorke 2017). spread: largest difference between those

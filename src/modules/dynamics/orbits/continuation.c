@@ -188,7 +188,7 @@ struct chord {
     const struct curve_place *a, *b;
     double direction[CURVE_MAX], length;
     int test;
-    curve_value *value; /* whose zero is looked for, in place of a test's; NULL: the test's */
+    curve_value *value; /* function whose zero is searched for, or NULL to take the test's */
     void *context;
     int looks;
     struct curve_place at;

@@ -16,7 +16,8 @@
 struct curve_problem {
     void *context;
     int n; /* equations */
-    /* f [n] and its derivatives [n][n + 1]; false: there is no such place, or cancelled */
+    /* computes f [n] and its derivatives [n][n + 1]; returns false if there is no such point or if
+     * cancelled */
     bool (*residual)(void *context, const double *u, double *f, double *jacobian);
     /*
      * Functions of a place on the curve that pass through 0 at special points [tests]: u, the
@@ -25,7 +26,7 @@ struct curve_problem {
     void (*test)(void *context, const double *u, const double *jacobian, const double *tangent,
                  double *value);
     int tests;
-    /* from here on residuals are wanted to rounding, or to what a step along the curve needs; NULL:
+    /* chooses whether residuals are exact to rounding or as a step along the curve needs; NULL if
      * they are always the same */
     void (*aim)(void *context, bool fine);
     unsigned singular; /* bits of tests whose zeros are places where two curves cross */
@@ -62,8 +63,8 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *b
  * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
                   const struct curve_place *b, int test, struct curve_place *at, double *near);
-/* Finds the place in the plane across the chord from a to b, at that share of it; false: none was
- * found. */
+/* Finds the point in the plane across the chord from a to b, at that share of it. Returns false if
+ * none was found. */
 bool curve_between(const struct curve_problem *problem, const struct curve_place *a,
                    const struct curve_place *b, double share, struct curve_place *at);
 /* A smooth function of the places of a curve; NAN where it is not known. */

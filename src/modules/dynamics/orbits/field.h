@@ -29,7 +29,7 @@ struct vector_field {
     double unit[2];               /* of the parameters: how far they go */
     double size[FIELD_VARIABLES]; /* natural sizes of the variables, > 0 */
     double tol;                   /* of integration, relative to the sizes */
-    double turn[FIELD_VARIABLES]; /* an angle's full turn; 0: no angle */
+    double turn[FIELD_VARIABLES]; /* full turn of an angle, or 0 if it is no angle */
     struct variation *variation;  /* NULL until an orbit is asked for */
     bool varied;                  /* it is that of the parameters' values, */
     double drive_by[2];           /* as these are, or NAN if unknown */
@@ -38,11 +38,12 @@ struct vector_field {
     const struct cancel *cancel;
 };
 
-/* Up to two parameters may be free. False: too many variables, kinks; the error says so. */
+/* Up to two parameters may be free. Returns false with the error if there are too many variables or
+ * kinks. */
 bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error);
 void field_free(struct vector_field *field);
-/* Gives the free parameters these values. False: the scene has no such values. */
+/* Gives the free parameters these values. Returns false if the scene cannot have them. */
 bool field_set(struct vector_field *field, const double *value);
 /* Gives any parameter of the scene a value that it keeps. */
 bool field_hold(struct vector_field *field, int place, double value);
@@ -52,7 +53,8 @@ void field_rate(struct vector_field *field, const double *y, double *rate);
 void field_jacobian(struct vector_field *field, const double *y, double *jacobian);
 bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope);
 
-/* [s] period of the drive, 0: nothing depends on time; NAN: it does, but not with one period. */
+/* Returns the period of the drive [s], 0 if nothing depends on time, or NAN if something does, but
+ * not with one period. */
 double field_drive(const struct vector_field *field);
 /* [s] its derivative by free parameter j */
 double field_drive_by(struct vector_field *field, int j);
@@ -65,14 +67,14 @@ struct flow_slopes {
 };
 
 /*
- * The state `span` [s] after t, in `end` [n], and its derivatives, or NULL if not wanted. False:
- * the solution does not get there, or cancelled.
+ * Computes the state `span` [s] after t in `end` [n], and its derivatives unless NULL. Returns
+ * false if the solution does not get there or if cancelled.
  */
 bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
                 struct flow_slopes *slopes);
 
-/* States at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes); false: likewise.
- */
+/* Computes states at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes). Fails as
+ * the function above. */
 #define FIELD_TIMES STUDY_TIMES
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
                   double *grid);

@@ -26,7 +26,7 @@ bool scene_with_bounds(const struct scene *scene, const struct system *system,
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
 
 /* Of the solution's state, by the Jacobian's bounds there (of a drive: its mean), which also gives
- * the solution its eigenvalues and residual. False: they are not found. */
+ * the solution its eigenvalues and residual. Returns false if they are not found. */
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form);
 

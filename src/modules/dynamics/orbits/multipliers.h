@@ -9,8 +9,9 @@
 
 struct orbit_maps {
     int n, segments;
-    const double *map;      /* [segments][n][n] of each segment, in the order of time */
-    const double *rate;     /* [segments][n] where each begins; NULL: forced, none is trivial */
+    const double *map; /* [segments][n][n] of each segment, in the order of time */
+    /* [segments][n] where each begins; NULL if forced, so that none is trivial */
+    const double *rate;
     double log_determinant; /* of their product */
 };
 
@@ -24,7 +25,7 @@ struct multipliers {
 
 /* tol: relative, of the maps. */
 bool orbit_multipliers(const struct orbit_maps *maps, double tol, struct multipliers *multipliers);
-/* Functions that pass 0 where one is -1; where the product of two is 1. NAN: not known. */
+/* Functions that pass 0 where one is -1, or where the product of two is 1; NAN if unknown. */
 double multipliers_doubling(const struct multipliers *multipliers);
 double multipliers_torus(const struct multipliers *multipliers);
 

@@ -63,7 +63,7 @@ static void tell(const struct orbit_search *s)
         s->request->progress(s->request->context, 0);
 }
 
-/* Takes the first that is stable, and keeps the first of all. True: that is it. */
+/* Takes the first that is stable, and keeps the first of all. Returns true if it is stable. */
 static bool take(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};
@@ -85,7 +85,7 @@ struct returns {
     double time[RETURNS_MAX], distance[RETURNS_MAX]; /* part of the extent */
 };
 
-/* False: the motion does not get there. */
+/* Returns false if the motion does not get there. */
 static bool look(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;

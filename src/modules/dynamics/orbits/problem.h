@@ -40,7 +40,7 @@ struct orbit_curve {
 };
 
 /* Starts at this state [SI], with the period [s] where it is not the drive's. `multiple` periods of
- * the drive. False: the motion does not come that far. */
+ * the drive. Returns false if the motion does not come that far. */
 bool orbit_curve_init(struct orbit_curve *curve, struct vector_field *field, double psize,
                       const double *state, double period, int multiple);
 /* The states of a segment, grid [FIELD_TIMES][n], from time *t on over *span [s]; false if the

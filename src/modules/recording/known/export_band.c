@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The run of the table; NULL: there are several. */
+/* Returns the run of the table, or NULL if there are several. */
 static const struct run *only_run(const struct session *session, const struct argument_value *runs)
 {
     if (runs->count == 0)

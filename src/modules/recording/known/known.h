@@ -20,7 +20,7 @@ bool find_run_period(const struct run *run, struct arena *arena, struct measured
 /* ---- velocity and energy of a recording of positions (data_motion.c) ---- */
 
 /* series_tools.motion, frequency and is_fitted */
-/* series: of the recording; NULL: its window. */
+/* `series` is that of the recording, or NULL for its window. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error);
@@ -58,7 +58,7 @@ struct inputs {
 
 /* The name has to last as long as the inputs. Zero enters nothing. */
 void inputs_use(struct inputs *inputs, const char *name, struct measured value);
-/* Parameters of the scene; names: "m rho area", those that it has. */
+/* Uses those of the named parameters ("m rho area") that the scene has. */
 void inputs_use_params(struct inputs *inputs, const struct scene *scene, const char *names);
 /* Every parameter but those that are free that the motion depends on. */
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free);
@@ -75,8 +75,8 @@ void inputs_recall(struct inputs *inputs, const struct exact_names *names);
 
 /* ---- what is wrong with a recording (findings.c) ---- */
 
-/* Looks at the recording if nobody has yet. period: of all of it [s], or NAN if it is to be found.
- */
+/* Examines the recording unless that was done. `period` is that of all of it [s], or NAN to find
+ * it. */
 bool find_faults(struct recording *recording, double period, struct arena *arena,
                  struct error *error);
 /*

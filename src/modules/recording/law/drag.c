@@ -97,7 +97,7 @@ static void fit_laws(struct drag_fitting *f, bool again, double trust)
         fit_law(f, i, again, trust);
 }
 
-/* The law that comes nearest to the samples, -1: none converged. */
+/* Returns the law that comes nearest to the samples, or -1 if none converged. */
 static int nearest(const struct drag_fitting *f)
 {
     int best = -1;
@@ -188,7 +188,7 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
 /*
  * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long
  * rest at the end has an answer in every tooth. So what moves comes first, and finds the right one.
- * False: it does not come to rest.
+ * Returns false if it does not come to rest.
  */
 static bool fit_motion_first(struct drag_fitting *f)
 {
@@ -202,7 +202,7 @@ static bool fit_motion_first(struct drag_fitting *f)
     return true;
 }
 
-/* The samples of the fits and the fits themselves, until both agree. False: no law converged. */
+/* Chooses samples and fits in turn until both agree. Returns false if no law converged. */
 static bool settle(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;

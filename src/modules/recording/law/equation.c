@@ -171,7 +171,7 @@ static double turning_time(struct equation_walk *s, double h, double v)
     return root_between(speed, s, low, at_low, h, v, 1e-15 * h);
 }
 
-/* The direction in which it goes on from v = 0, 0: it sticks. */
+/* Returns the direction in which it continues from v = 0, or 0 if it sticks. */
 static double direction(const struct equation_walk *s)
 {
     const double pull = restoring_at(s, s->c[0][0]);

@@ -16,7 +16,7 @@ enum { BASELINE_TERMS = 3, BASELINE_MIN = 24 }; /* samples in a block */
 struct baseline {
     size_t blocks;
     size_t *edge; /* [blocks + 1] samples */
-    int terms;    /* 1: constant, 2: line, 3: parabola */
+    int terms;    /* 1 is a constant, 2 a line, 3 a parabola */
 };
 
 struct law_samples {
@@ -42,12 +42,12 @@ struct law_fit {
 };
 
 /*
- * To the minimum (Marquardt 1963) from the motion on. trust: a full step that promises less than so
- * many variances is taken without another look at the samples, and is the last. rounding: [y^2] of
- * a sum of squares. False: it has not arrived.
+ * Descends from the motion to the minimum (Marquardt 1963). A full step that promises less than
+ * `trust` variances is taken without another look at the samples, and is the last. `rounding` [y^2]
+ * is that of a sum of squares. Returns false if it has not converged.
  */
 bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit);
-/* Sum of squares at the motion as it is; NAN: no value there. */
+/* Returns the sum of squares at the present motion, or NAN if it has no value. */
 double law_squares(const struct law_samples *x, struct law_fit *fit);
 /*
  * y less motion and baseline for all samples [n], whether they take part or not; level [blocks] of
@@ -55,7 +55,8 @@ double law_squares(const struct law_samples *x, struct law_fit *fit);
  */
 bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
                    double *level, double *slope);
-/* Standard deviation for residuals of variance 1; at: place among the fit's parameters. */
+/* Returns the standard deviation for residuals of variance 1; `at` is the index among the fit's
+ * parameters. */
 double law_formal(const struct law_fit *fit, int at);
 
 #endif

@@ -130,8 +130,8 @@ static bool refuted(const struct law_evidence *e, const struct drag_fit *drag, i
     return false;
 }
 
-/* Of the laws that nothing refutes, that with the fewest terms, then the least BIC; -1: all have a
- * wrong sign. */
+/* Returns the law with the fewest terms, then the least BIC, of those that nothing refutes, or -1
+ * if all have a wrong sign. */
 static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
 {
     int simple = -1;

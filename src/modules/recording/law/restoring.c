@@ -66,7 +66,7 @@ static size_t next_length(size_t to, size_t n)
     return to > n / 2 ? n : 2 * to;
 }
 
-/* The force from a first window on; false: not found. */
+/* Fits the force from a first window on. Returns false if it is not found. */
 static bool grow(const struct law_samples *x, size_t from, const struct law_fit *first,
                  enum restoring_force force, double rounding, struct law_fit *fit)
 {
@@ -170,8 +170,8 @@ static int simplest(const struct force_fits *all, const struct drag_fit *drag)
     return RESTORING_LINEAR;
 }
 
-/* BIC of each with the slow changes of the phase in what the nearest of them leaves; false: no
- * memory, or no number. */
+/* Computes the BIC of each with the slow changes of the phase in the residuals of the nearest.
+ * Returns false if out of memory or if one is no number. */
 static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;

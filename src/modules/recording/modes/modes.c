@@ -68,7 +68,7 @@ static bool fit_from(struct modes_fitting *f, double *x, struct error *error)
     return true;
 }
 
-/* Clears `use` of samples far off; false: there are none. */
+/* Clears `use` of samples far off. Returns false if there are none. */
 static bool reject(struct modes_fitting *f, size_t *rejected)
 {
     size_t count = 0, n = f->series->n, far = 0;
@@ -361,7 +361,7 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
     return true;
 }
 
-/* How many of them stand out of the noise; -1: no memory, or cancelled. */
+/* Returns how many of them stand out of the noise, or -1 if out of memory or cancelled. */
 static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
                        struct mode_start *start)
 {

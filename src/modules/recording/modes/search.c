@@ -201,8 +201,8 @@ static void keep_start(const struct modes_search *s, const struct curve_fit *fit
     memcpy(residual, fit->residual, s->series.n * sizeof *residual);
 }
 
-/* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled.
- */
+/* Finds the best of the trials, each followed to its minimum. Returns false if none has one, or if
+ * cancelled. */
 static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
 {
     const struct curve_options options = {.rough = true,

@@ -138,7 +138,7 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
         c.mean = o->mean;
         c.half = fmax(HALF_WIDTH * o->period, 2 * dt);
     }
-    size_t count = 0, since = 0; /* since: last sample clearly on the old side */
+    size_t count = 0, since = 0; /* `since` is the last sample clearly on the old side */
     int side = 0;
     for (size_t i = 0; i < s->n; i++) {
         double above = s->y[i] - level;

@@ -111,7 +111,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
     }
     if (gsl_multifit_nlinear_init(&x.vector, &fdf, work) == GSL_SUCCESS) {
         int status = gsl_multifit_nlinear_driver(100, 1e-8, 1e-10, 0, NULL, NULL, &info, work);
-        /* GSL_ENOPROG: the minimum to the last digit */
+        /* GSL_ENOPROG means the minimum to the last digit */
         result->found = status == GSL_SUCCESS || status == GSL_ENOPROG;
         const gsl_vector *f = gsl_multifit_nlinear_residual(work),
                          *at = gsl_multifit_nlinear_position(work);

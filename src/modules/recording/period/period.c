@@ -118,7 +118,8 @@ static bool is_decaying(const struct motion *m)
     return h->rss < left_max * power;
 }
 
-/* Noisy samples, window by window. False: too few windows, or no memory. */
+/* Reads noisy samples, window by window. Returns false if there are too few windows or if out of
+ * memory. */
 static bool phase_period(struct motion *m, struct arena *arena, struct period *period)
 {
     struct track track;
@@ -211,7 +212,7 @@ static void take_multiple(const struct series *series, bool exact, const struct 
              guess, multiple);
 }
 
-/* Reads the period of what no sine describes. rows: the series, or means of its neighbours. */
+/* Reads the period of what no sine describes. `rows` is the series, or means of its neighbours. */
 static bool other_period(const struct series *series, const struct series *rows, struct motion *m,
                          const struct lags *lags, struct arena *arena, struct period *period,
                          struct error *error)

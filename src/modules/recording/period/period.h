@@ -40,8 +40,8 @@ bool series_period(const struct series *series, struct arena *arena, struct peri
                    struct error *error);
 /*
  * The same of a simulation, which has no noise, about a centre that is known: from the crossings
- * alone, at a small part of the cost. False: they are not regular, or too few, or there are less
- * than 20 samples a period.
+ * alone, at a small part of the cost. Returns false if they are irregular or too few, or if there
+ * are less than 20 samples a period.
  */
 bool series_clean_period(const struct series *series, double centre, struct arena *arena,
                          struct period *period);
@@ -138,8 +138,8 @@ double derivative_loss(const struct derivative *derivative, double omega);
 
 /*
  * The period from the shifts at which the series is most like itself, near the multiples of the
- * known one: a cross-check; of a long recording from parts all along it. False: it does not
- * oscillate long enough, or no memory.
+ * known one: a cross-check; of a long recording from parts all along it. Returns false if it does
+ * not oscillate long enough, or if out of memory.
  */
 bool series_correlation_period(const struct series *series, const struct period *known,
                                struct arena *arena, struct measured *period);
@@ -154,7 +154,7 @@ struct line_fit {
 };
 
 /* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter
- * more. False: fewer than two different x. */
+ * more. Returns false for fewer than two different x. */
 bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit);
 
 #endif

@@ -7,7 +7,7 @@
 #define SIMULATION_NOISE_RATIO 1e-4 /* noise over amplitude of a simulation */
 
 /* Mean height of the extremes over the middle between neighbours of either kind, each the top of a
- * parabola; NAN: fewer than two. */
+ * parabola, or NAN of fewer than two. */
 static double mean_swing(const struct series *s)
 {
     double before = NAN, sum = 0, count = 0;

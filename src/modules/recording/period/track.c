@@ -154,7 +154,7 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
     return true;
 }
 
-/* The window that a sine of this frequency describes best; windows: none does. */
+/* Returns the window that a sine of this frequency describes best, or `windows` if none does. */
 static size_t best_window(const struct samples *x, double omega, struct track *track)
 {
     size_t best = track->windows;

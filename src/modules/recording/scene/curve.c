@@ -87,7 +87,8 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step,
         put_sample(c, step->system, s, *i, step->y);
 }
 
-/* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
+/* Integrates along the mesh. Returns false if a step failed, if the start lies behind a sample, or
+ * if cancelled. */
 static bool march_curve(const struct scene_curve *c, const struct system *system,
                         const struct sampling *s)
 {

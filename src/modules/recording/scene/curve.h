@@ -31,7 +31,8 @@ struct sampling {
     size_t columns;
 };
 
-/* Of the samples from *i on those at the start; false: the start lies behind one of them. */
+/* Evaluates the samples from *i on that are at the start. Returns false if the start lies behind
+ * one of them. */
 bool scene_curve_first(const struct scene_curve *curve, const struct system *system,
                        const struct sampling *sampling, size_t *i);
 /* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of

@@ -26,7 +26,7 @@ struct dry_walk {
     const struct sampling *sampling;
     struct system own; /* not frozen */
     struct step *step;
-    int branch; /* sign of the velocity; 0: at rest */
+    int branch; /* sign of the velocity, or 0 at rest */
     size_t i;   /* the next sample */
 };
 
@@ -81,7 +81,7 @@ static void turn(struct dry_walk *w)
 
 /* ---- at rest ---- */
 
-/* When it is pulled off before `end`; `end`: it is not. */
+/* Returns the time at which it is pulled off, or `end` if it is not. */
 static double release(const struct dry_walk *w, double end)
 {
     const double from = w->step->t;

@@ -23,7 +23,7 @@ struct linear_propagator {
 
 struct linear_motion {
     struct linear_propagator step[STEPS_MOST];
-    int steps, last; /* last: the one that was used last */
+    int steps, last; /* `last` is the one that was used last */
     int n, directions;
     const struct variation *variation;
     double a[BLOCK * BLOCK], b[BLOCK];

@@ -391,7 +391,7 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
 static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
                              struct error *error)
 {
-    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0: as asked */
+    static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0 means as asked */
     const int friction = free_index(f->curve, "friction");
     const size_t bytes = (size_t)f->as_curve.parameters * sizeof *proposed;
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;

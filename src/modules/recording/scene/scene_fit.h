@@ -29,14 +29,16 @@ struct scene_fit_request {
 struct scene_fit {
     /* with what was fitted; t0 is the first sample where the whole start was free */
     struct scene scene;
-    int index[CURVE_PARAMETERS];        /* of the curve's parameters; -1: the offset, the last */
+    /* index among the curve's parameters; -1 is the offset, the last */
+    int index[CURVE_PARAMETERS];
     const char *name[CURVE_PARAMETERS]; /* of the same */
     struct curve_fit curve;             /* uncertainties with those of the held values (the mass) */
     const struct method *method;        /* that integrated it */
     size_t steps;
 };
 
-/* True: there is an answer, and curve.converged and said tell what it is worth; as curve_fit(). */
+/* Returns true if there is an answer; curve.converged and curve.said then tell its quality, as with
+ * curve_fit(). */
 bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
                      struct scene_fit *fit, struct error *error);
 /*

@@ -280,7 +280,8 @@ static bool could_be_time(const struct recording *recording, const struct profil
            !name_has_word(column->name, PLACE_WORDS " " ERROR_WORDS);
 }
 
-/* Returns the only column whose numbers are those of a clock; -1: none, or more than one. */
+/* Returns the only column whose numbers are those of a clock, or -1 if there is none or more than
+ * one. */
 static int only_clock(const struct recording *recording, const struct profile *profile)
 {
     static bool (*const is_clock[])(const double *, size_t) = {rises_evenly, is_along_line};

@@ -70,12 +70,12 @@ static bool is_row(struct shape shape, char separator, int min, bool words)
 struct found {
     struct separator_pair reading;
     size_t first;      /* head[first] is the first row */
-    int fields, score; /* score: rows among the lines counted */
+    int fields, score; /* `score` is the number of rows among the lines counted */
     bool trailing;     /* every row counted ends in a separator */
     bool fraction, led_by_zero;
 };
 
-/* `run` consecutive rows of `min` fields or more; words: with words in some of them. */
+/* Finds `run` consecutive rows of `min` fields or more; if `words`, some of them hold words. */
 static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading,
                       int min, bool words, int run, struct found *found)
 {
@@ -157,8 +157,8 @@ static bool all_units(struct text line, char separator)
     return units > 0;
 }
 
-/* How the names in this line are set apart: as the numbers are, or else by what gives one name for
- * each column. 0: no names. */
+/* Returns the separator of the names in this line: that of the numbers, or else one that gives a
+ * name for each column, or 0 if there are no names. */
 static char names_separator(struct text line, const struct table_layout *layout, bool exact)
 {
     const char separators[] = {layout->separator, '\t', ';', ','};
@@ -250,7 +250,7 @@ static enum commas commas_of(const struct found *found, int above)
     return above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
-/* The layout of what was found; false: it reads as a table but is none. */
+/* Sets the layout of what was found. Returns false if it reads as a table but is none. */
 static bool fill(const struct table_text *text, size_t from, const struct load_options *options,
                  const struct found *found, struct table_layout *layout)
 {

@@ -188,7 +188,7 @@ enum { ODD_MAX = 48 };
 /*
  * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three
  * digits. A single group without decimals could be decimals behind the other mark (16,500): it is
- * taken out if `single`. Returns the length, 0: too long or not odd.
+ * taken out if `single`. Returns the length, or 0 if too long or not odd.
  */
 static size_t plain_digits(struct text field, char decimal, bool single, char out[ODD_MAX])
 {

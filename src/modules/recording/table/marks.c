@@ -11,8 +11,8 @@ enum { COLUMNS_LOOKED_AT = 8 };
 
 /*
  * Reads digits, perhaps with the mark before every three of them. *group is the number if there is
- * a mark, else 0; *value is the number if the (first) mark is a decimal one. False: a mark stands
- * elsewhere, so that it is not between thousands.
+ * a mark, else 0; *value is the number if the (first) mark is a decimal one. Returns false if a
+ * mark is elsewhere, so that it is not between thousands.
  */
 static bool read_group(struct text field, char mark, double *value, double *group)
 {

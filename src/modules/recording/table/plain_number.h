@@ -9,8 +9,8 @@
 
 /*
  * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and
- * one rounding (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else,
- * which the slow way reads.
+ * one rounding (Clinger 1990), the same bits as real_scan's. Returns its end, or NULL for anything
+ * else, which the slow way reads.
  */
 static inline const char *plain_number(const char *at, const char *end, char decimal, double *value)
 {

@@ -26,7 +26,7 @@ struct row_problem {
 struct row_reader {
     struct recording *recording;
     const struct table_layout *layout;
-    struct row_problem ragged, extra, *words; /* words: of each column */
+    struct row_problem ragged, extra, *words; /* `words` of each column */
     /* Rows of another width that are kept: those that end early, those with numbers behind. */
     struct row_problem shorter, wider;
     size_t other_line;             /* line of the newest row of another width, 0 before the first */
@@ -84,7 +84,7 @@ static void note(struct row_problem *tally, size_t line, struct text example)
 }
 
 /* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
- * returns the start of the next line. NULL: the slow way has to look. */
+ * returns the start of the next line, or NULL if the slow way has to look. */
 static const char *plain_row(struct row_reader *reader, const char *at, const char *end)
 {
     const struct recording *recording = reader->recording;
@@ -229,8 +229,8 @@ static bool take_unit(struct column *column, const struct table_layout *layout, 
     return text_is(unit, column->unit);
 }
 
-/* Reads one line, which `ahead` follows, into row recording->rows; false: it is no row of this
- * table. */
+/* Reads one line, which `ahead` follows, into row recording->rows. Returns false if it is no row of
+ * this table. */
 static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
 {
     struct recording *recording = reader->recording;

@@ -12,7 +12,8 @@
 /* of the time that has passed: a clock that goes back less has only stumbled */
 #define BACK_MIN 0.5
 
-/* First rows of the runs; returns how many runs there are, 1: a table as usual. */
+/* Finds the first rows of the runs. Returns the number of runs, which is 1 for an ordinary table.
+ */
 static int find_starts(const struct recording *recording, size_t start[RUNS_BELOW_MAX + 1])
 {
     const double *t = recording->t;
