@@ -34,7 +34,7 @@ struct solution {
      * orbit */
     int values;
     struct eigenvalue value[DYNAMICS_VARIABLES];
-    int unstable;    /* how many of them grow */
+    int unstable;    /* number of them that grow */
     double noise;    /* multipliers smaller than this are not known */
     double trivial;  /* of an autonomous orbit: |M f - f| / |f|, or NAN if there is none */
     double residual; /* largest, in natural sizes */
@@ -53,7 +53,7 @@ static inline bool solution_stable(const struct solution *solution)
     return solution->unstable == 0;
 }
 
-#define SOLUTION_ONE 1e-5 /* how near to 1 a multiplier is that of a family */
+#define SOLUTION_ONE 1e-5 /* distance from 1 below which a multiplier is that of a family */
 /* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
 int solution_ones(const struct solution *solution);
 
@@ -95,7 +95,7 @@ struct equilibria {
     struct equilibrium_form *form; /* [count] of each */
     bool forced;                   /* of the mean over the drive's period: they are no rest */
     bool complete;                 /* proven that there are no others in the box */
-    char reason[192];              /* why not, and near where */
+    char reason[192];              /* why it is not complete, and near where */
     int boxes;
     double seconds;
 };
@@ -198,7 +198,7 @@ struct branch {
     double seconds;
     bool closed; /* comes back to where it began */
     bool cancelled;
-    char ends[2][96]; /* why it ends there */
+    char ends[2][96]; /* reason of the end there */
 };
 
 /* Returns false if the start is no solution or if out of memory. If cancelled, the branch holds

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of dynamics share. */
+/* Functions that the commands of dynamics share. */
 #ifndef HOOKE_MODULES_DYNAMICS_HANDLERS_H
 #define HOOKE_MODULES_DYNAMICS_HANDLERS_H
 
@@ -63,7 +63,7 @@ void put_points(const struct session *session, const struct kept_branch *const *
                 struct arena *arena, struct buffer *out);
 void reply_points(const struct session *session, const struct kept_branch *branch,
                   struct reply *reply);
-/* What is kept under a number or a label, with the scene that it was found in. */
+/* Solution that is stored under a number or a label, with the scene in which it was found. */
 struct kept_reference {
     const struct kept_orbit *orbit;
     const struct kept_branch *branch; /* with point: a label's */
@@ -82,7 +82,7 @@ bool find_label(const struct session *session, const struct dynamics *dynamics, 
  * Returns that in words (orbit.c). */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request);
-/* What equilibria and flows are solved by, whatever the session's method is. */
+/* Names of the solvers of equilibria and flows, which do not depend on the session's method. */
 #define NEWTON_SOLVER "bounds of the equations and Newton's method"
 #define FLOW_SOLVER "dop853, or radau5 where that takes too many steps, at tolerances of its own"
 /* Adds a line that says so where the user has chosen a method, a step or a tolerance. */

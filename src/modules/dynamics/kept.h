@@ -62,7 +62,7 @@ struct dynamics {
 
 extern const struct module dynamics_module;
 
-/* What the module keeps in a session. */
+/* State of the module in a session. */
 struct dynamics_part {
     struct dynamics *found;          /* NULL if nothing was found yet */
     struct stored_portrait portrait; /* what 'plot portrait' and its pane show */
@@ -74,7 +74,7 @@ bool dynamics_put_next(const void *part, struct stored *stored, int *next);
 void dynamics_forget(const void *part, struct stored *stored);
 void dynamics_read(struct reader *reader);
 
-/* What is kept of the present equations, or NULL if there is nothing. */
+/* Returns the results stored for the present equations, or NULL if there are none. */
 const struct dynamics *session_dynamics(const struct session *session);
 void dynamics_free(struct dynamics *dynamics);
 

@@ -12,7 +12,7 @@ struct portrait_request {
     const struct scene *scene;
     int variable[2];                   /* across and up */
     double box[2][2];                  /* of them, SI */
-    double all[DYNAMICS_VARIABLES][2]; /* where equilibria are looked for: all variables */
+    double all[DYNAMICS_VARIABLES][2]; /* search region of equilibria, all variables */
     double state[DYNAMICS_VARIABLES];  /* of the others: what they are in the plane that is shown */
     double t;                          /* [s] when: of a scene that is driven */
     bool energy;                       /* lines of equal energy, too */

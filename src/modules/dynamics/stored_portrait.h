@@ -6,7 +6,7 @@
 #include <hooke/session.h>
 #include "modules/dynamics/portrait.h"
 
-/* What was made last, and of what: nothing of it is the user's. */
+/* The portrait that was made last, and its request. Nothing of it is the user's. */
 struct stored_portrait {
     bool known; /* `whole` makes a portrait that was stopped again */
     struct scene scene;

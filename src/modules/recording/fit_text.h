@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is told of a fit, whatever was fitted. */
+/* Texts about fits of all kinds. */
 #ifndef HOOKE_MODULES_RECORDING_FIT_TEXT_H
 #define HOOKE_MODULES_RECORDING_FIT_TEXT_H
 
@@ -25,7 +25,7 @@ struct fit_summary {
     const char *fixed; /* parameters that were not fitted, as "m = 0.2 kg, k = 15 N/m", or NULL */
     struct measured k; /* NAN if unknown */
     bool spring;       /* k could be known */
-    struct inputs inputs; /* what entered besides the recording */
+    struct inputs inputs; /* inputs besides the recording */
     char warning[FIT_WARNINGS][200];
     int warnings;
 };
@@ -39,11 +39,11 @@ void put_value(struct buffer *text, const char *name, struct measured value, enu
  * negative beyond doubt. */
 void put_reciprocal(struct buffer *text, const char *name, double top, struct measured rate,
                     enum quantity quantity, bool measured);
-/* How well the rate is known by which a recording without a clock got its times. */
+/* Writes how well the rate is known by which a recording without a clock got its times. */
 void put_pace(const struct series *series, struct buffer *text);
 void fit_add_warning(struct fit_summary *summary, const char *format, ...) PRINTF_LIKE(2, 3);
 void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena);
-/* What the residuals of a curve say against it. */
+/* Adds what the residuals of a curve say against it. */
 void fit_add_residuals(struct fit_summary *summary);
 /* Lines, record and warnings. */
 void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply);

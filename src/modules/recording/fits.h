@@ -10,20 +10,21 @@
 /* A fit that converged, for the report. */
 struct stored_fit {
     struct fit fit;
-    enum quantity quantity; /* of what was fitted */
+    enum quantity quantity; /* quantity that was fitted */
     struct measured k;      /* NAN if the mass was not set */
     struct exact_names exact;
-    size_t statement; /* of the log that made it, counted from 1: session_store_fit() says so */
+    /* number in the log of the statement that made it, from 1, set by session_store_fit() */
+    size_t statement;
     char of[LIMIT_NAME + 16];
 };
 
-/* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
+/* The scene that `adopt` made last, and covariances of what is uncertain in it. */
 struct adopted_fit {
     struct scene scene; /* model NULL: nothing was adopted */
     struct scene_covariance known;
     struct exact_names exact;
     char of[LIMIT_NAME + 16]; /* what was fitted, such as "data swing3" */
-    size_t statement;         /* of the log that adopted it, counted from 1 */
+    size_t statement;         /* number in the log of the statement that adopted it, from 1 */
 };
 
 /* The band of an adopted fit about a run, for the panes. */
@@ -42,20 +43,20 @@ struct fits {
     bool has_fit;
     struct fit fit;
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
-    double fit_zero;              /* of the recording at that time: its offset counts from there */
+    double fit_zero; /* zero of the recording at that time, from which its offset counts */
     /* Where the last fit was one of the scene or of a formula: */
     double *fit_curve[2]; /* [fit_samples] times and values, or NULL to use fit_values() */
     size_t fit_samples;
     /* checksum under which the session's file has the curve, or 0 if it has not */
     uint64_t fit_curve_sum;
     struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
-    bool fit_free[PARAM_MAX]; /* what was fitted there */
+    bool fit_free[PARAM_MAX]; /* parameters that were fitted there */
     struct adopted_fit adopted;
     struct fit_band band;
     int fit_modes; /* number of damped sines, or 0 if it was no fit of modes */
     struct stored_fit *stored_fit;
     int stored_fits;
-    bool live; /* what grows now, or next, is fitted every second */
+    bool live; /* true to fit every second what grows now or next */
 };
 
 extern const struct module recording_module;

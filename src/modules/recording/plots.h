@@ -21,7 +21,7 @@ bool drawing_data_envelope(struct drawing *d, const struct series *series, struc
 bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve);
 /* The period against the amplitude. */
 bool period_figure(struct drawing *d, struct figure *figure);
-/* What is left of a recording beside its fit or a run. */
+/* Residuals of a recording beside its fit or a run. */
 bool residual_known(const struct session *session);
 bool drawing_residual(struct drawing *d, const struct recording *recording);
 

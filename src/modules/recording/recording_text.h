@@ -5,7 +5,7 @@
 #include "modules/recording/table/load.h"
 #include <hooke/command.h>
 
-/* What a recording is, in the reply's format. */
+/* Describes a recording in the reply's format. */
 void reply_recording(const struct recording *recording, struct reply *reply);
 
 /* Its description as lines, its warnings as warnings. */

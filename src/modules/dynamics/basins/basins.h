@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What motions end in, and motions on their way there. */
+/* Attractors in which motions end, and motions on their way there. */
 #ifndef HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
 #define HOOKE_MODULES_DYNAMICS_BASINS_BASINS_H
 
@@ -11,7 +11,7 @@
 #define WALK_PAST 9     /* looks that are remembered: periods up to one less */
 #define WALK_LOOKS 1000 /* then it is not decided */
 
-/* What is known of an attractor: one state, those of a period, a closed line, or cells. */
+/* Known part of an attractor: one state, those of a period, a closed line, or cells. */
 struct attractor {
     struct basin basin;
     int points;
@@ -35,7 +35,7 @@ struct basin_walk {
 struct walker {
     double y[FIELD_VARIABLES]; /* SI */
     double past[WALK_PAST][FIELD_VARIABLES];
-    int looks, near, at; /* how often near attractor `at` on end */
+    int looks, near, at; /* number of looks near attractor `at` on end */
     int again, period;   /* how often the same as so many looks before */
     bool found;          /* repeats, but is none that is known */
 };

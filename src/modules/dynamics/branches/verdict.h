@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What runs on both sides of a special point say of it. */
+/* Verdicts of runs on both sides of a special point. */
 #ifndef HOOKE_MODULES_DYNAMICS_BRANCHES_VERDICT_H
 #define HOOKE_MODULES_DYNAMICS_BRANCHES_VERDICT_H
 

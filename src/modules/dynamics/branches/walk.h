@@ -32,7 +32,7 @@ struct branch_walk {
     struct curve_place sure;   /* the last place where that is certain, */
     double unit;               /* of eigenvalues, the largest so far; of multipliers 1 */
     int sure_grows;            /* -1 if there was none */
-    int sure_point;            /* how many points there were then, */
+    int sure_point;            /* number of points at that time, */
     int explained;             /* and by how much special points since then have changed it */
     int fold_at;               /* place of the last fold of orbits, or 0 if there is none */
     bool fold_least;           /* the parameter is least there, or largest */
@@ -80,7 +80,7 @@ void walk_start(struct branch_walk *walk, const struct curve_place *at);
 /* The same place in other unknowns: signs stay what they are. */
 void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
 
-/* How many eigenvalues pass at such a point. */
+/* Returns the number of eigenvalues that pass at such a point. */
 int special_passes(enum special special);
 /* Moves what is nearly on an edge to the edge. Returns false if it is beyond. */
 bool is_in_range(const struct branch_request *request, double *param);

@@ -59,7 +59,7 @@ double field_drive(const struct vector_field *field);
 /* [s] its derivative by free parameter j */
 double field_drive_by(struct vector_field *field, int j);
 
-/* How the end of a flow changes with what it began with, in units of size. */
+/* Derivatives of the end of a flow by its start, in units of size. */
 struct flow_slopes {
     double by_start[FIELD_VARIABLES * FIELD_VARIABLES];
     double log_determinant;                          /* of by_start */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What an equilibrium is: eigenvalues, eigenvectors, type, index. */
+/* Form of an equilibrium: eigenvalues, eigenvectors, type, index. */
 #ifndef HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
 #define HOOKE_MODULES_DYNAMICS_ORBITS_FORMS_H
 

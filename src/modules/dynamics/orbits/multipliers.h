@@ -19,7 +19,7 @@ struct multipliers {
     int count;                                /* without the trivial one: */
     struct eigenvalue value[FIELD_VARIABLES]; /* the largest first */
     double noise;                             /* what is smaller is not known */
-    double trivial;                           /* how far it is from 1, or NAN if there is none */
+    double trivial;                           /* distance from 1, or NAN if there is none */
     double log_determinant;                   /* of all together */
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the parts of a portrait share. */
+/* Functions that the parts of a portrait share. */
 #ifndef HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
 #define HOOKE_MODULES_DYNAMICS_PORTRAIT_PORTRAIT_H
 

@@ -29,7 +29,7 @@
 struct series_exponent {
     struct measured value; /* [1/s] NAN: not determined */
     bool determined;
-    char reason[200]; /* why not */
+    char reason[200]; /* reason if not */
     double delay;     /* [s] 0: as far as this it did not come; so are those below */
     int dimensions;   /* delayed values of a vector */
     double apart;     /* [s] neighbours are no nearer in time */

@@ -129,7 +129,7 @@ static const struct local *from_end(const struct cleaning *c, bool end, size_t k
     return &c->local[end ? c->locals - 1 - k : k];
 }
 
-/* By how much the amplitude falls in a period, as a rule, where it is seen. */
+/* Returns the usual factor by which the visible amplitude falls in a period. */
 static double usual_fall(struct cleaning *c)
 {
     const double min = AMPLITUDE_SEEN_SCALES * c->typical;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of cleaning share. */
+/* Functions that the files of cleaning share. */
 #ifndef HOOKE_MODULES_RECORDING_CLEAN_CLEAN_H
 #define HOOKE_MODULES_RECORDING_CLEAN_CLEAN_H
 

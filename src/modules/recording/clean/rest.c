@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a motion comes to rest before its recording ends. */
+/* Finds a rest before the end of a recording. */
 #include "modules/recording/clean/clean.h"
 
 #include <hooke/base/numeric.h>
@@ -62,9 +62,10 @@ static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, 
 }
 
 /*
- * Whether less is there than the decay before leaves: ln of the amplitudes of whole stretches, from
- * the largest on, is a line for a damped sine, however strong its decay; a straight line through
- * them, weighted with what the noise leaves certain, is what the rest must fall short of.
+ * Returns true if less remains than the decay before leaves: ln of the amplitudes of whole
+ * stretches, from the largest on, is a line for a damped sine, however strong its decay; a straight
+ * line through them, weighted with what the noise leaves certain, is what the rest must fall short
+ * of.
  */
 static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
                   double noise)

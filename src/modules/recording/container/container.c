@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From the bytes of a file to text: what kind of container it is, and UTF-16. */
+/* Converts the bytes of a file to text: kinds of containers, and UTF-16. */
 #include <hooke/base/safe_text.h>
 #include "modules/recording/container/container.h"
 

@@ -37,7 +37,7 @@ struct intake {
     const char *shown; /* its name for messages */
     const struct load_options *options;
     enum packing packing;
-    size_t line; /* where the line at hand begins */
+    size_t line; /* start of the current line */
     bool sought; /* there is a table in the beginning */
     /* text that was being written: its last line is left out, as it may be half of one */
     bool grew;
@@ -63,7 +63,7 @@ struct contents {
     uint64_t sum;                /* checksum of the file's bytes, or 0 if not computed */
     size_t parts;                /* at least 1 after contents_read */
     bool grew;                   /* while it was read; its last line is left out */
-    const struct cancel *cancel; /* of the options it was read with */
+    const struct cancel *cancel; /* from the options it was read with */
 };
 
 /* Called in long loops over a container. Returns false with `error` set if reading was stopped. */

@@ -61,7 +61,7 @@ static struct xml_column *newest(struct tables *tables)
     return tables->columns > 0 ? &tables->column[tables->columns - 1] : NULL;
 }
 
-/* Where the text of this element belongs. */
+/* Returns the destination of the text of this element. */
 static struct buffer *target_of(struct tables *tables, const char *name)
 {
     struct xml_column *column = newest(tables);

@@ -29,7 +29,7 @@ static bool refuse_value(const struct session *session, const struct run *run, i
     return error_hint(error, "adopt; run; plot position --band");
 }
 
-/* Whether it is one motion of one scene: a jump of the state is two rows at one time. */
+/* Returns true if it is one motion of one scene: a jump of the state is two rows at one time. */
 static bool is_one_motion(const struct run *run)
 {
     const size_t rows = trace_count(run->trace);
@@ -100,7 +100,8 @@ static const char *label_of(int coordinate)
     return coordinate == 0 ? "95 % of the fit" : NULL;
 }
 
-/* Of curve i: half its width at each point, still to be filled. NULL with error. */
+/* Returns an array for half the width at each point of curve i, still to be filled, or NULL with an
+ * error. */
 static double *new_spread(struct drawing *d, int i, bool named)
 {
     struct curve *curve = &d->curve[i];

@@ -81,7 +81,7 @@ struct censoring {
     unsigned char *use; /* [n] without the censored ones */
     double *residual;   /* [n] */
     double level, rss, slope;
-    double beyond;  /* how far the model goes beyond the level */
+    double beyond;  /* distance of the model beyond the level */
     double scatter; /* of the readings there about the level */
     size_t censored;
 };

@@ -109,8 +109,8 @@ CLONES static void add_products(const double *x, const double *y, size_t n, doub
 }
 
 /*
- * Over whole periods: what is left of one would shift the peaks. The last sample counts by the part
- * of it that belongs to them.
+ * Sums over whole periods, as a remaining part of one would shift the peaks. The last sample counts
+ * by the part of it that belongs to them.
  */
 static double correlation(const struct blocks *b, size_t shift)
 {
@@ -246,8 +246,8 @@ bool series_lively_part(const struct series *series, size_t each, size_t rows, s
                         struct series *part)
 {
     enum { PLACES = 9, MIDDLE = PLACES / 2 };
-    /* Of a motion that dies out or begins late, the stretches that show it; else what lasts counts,
-     * not how it began. */
+    /* Takes the stretches that show a motion that dies out or begins late; otherwise what lasts
+     * counts, not how it began. */
     static const double lively_share = 0.2;
     const size_t wanted = each * rows, all = wanted < series->n ? wanted : series->n,
                  used = all / each * each;

@@ -40,7 +40,7 @@ static bool evaluate(struct curve_problem *p, const double *x)
     return p->known = true;
 }
 
-/* From the model's order to the curve's, and back. */
+/* Converts from the model's order to the curve's, and back. */
 static void to_curve(const struct curve_problem *p, const double *model, double *curve)
 {
     for (int j = 0; j < p->curve->parameters; j++)
@@ -161,8 +161,8 @@ double curve_solve_linears(struct curve_problem *p, double *x)
 
 enum manner { ROUGHLY, EXACTLY, ACCELERATED, RESCALED, MANNERS };
 
-/* From x to the minimum, or to its last digits. Returns false if there is no value at x, or if
- * cancelled. */
+/* Descends from x to the minimum, or to its last digits. Returns false if there is no value at x,
+ * or if cancelled. */
 static bool go_down(struct curve_problem *p, double *x, enum manner manner, int max,
                     int *iterations)
 {
@@ -242,7 +242,7 @@ static bool find_weights(struct curve_problem *p, double *x, int *iterations, bo
     return true;
 }
 
-/* By variable projection first, where the curve is linear in some parameters. */
+/* Begins with variable projection if the curve is linear in some parameters. */
 static bool minimise(struct curve_problem *p, double *x, const struct curve_options *o,
                      struct curve_fit *fit)
 {
@@ -309,8 +309,8 @@ static void set_units(struct curve_problem *p, const struct curve_options *o, co
 }
 
 /*
- * Of very many samples the start comes from a fit of every so manieth. Returns false after an error
- * that ends everything; a part that has no answer leaves the start unchanged.
+ * Takes the start of a fit of very many samples from a fit of a regular selection of them. Returns
+ * false after an error that ends everything; a part that has no answer leaves the start unchanged.
  */
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)

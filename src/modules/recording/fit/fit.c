@@ -145,8 +145,7 @@ static bool refuse_laws(const struct motion *m, const struct series *series, str
     return hint_swing(m, series, error);
 }
 
-/* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force.
- */
+/* Laws that are integrated beside the sine: none, laws of damping, those and restoring forces. */
 enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
 
 static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws,

@@ -45,7 +45,7 @@ struct curve_options {
     size_t stretch;
     int iterations; /* maximum; 0 means 500 */
     int bootstrap;  /* number of parametric bootstrap samples for the intervals, may be 0 */
-    uint64_t seed;  /* of the bootstrap */
+    uint64_t seed;  /* start of the bootstrap's random numbers */
     const struct cancel *cancel;
 };
 
@@ -139,8 +139,8 @@ bool formula_fit(const struct formula *formula, const struct series *series,
                  struct error *error);
 /* ---- fits ---- */
 
-/* What damps an oscillation: terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and
- * their sums. */
+/* Laws of damping, terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and their sums.
+ */
 enum drag_law {
     LAW_NONE = 0,
     LAW_LINEAR = 1,
@@ -160,8 +160,8 @@ extern const struct catalog drag_law_catalog;
 
 struct drag_rate {
     const char *name; /* gamma, b, f */
-    const char *unit; /* of a position in metres */
-    const char *bare; /* of an angle or a plain number */
+    const char *unit; /* unit for a position in metres */
+    const char *bare; /* unit for an angle or a plain number */
 };
 
 /* in the order of the bits of enum drag_law */
@@ -191,7 +191,8 @@ const char *restoring_name(enum restoring_force force); /* "linear", "Duffing", 
 struct equation {
     double value[EQUATION_PARAMETERS];
     double t0;
-    int order; /* what is observed: 0 the position, 1 its velocity, 2 its acceleration */
+    /* order of the observed derivative: 0 is the position, 1 its velocity, 2 its acceleration */
+    int order;
     enum restoring_force force;
 };
 
@@ -234,7 +235,7 @@ struct drag_fit {
         bool converged;
         /* gamma [1/s], b [1/m], f [m/s^2] if y is a length; 0 if the law has no such term */
         struct measured rate[DRAG_RATES];
-        double bic; /* of this many independent residuals */
+        double bic; /* BIC for this number of independent residuals */
         double rms;
     } candidate[DRAG_LAWS];
     int candidates;     /* 0 if the fit was not one of drag */
@@ -279,7 +280,7 @@ struct fit {
     const char *model;
     /* SI; period = 2 pi/omega (the damped one) */
     struct measured period, omega, gamma, amplitude, phase, offset;
-    double rms; /* of the residuals of the samples used */
+    double rms; /* rms of the residuals of the samples used */
     size_t used, rejected;
     double window[2]; /* [s] */
     /* gamma of the two halves of the window, NAN where a half determines nothing */
@@ -299,7 +300,7 @@ struct fit {
     struct fit_covariance covariance;
 };
 
-/* What is fitted: the row's own function says it, or the study of a scene, or of several modes. */
+/* Kind of fit: by the row's own function, of a scene, or of several modes. */
 enum fit_by { FIT_OWN, FIT_SCENE, FIT_MODES };
 
 struct fit_model {

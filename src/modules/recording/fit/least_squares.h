@@ -91,7 +91,7 @@ struct descent {
     double rss;
     bool converged;
     int iterations;           /* steps, which are counted on */
-    struct triangle triangle; /* where the model was looked at last, on the way to x */
+    struct triangle triangle; /* point of the latest evaluation, on the way to x */
 };
 
 /* Goes from x to the nearest minimum. Returns false if the model has no value at the start, or if

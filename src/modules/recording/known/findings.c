@@ -11,8 +11,8 @@
 #include <string.h>
 
 /*
- * To judge the window costs 2 us a sample, thirty times what measuring a period does. Of a long
- * recording each k-th sample is judged, if that leaves SAMPLES_PER_SWING a period; where that is
+ * Judging the window costs 2 us a sample, thirty times as much as measuring a period. Each k-th
+ * sample of a long recording is judged, if that leaves SAMPLES_PER_SWING a period; where that is
  * too many, only 'data clean' judges.
  */
 #define ALL_JUDGED 16384
@@ -142,7 +142,7 @@ static const struct findings *run_findings(const struct series *series, double p
     return find_faults(as, period, arena, &ignored) ? as->findings : NULL;
 }
 
-/* Of a recording that 'data clean' has not judged. */
+/* Judges a recording that 'data clean' has not judged. */
 static const struct findings *thinned_findings(const struct subject *subject, double period,
                                                struct recording *as, struct column *column,
                                                struct arena *arena)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the module knows of the runs and recordings of a session. */
+/* Knowledge of the module about runs and recordings of a session. */
 #ifndef HOOKE_MODULES_RECORDING_KNOWN_KNOWN_H
 #define HOOKE_MODULES_RECORDING_KNOWN_KNOWN_H
 
@@ -37,7 +37,7 @@ void find_distance(const struct run *run, struct recording *recording,
 bool export_recorded(const struct session *session, const struct argument_value *column,
                      const struct argument_value *every, struct export *export,
                      struct error *error);
-/* Of a hand-in: t and y of every sample, and used (0, 1) where some are outside the window or
+/* Writes, for a hand-in, t and y of every sample, and used (0, 1) if some are outside the window or
  * masked. */
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 bool export_band(const struct session *session, const struct argument_value *runs,

@@ -135,7 +135,7 @@ static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
     return baseline;
 }
 
-/* Whether the residuals of the nearest law ask for a baseline of their own in every block. */
+/* Returns true if the residuals of the nearest law require a baseline in every block. */
 static bool wanders(struct drag_fitting *f, int at, size_t *edge)
 {
     struct law_samples local = f->samples;
@@ -186,9 +186,9 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
 }
 
 /*
- * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long
- * rest at the end has an answer in every tooth. So what moves comes first, and finds the right one.
- * Returns false if it does not come to rest.
+ * The point at which friction stops a body is a triangle function of the friction, a tooth for each
+ * half swing: a long rest at the end has an answer in every tooth. So what moves comes first, and
+ * finds the right one. Returns false if it does not come to rest.
  */
 static bool fit_motion_first(struct drag_fitting *f)
 {
@@ -231,7 +231,7 @@ static bool settle(struct drag_fitting *f, size_t *edge)
 
 /* ---- the whole ---- */
 
-/* Where the search begins: the damped sine at t0, as a position. */
+/* Sets the start of the search: the damped sine at t0, as a position. */
 static void begin(const struct motion *m, struct drag_fitting *f)
 {
     const struct harmonic *h = &m->harmonic;
@@ -284,7 +284,7 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
     return true;
 }
 
-/* Which force pulls back: the laws of damping are then those under it. */
+/* Chooses the restoring force; the laws of damping are then those under it. */
 static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
     const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the fit of laws share. */
+/* Functions that the files of the fit of laws share. */
 #ifndef HOOKE_MODULES_RECORDING_LAW_DRAG_H
 #define HOOKE_MODULES_RECORDING_LAW_DRAG_H
 
@@ -27,13 +27,13 @@ struct drag_fitting {
     double rounding;    /* [y^2] of a sum of squares */
     double size;        /* amplitude, as y */
     double t0;
-    struct equation start; /* of the linear law */
+    struct equation start; /* values of the linear law */
     double rate[DRAG_RATES];
     struct law_fit fit[DRAG_LAWS];
 };
 
 struct drag_factors {
-    double amplitude, phase; /* of variances */
+    double amplitude, phase; /* factors of variances */
     double windows;
     double lag; /* autocorrelation of neighbours */
     double sigma;

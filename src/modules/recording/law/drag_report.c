@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the fits of the laws are worth, and their values with the names of the damped sine. */
+/* Judges the fits of the laws, and names their values as those of the damped sine. */
 #include <hooke/base/cancel.h>
 #include "modules/recording/law/drag.h"
 
@@ -15,7 +15,7 @@ static double damped(double omega, double gamma)
 
 /* ---- uncertainties ---- */
 
-/* What slow changes leave in one direction of the oscillation, window by window. */
+/* Sums of slow changes in one direction of the oscillation, window by window. */
 struct windows {
     double square, product, expected, before, count;
 };

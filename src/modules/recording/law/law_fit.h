@@ -12,7 +12,7 @@ struct cancel;
 
 enum { BASELINE_TERMS = 3, BASELINE_MIN = 24 }; /* samples in a block */
 
-/* What the offset does: within each block of samples a polynomial of its own. */
+/* Model of the offset: a polynomial in each block of samples. */
 struct baseline {
     size_t blocks;
     size_t *edge; /* [blocks + 1] samples */

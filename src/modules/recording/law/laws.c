@@ -109,7 +109,7 @@ static double fraction_beyond(const struct law_evidence *e, const struct drag_ca
     return all > 0 ? fmax(beyond + 2 * deviation, 0) / all : 1;
 }
 
-/* By how much BIC must be larger for a law to be refuted by another that it does not contain. */
+/* Returns the excess of BIC by which a law is refuted by another that it does not contain. */
 static double needed(enum drag_law law, enum drag_law by)
 {
     return contains(by, law) || terms(law) <= terms(by) ? DELTA_MIN : DELTA_MORE;
@@ -147,8 +147,8 @@ static int simplest(const struct law_evidence *e, const struct drag_fit *drag)
 }
 
 /*
- * Whether another law remains beside the simplest. One that contains it is never refuted: it
- * remains where its further terms may take a share of the loss that counts, or are shown to be
+ * Returns true if another law remains beside the simplest. One that contains it is never refuted:
+ * it remains where its further terms may take a share of the loss that counts, or are shown to be
  * there, if weakly.
  */
 static bool remains(const struct law_evidence *e, const struct drag_fit *drag, int simple, int i,

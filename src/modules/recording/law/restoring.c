@@ -41,7 +41,7 @@ static void take(const struct law_samples *whole, size_t to, struct first_sample
     part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
 }
 
-/* Where the damped sine of the first periods begins. */
+/* Sets the start of the damped sine of the first periods. */
 static void begin(const struct law_samples *x, const struct equation *start, struct law_fit *fit)
 {
     *fit = (struct law_fit){.motion = *start, .omega = start->value[EQUATION_OMEGA]};
@@ -95,7 +95,7 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
     }
 }
 
-/* What was not found on its own, from another force's answer for the whole. */
+/* Fits a force that was not found on its own, from another force's answer for the whole. */
 static bool follow(const struct law_samples *x, const struct law_fit *other,
                    enum restoring_force force, double rounding, struct law_fit *fit)
 {
@@ -137,8 +137,8 @@ static bool refuted(const struct force_fits *all, const struct drag_fit *drag, i
     return false;
 }
 
-/* Whether beta y^3 may be there beside the simplest force: shown weakly, or a share of a spring's
- * force that counts. */
+/* Returns true if beta y^3 may exist beside the simplest force: shown weakly, or a share of a
+ * spring's force that counts. */
 static bool cubic_remains(const struct force_fits *all, const struct drag_fit *drag, int simple)
 {
     const struct law_fit *fit = &all->fit[RESTORING_CUBIC];
@@ -153,14 +153,15 @@ static bool cubic_remains(const struct force_fits *all, const struct drag_fit *d
            (simple == RESTORING_LINEAR && max * a * a > SHARE_MAX * omega * omega);
 }
 
-/* Whether the search, though it did not end, came nowhere near what another force leaves. */
+/* Returns true if the search, though it did not end, came nowhere near the residuals of another
+ * force. */
 static bool far_off(const struct force_fits *all, int i, int other)
 {
     return all->fit[i].rss - all->fit[other].rss > REFUTED_RSS_VARIANCES * all->variance;
 }
 
-/* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than
- * Duffing's. */
+/* Prefers, of the forces that nothing refutes, the spring, then the pendulum: each has a parameter
+ * less than Duffing's. */
 static int simplest(const struct force_fits *all, const struct drag_fit *drag)
 {
     static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};

@@ -113,7 +113,7 @@ static void ascending(const double *x, int modes, int *order)
     }
 }
 
-/* Of the linear combination by[] of a mode's parameters. */
+/* Returns the uncertainty of the linear combination by[] of a mode's parameters. */
 static double deviation(const struct modes_fitting *f, int first, const double by[MODE_PARAMETERS])
 {
     const double *covariance = &f->covariance[first][first];
@@ -205,7 +205,7 @@ static void couple(const struct modes_fitting *f, const int order[2], struct mod
 
 /* ---- what should be known about it ---- */
 
-/* Whether the faster one is no more than an overtone of the slower. */
+/* Returns true if the faster one is only an overtone of the slower. */
 static bool overtone(double slow, double fast, double width)
 {
     const double n = nearbyint(fast / slow);

@@ -27,7 +27,7 @@ struct mode_curve {
 /* The curve's context is the structure, which has to stay where it is. */
 void mode_curve_init(struct mode_curve *curve, int modes, const struct series *series);
 
-/* What a search for so many modes leaves. */
+/* Result of a search for a number of modes. */
 struct mode_start {
     double value[CURVE_PARAMETERS];
     double rss;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where a fit of several modes begins. One mode after the other: the next is looked for at the
- * lines of what is left, and by splitting each that was found, since lines nearer than the width of
- * the window have one peak together. Linear parameters are always solved for (variable projection).
+ * Finds the start of a fit of several modes. One mode after the other: the next is looked for at
+ * the lines of what is left, and by splitting each that was found, since lines nearer than the
+ * width of the window have one peak together. Linear parameters are always solved for (variable
+ * projection).
  */
 #include <hooke/base/cancel.h>
 #include "modules/recording/modes/modes.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a series shows: crossings, period, amplitude, decay, spectrum, rates, lines. */
+/* Analysis of a series: crossings, period, amplitude, decay, spectrum, rates, lines. */
 #ifndef HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
 #define HOOKE_MODULES_RECORDING_PERIOD_PERIOD_H
 
@@ -11,8 +11,8 @@ void series_overview(const struct series *series, struct arena *arena, struct ov
  * memory.
  */
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use);
-/* Whether it is two damped sines, of which one alone is far from it: their beats are no start and
- * no end. */
+/* Returns true if it is two damped sines, of which one alone is far from it: their beats are no
+ * start and no end. */
 bool series_beats(const struct series *series, struct arena *arena);
 
 /* ---- crossings and period ---- */
@@ -53,7 +53,7 @@ struct period_reading {
     double periods;
 };
 
-/* Of so many equal windows, one after the other. */
+/* Reads equal windows one after the other. */
 bool series_period_readings(const struct series *series, int windows, struct arena *arena,
                             struct period_reading *reading, struct error *error);
 
@@ -78,7 +78,7 @@ struct decay {
     struct measured initial;   /* amplitude at the start of the window */
     double halves[2];          /* gamma of the first and second half */
     int readings;
-    struct reading reading[64]; /* what the line was fitted to */
+    struct reading reading[64]; /* readings to which the line was fitted */
 };
 
 /*
@@ -119,7 +119,7 @@ int series_peaks(const struct series *series, struct arena *arena, struct spectr
 
 struct derivative {
     double *value; /* [n] beside the series, from the arena; NAN next to gaps */
-    size_t known;  /* of them */
+    size_t known;  /* number of them */
     double gain;   /* [1/s] standard deviation for samples with independent noise of 1 */
     double step;   /* [s] median */
     int points;

@@ -11,19 +11,19 @@ struct scene_curve {
     struct scene scene;
     int index[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
     bool offset;
-    int variable; /* what the series is: this state variable, */
+    int variable; /* content of the series: this state variable, */
     bool rate;    /* or its derivative */
     double tol;
     const struct method *method;
-    struct linear_motion *linear; /* in place of steps; NULL: by steps; owned */
+    struct linear_motion *linear; /* in place of steps, or NULL; owned */
     double *mesh;                 /* [points] times of the steps' ends, ascending; owned */
     size_t points;
     double *work;                /* of the method, for the variation; owned */
-    struct variation *variation; /* where it is bound */
+    struct variation *variation; /* the variation to which the scene is bound */
     const struct cancel *cancel;
 };
 
-/* Where a curve is written to. */
+/* Destination of a curve. */
 struct sampling {
     const double *t;
     size_t n;

@@ -87,7 +87,7 @@ struct scene_covariance {
  * fit does. */
 void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     bool starts, struct scene_covariance *adopted);
-/* Of those that were free in a fit of the scene. */
+/* Sets the covariance of those that were free in a fit of the scene. */
 void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
                   struct scene_covariance *adopted);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the analysis layer share. */
+/* Functions that the files of the analysis layer share. */
 #ifndef HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
 #define HOOKE_MODULES_RECORDING_SERIES_INTERNAL_H
 
@@ -79,7 +79,7 @@ struct harmonic {
     double omega;  /* [rad/s] */
     double gamma;  /* [1/s] */
     double origin; /* [s] */
-    /* what the fit leaves behind */
+    /* results of the fit */
     /* (J^T J)^-1 of the free parameters, else 0 */
     double inverse[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS];
     double rss; /* sum of squared residuals of the samples used */
@@ -144,7 +144,7 @@ struct swing_segment {
     /* robust standard deviation of its residuals, where they fall like the amplitude: in the
      * middle */
     double scale;
-    double rms; /* of a, b part of the model */
+    double rms; /* rms of the part of the model with a and b */
     bool settled;
 };
 

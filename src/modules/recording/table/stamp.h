@@ -6,7 +6,7 @@
 #include <hooke/data.h>
 
 struct stamp {
-    bool date, clock; /* which of the two it has */
+    bool date, clock; /* tells which of the two it has */
     int64_t day;      /* since 1970-01-01, 0 without a date */
     /* [s] of the day, in the zone it was written in, moved to UTC where it names one */
     double second;
@@ -20,7 +20,7 @@ struct stamp {
  */
 bool stamp_parse(struct text text, struct stamp *stamp);
 
-/* What a column has of them. */
+/* Stamps of a column. */
 struct stamp_column {
     size_t count, clocks; /* stamps, and those with a time of day */
     bool date;            /* in every one of them */

@@ -30,7 +30,7 @@ struct table_layout {
     const char *begin;        /* the first row … */
     size_t line;              /* … and its line, counted from 1 */
     struct text names, units; /* header lines, empty if there are none */
-    char name_separator;      /* of these lines */
+    char name_separator;      /* separator in these lines */
     int fields_above;         /* number of fields in the line above the rows, or 0 */
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
@@ -43,16 +43,16 @@ struct table_layout {
 };
 
 struct table_text {
-    const char *name;        /* of the file, made safe, for messages */
+    const char *name;        /* name of the file, made safe, for messages */
     struct text text;        /* the whole file without its byte order mark, or a block of it */
     size_t first, header;    /* numbers of its first line and of its header's, counted from 1 */
     struct table_line *head; /* the first lines */
     size_t heads;
-    struct table_layout layout; /* of the first table */
-    struct error problem;       /* why there is none */
+    struct table_layout layout; /* layout of the first table */
+    struct error problem;       /* reason if there is none */
 };
 
-/* Where a table ends and another may begin, in files that have them below each other. */
+/* Place at which a table ends and another may begin, in files that have them below each other. */
 struct table_block {
     const char *begin;   /* a line of its header … */
     size_t line, header; /* … its number, counted from 1, and that of the header's first line */
