@@ -27,8 +27,8 @@ struct raw {
     const struct unit *unit; /* NULL if there is none */
 };
 
-static bool take(const struct session *session, const struct recording *recording, double from,
-                 double to, struct raw *raw, struct error *error)
+static bool take_reading(const struct session *session, const struct recording *recording,
+                         double from, double to, struct raw *raw, struct error *error)
 {
     const struct calibration *c = &recording->calibration;
     const struct column *column = &recording->column[recording->value];
@@ -162,7 +162,7 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
         return error_set(error, ERROR_COMMAND, "nothing has come yet");
     const double end = recording->t[recording->rows - 1];
     const int i = now->aim.taken;
-    if (!take(session, recording, end - READING_SECONDS, end, &raw[i], error))
+    if (!take_reading(session, recording, end - READING_SECONDS, end, &raw[i], error))
         return false;
     reply_line(reply, "%s reads %s, scatter %.2g in %zu samples",
                with_unit(now->aim.truth[i], now->aim.truth_unit[i]).text,
@@ -201,7 +201,7 @@ static bool take_windows(struct session *session, struct text at, const double t
         }
         if (!recording)
             return error_at(error, all, "there is no recording whose means could be taken");
-        if (!take(session, recording, edge[0], edge[1], &raw[i], error))
+        if (!take_reading(session, recording, edge[0], edge[1], &raw[i], error))
             return false;
     }
     return from_raw(session, raw, truth, unit, reply, error);
@@ -287,7 +287,7 @@ HANDLER(zero)
                  period = session_collecting(session) ? session_collecting(session)->period : NAN,
                  last = period > 0 ? fmax(1, floor(READING_SECONDS / period)) * period
                                    : READING_SECONDS;
-    if (!take(session, recording, end - last, end, &raw, error))
+    if (!take_reading(session, recording, end - last, end, &raw, error))
         return false;
     struct calibration c =
         session->setup.calibration.known ? session->setup.calibration : recording->calibration;

@@ -118,14 +118,14 @@ struct fastest_row {
     int width;                   /* [cell] for their names */
 };
 
-static const char *name_of(const struct fastest_row *row, int i)
+static const char *precision_name_of(const struct fastest_row *row, int i)
 {
     return row->precision->curve[row->cost[i].curve].by.method->row.name;
 }
 
 static const char *best_of(const void *row)
 {
-    return name_of(row, 0);
+    return precision_name_of(row, 0);
 }
 
 static double time_of(const void *row)
@@ -138,14 +138,14 @@ static void put_tied(struct reply *reply, const char *key, const void *of)
     const struct fastest_row *row = of;
     reply_array(reply, key);
     for (int i = 1; i < row->tied; i++)
-        reply_string(reply, NULL, name_of(row, i));
+        reply_string(reply, NULL, precision_name_of(row, i));
     reply_close(reply);
 }
 
 static const char *next_of(const void *of)
 {
     const struct fastest_row *row = of;
-    return row->tied < row->ranked ? name_of(row, row->tied) : NULL;
+    return row->tied < row->ranked ? precision_name_of(row, row->tied) : NULL;
 }
 
 static double next_times(const void *of)
@@ -176,10 +176,10 @@ static void best_cell(struct text_table *table, const void *of)
     struct buffer text = {0};
     int shown = 0, used = 0;
     for (; shown < row->tied; shown++) {
-        used += text_width(text_of(name_of(row, shown))) + 3;
+        used += text_width(text_of(precision_name_of(row, shown))) + 3;
         if (shown > 0 && used > row->width)
             break;
-        buffer_format(&text, "%s%s", shown ? " = " : "", name_of(row, shown));
+        buffer_format(&text, "%s%s", shown ? " = " : "", precision_name_of(row, shown));
     }
     if (shown < row->tied)
         buffer_format(&text, " = %d more", row->tied - shown);
@@ -203,7 +203,7 @@ static void fewest_cell(struct text_table *table, const void *of)
     int best = 0;
     for (int i = 1; i < row->ranked + row->others; i++)
         best = row->cost[i].evals < row->cost[best].evals ? i : best;
-    buffer_format(&text, "%s (%.3g)", name_of(row, best), row->cost[best].evals);
+    buffer_format(&text, "%s (%.3g)", precision_name_of(row, best), row->cost[best].evals);
     cell_take(table, &text);
 }
 

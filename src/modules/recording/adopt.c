@@ -32,7 +32,8 @@ struct adoption {
     bool unscaled; /* the fit is one of volts or newtons, and nothing says how far they are */
 };
 
-static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
+static bool adopt_value(struct adoption *a, const char *name, struct measured value,
+                        struct error *error)
 {
     const int index = scene_param(&a->scene, name);
     value.uncertainty = isfinite(value.uncertainty) ? value.uncertainty : 0;
@@ -213,7 +214,7 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
             continue;
         const struct measured value = {fitted->value[i],
                                        fits->fit_free[i] ? fitted->uncertainty[i] : 0};
-        if (!take(&a, param_at(&scene, i)->row.name, value, error))
+        if (!adopt_value(&a, param_at(&scene, i)->row.name, value, error))
             return false;
     }
     inputs_use_motion(&a.inputs, fitted, fits->fit_free);
@@ -251,7 +252,7 @@ static bool take_law(struct adoption *a, const struct fit *fit, const struct mea
 {
     if (fit->drag.candidates == 0) {
         const bool decays = isfinite(fit->gamma.value);
-        return take(a, "gamma", decays ? fit->gamma : (struct measured){0, 0}, error);
+        return adopt_value(a, "gamma", decays ? fit->gamma : (struct measured){0, 0}, error);
     }
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
     if (a->unscaled) {
@@ -259,19 +260,19 @@ static bool take_law(struct adoption *a, const struct fit *fit, const struct mea
             leave_out(a, "quadratic drag and dry friction without a scale");
         if (fit->drag.force == RESTORING_CUBIC)
             leave_out(a, "a cubic spring without a scale");
-        return take(a, "gamma", law->rate[0], error);
+        return adopt_value(a, "gamma", law->rate[0], error);
     }
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) &&
         scene_param(&a->scene, "k3") >= 0 &&
-        !take(a, "k3", converted(a, value[ADOPTED_CUBIC], "m"), error))
+        !adopt_value(a, "k3", converted(a, value[ADOPTED_CUBIC], "m"), error))
         return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
-    if (!take(a, "gamma", law->rate[0], error))
+    if (!adopt_value(a, "gamma", law->rate[0], error))
         return false;
     if (quadratic && !(param_value(&a->scene, "rho") * param_value(&a->scene, "area") > 0))
         leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
     else if ((quadratic || param_value(&a->scene, "C") > 0) &&
-             !take(a, "C", converted(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
+             !adopt_value(a, "C", converted(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
         return false;
     if (scene_param(&a->scene, "friction") < 0) {
         if (dry)
@@ -279,7 +280,8 @@ static bool take_law(struct adoption *a, const struct fit *fit, const struct mea
         return true;
     }
     return !(dry || param_value(&a->scene, "friction") > 0) ||
-           take(a, "friction", converted(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"), error);
+           adopt_value(a, "friction", converted(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"),
+                       error);
 }
 
 /* The spring of the fit, or the rod that swings as fast. */
@@ -289,18 +291,18 @@ static bool take_force(struct adoption *a, const struct measured *value, struct 
         return error_set(error, ERROR_COMMAND,
                          "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
     inputs_use_params(&a->inputs, &a->scene, a->pendulum ? "g" : "m g");
-    return a->pendulum ? take(a, "length", value[ADOPTED_LENGTH], error)
-                       : take(a, "k", value[ADOPTED_STIFFNESS], error);
+    return a->pendulum ? adopt_value(a, "length", value[ADOPTED_LENGTH], error)
+                       : adopt_value(a, "k", value[ADOPTED_STIFFNESS], error);
 }
 
 static bool take_start(struct adoption *a, const struct measured *value, double t0,
                        struct error *error)
 {
-    const bool taken = a->pendulum ? take(a, "theta0", value[ADOPTED_ANGLE], error) &&
-                                         take(a, "rate0", value[ADOPTED_TURNING], error)
-                                   : take(a, "y0", value[ADOPTED_POSITION], error) &&
-                                         take(a, "v0", value[ADOPTED_VELOCITY], error);
-    return taken && take(a, "t0", (struct measured){t0, 0}, error);
+    const bool taken = a->pendulum ? adopt_value(a, "theta0", value[ADOPTED_ANGLE], error) &&
+                                         adopt_value(a, "rate0", value[ADOPTED_TURNING], error)
+                                   : adopt_value(a, "y0", value[ADOPTED_POSITION], error) &&
+                                         adopt_value(a, "v0", value[ADOPTED_VELOCITY], error);
+    return taken && adopt_value(a, "t0", (struct measured){t0, 0}, error);
 }
 
 static bool can_have_spring(const struct scene *scene, const struct fit *fit, struct error *error)

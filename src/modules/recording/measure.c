@@ -31,7 +31,8 @@ bool measure_keep(struct measuring *m, const char *name, struct measured value, 
     return true;
 }
 
-static void begin(struct measuring *m, struct measured value, enum quantity unit, double periods)
+static void begin_measure_record(struct measuring *m, struct measured value, enum quantity unit,
+                                 double periods)
 {
     measure_begin(m, m->quantity, value, unit, periods);
 }
@@ -136,7 +137,7 @@ static bool measure_period(struct measuring *m)
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
     warn_contradiction(m, p.period, alike);
     put_pace(&m->subject.series, &text);
-    begin(m, p.period, QUANTITY_TIME, p.periods);
+    begin_measure_record(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
     if (m->subject.recording)
         reply_measured(m->reply, "autocorrelation", alike, QUANTITY_TIME);
@@ -161,7 +162,7 @@ static bool measure_frequency(struct measuring *m)
     buffer_format(&text, " (%g periods)", p.periods);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
-    begin(m, f, QUANTITY_FREQUENCY, p.periods);
+    begin_measure_record(m, f, QUANTITY_FREQUENCY, p.periods);
     reply_end(m->reply);
     return measure_say(m, &text);
 }
@@ -202,7 +203,7 @@ static bool measure_decay(struct measuring *m)
         buffer_format(&text, "\nhalves: gamma = %s and %s",
                       SHOWN_QUANTITY(d.halves[0], QUANTITY_RATE, 3),
                       SHOWN_QUANTITY(d.halves[1], QUANTITY_RATE, 3));
-    begin(m, d.gamma, QUANTITY_RATE, NAN);
+    begin_measure_record(m, d.gamma, QUANTITY_RATE, NAN);
     double least;
     measured_reciprocal(2, d.gamma, &least);
     reply_measured(m->reply, "tau", d.tau, QUANTITY_TIME);
@@ -242,7 +243,7 @@ static bool measure_energy(struct measuring *m)
                   SHOWN_VALUE(last, s->quantity, 6), SHOWN_SHORT(last / first, 6));
     if (m->subject.how[0])
         buffer_format(&text, "\n%s", m->subject.how);
-    begin(m, mean, s->quantity, NAN);
+    begin_measure_record(m, mean, s->quantity, NAN);
     reply_real(m->reply, "first", first);
     reply_real(m->reply, "last", last);
     reply_string(m->reply, "from", m->subject.how[0] ? m->subject.how : NULL);
@@ -280,7 +281,7 @@ static bool measure_drift(struct measuring *m)
     buffer_format(&text, "%s = %s at the end, max %s   ((E - E0%s)/E0)",
                   balanced ? "energy balance" : "dE/E0", SHOWN_SHORT(ledger.error, 4),
                   SHOWN_SHORT(ledger.error_max, 4), balanced ? " - work" : "");
-    begin(m, drift, QUANTITY_NUMBER, NAN);
+    begin_measure_record(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
     return measure_say(m, &text);
@@ -338,7 +339,7 @@ static bool measure_reynolds(struct measuring *m)
     buffer_format(&text,
                   " (%s) at the largest speed %s; rho, length and eta are those of the scene",
                   reynolds_regime(re.value), SHOWN_MEASURED(speed, QUANTITY_VELOCITY, 4));
-    begin(m, re, QUANTITY_NUMBER, NAN);
+    begin_measure_record(m, re, QUANTITY_NUMBER, NAN);
     reply_string(m->reply, "regime", reynolds_regime(re.value));
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
     put_inputs(m, &inputs, &text);
@@ -383,7 +384,7 @@ static bool measure_k(struct measuring *m)
     else if (!own && !scene->chosen[index])
         reply_warning(m->reply,
                       "the mass is the default of the scene: set it, for example m = 200 g");
-    begin(m, k, QUANTITY_STIFFNESS, p.periods);
+    begin_measure_record(m, k, QUANTITY_STIFFNESS, p.periods);
     put_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return measure_say(m, &text);

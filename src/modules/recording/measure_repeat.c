@@ -22,8 +22,9 @@ struct repeated {
 
 /* ---- one value ---- */
 
-static bool value_of(struct measuring *m, const struct recording *recording, enum measurable what,
-                     const struct series *series, struct arena *arena, struct measured *value)
+static bool repeat_value(struct measuring *m, const struct recording *recording,
+                         enum measurable what, const struct series *series, struct arena *arena,
+                         struct measured *value)
 {
     struct period p;
     struct decay d;
@@ -59,7 +60,7 @@ static bool add(struct measuring *m, struct repeated *r, const struct recording 
                 const struct series *series, const char *name)
 {
     struct arena scratch = {0}; /* of each: all of them at once would take long to be given back */
-    const bool ok = value_of(m, recording, r->what, series, &scratch, &r->value[r->count]);
+    const bool ok = repeat_value(m, recording, r->what, series, &scratch, &r->value[r->count]);
     arena_reset(&scratch);
     if (!ok) {
         struct error why = *m->error;
@@ -70,7 +71,7 @@ static bool add(struct measuring *m, struct repeated *r, const struct recording 
     return true;
 }
 
-static enum quantity unit_of(enum measurable what, enum quantity of_series)
+static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 {
     return what == MEASURE_PERIOD      ? QUANTITY_TIME
            : what == MEASURE_FREQUENCY ? QUANTITY_FREQUENCY
@@ -88,7 +89,7 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
     struct series series;
     if (!recording_series(recording, m->args->arena, MIN_SAMPLES, &series, m->error))
         return false;
-    const enum quantity unit = unit_of(r->what, series.quantity);
+    const enum quantity unit = repeat_unit(r->what, series.quantity);
     if (r->count > 0 && unit != r->unit)
         return error_set(m->error, ERROR_COMMAND, "%s holds another quantity than %s",
                          recording->name, r->name[0]);

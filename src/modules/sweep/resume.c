@@ -365,7 +365,8 @@ static bool fill(struct growing_file *g, bool force, struct error *error)
 
 /* ---- all of it ---- */
 
-static bool prepare(struct growing_file *g, const struct arguments *args, struct error *error)
+static bool prepare_resume(struct growing_file *g, const struct arguments *args,
+                           struct error *error)
 {
     struct sweep_request *request = g->request;
     if (!open_locked(g, error) || !sweep_file_read(g->fd, &g->file, error) ||
@@ -446,7 +447,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
     bool ok = request->axes > 0 || is_there(g.file.path) ||
               (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
                error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
-    ok = ok && prepare(&g, args, error) && growing_file_complete(&g, options->force, error);
+    ok = ok && prepare_resume(&g, args, error) && growing_file_complete(&g, options->force, error);
     report_fraction(&session->front, 2);
     if (ok)
         reply_file(&g, clock_seconds(begin), reply);

@@ -224,7 +224,7 @@ static node atom(struct ode_parser *p)
     return fail(p, "a number or a name is missing");
 }
 
-static node power(struct ode_parser *p)
+static node parse_power(struct ode_parser *p)
 {
     static const struct {
         const char *sign;
@@ -255,7 +255,7 @@ static bool takes_not(struct ode_parser *p)
 
 static node factor(struct ode_parser *p)
 {
-    return takes_not(p) ? sign(p, '!', power(p)) : power(p);
+    return takes_not(p) ? sign(p, '!', parse_power(p)) : parse_power(p);
 }
 
 static node product(struct ode_parser *p, bool first)

@@ -263,8 +263,8 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
     return true;
 }
 
-static bool prepare(const struct precision_request *request, struct precision *precision,
-                    struct error *error)
+static bool prepare_precision_curves(const struct precision_request *request,
+                                     struct precision *precision, struct error *error)
 {
     const bool fixed = !isnan(request->dt[0]) && isnan(request->tol[0]);
     if (!(request->duration > 0) || !isfinite(request->duration))
@@ -346,7 +346,7 @@ bool study_precision(const struct precision_request *request, struct precision *
                      struct error *error)
 {
     *precision = (struct precision){0};
-    if (!prepare(request, precision, error) ||
+    if (!prepare_precision_curves(request, precision, error) ||
         !references_get(request->references, request->scene, &precision->system, request->duration,
                         request->cancel, &precision->reference, error))
         return false;

@@ -186,7 +186,7 @@ static void judge(struct basin_walk *walk, struct basin *basin)
     free(slopes);
 }
 
-static int add(struct basin_walk *walk, struct attractor *a)
+static int add_attractor(struct basin_walk *walk, struct attractor *a)
 {
     if (walk->attractors == BASINS_MOST || !(a->point || a->cell)) {
         free(a->point);
@@ -212,7 +212,7 @@ static int known_as(const struct basin_walk *walk, const double *y, double withi
 }
 
 /* What looks leave of the way to rest is taken by Newton's steps. */
-static void settle(struct basin_walk *walk, double *y)
+static void settle_state(struct basin_walk *walk, double *y)
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], by[FIELD_VARIABLES];
     for (int pass = 0; pass < 3; pass++) {
@@ -240,12 +240,12 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
                                     .period = walk->forced ? w->period * walk->strobe : 0}};
     memcpy(a.basin.state, w->y, (size_t)n * sizeof *w->y);
     if (!walk->forced)
-        settle(walk, a.basin.state);
+        settle_state(walk, a.basin.state);
     a.point = malloc((size_t)(a.points * n) * sizeof *a.point);
     for (int k = 0; a.point && k < a.points; k++)
         memcpy(a.point + k * n, w->past[(w->looks + WALK_PAST - k) % WALK_PAST],
                (size_t)n * sizeof *w->y);
-    return add(walk, &a);
+    return add_attractor(walk, &a);
 }
 
 /* Follows the orbit until it passes the plane across its start in the same direction, near it.
@@ -297,7 +297,7 @@ static int learn_orbit(struct basin_walk *walk, struct walker *w)
         free(a.point);
         return BASIN_MISSING;
     }
-    return add(walk, &a);
+    return add_attractor(walk, &a);
 }
 
 /* Returns true if the spread of a motion falls from each third of it to the next in every variable:
@@ -341,7 +341,7 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
     stepper_free(stepper);
     memcpy(a.basin.state, w->y, (size_t)walk->n * sizeof *w->y);
     if (fate == BASIN_MISSING && a.cell)
-        return add(walk, &a);
+        return add_attractor(walk, &a);
     free(a.cell);
     return fate == BASIN_MISSING ? BASIN_UNDECIDED : fate;
 }

@@ -82,8 +82,8 @@ static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIAB
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
 }
 
-static bool refuse(const struct basin_walk *walk, const struct basins_request *request,
-                   struct error *error)
+static bool refuse_basins(const struct basin_walk *walk, const struct basins_request *request,
+                          struct error *error)
 {
     const double total = (double)request->axis[0].count * request->axis[1].count;
     if (total > POINTS_MOST)
@@ -139,7 +139,7 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, bo
     walk->n = walk->field.n;
     walk->forced = drive > 0;
     walk->field.cancel = request->cancel;
-    if (refuse(walk, request, error)) {
+    if (refuse_basins(walk, request, error)) {
         field_free(&walk->field);
         return false;
     }

@@ -23,7 +23,7 @@ static struct basins_request request_of(const struct scene *scene, const struct 
     return request;
 }
 
-static int follow(struct basin_walk *walk, const struct cancel *cancel)
+static int follow_start(struct basin_walk *walk, const struct cancel *cancel)
 {
     struct stepper *stepper = stepper_create(walk);
     struct walker walker;
@@ -64,7 +64,7 @@ double attractor_of(const struct scene *scene, const struct cancel *cancel, stru
     const struct basins_request request = request_of(scene, &system, cancel);
     if (!walk_init(&walk, &request, false, &ignored))
         return NAN;
-    const int fate = follow(&walk, cancel);
+    const int fate = follow_start(&walk, cancel);
     double value = fate == BASIN_UNDECIDED ? ATTRACTOR_IRREGULAR : NAN;
     struct basin found = {.kind = BASIN_IRREGULAR};
     if (fate >= 0) {

@@ -91,7 +91,8 @@ static double rate_sum(void *context, const struct curve_place *at)
     return sum;
 }
 
-static enum special kind_of(const struct solution *s, double unit, int count, const int *place)
+static enum special special_kind_of(const struct solution *s, double unit, int count,
+                                    const int *place)
 {
     bool pair = false, turned = false;
     for (int i = 0; i < count; i++) {
@@ -117,7 +118,7 @@ static __attribute__((noinline)) bool pass_together(struct chord_piece *p,
     for (int i = 0; i < p->count; i++)
         if (fabs(growth(&found->solution, place[i])) > AT_ONCE * p->w->unit)
             return false;
-    found->special = kind_of(&found->solution, p->w->unit, p->count, place);
+    found->special = special_kind_of(&found->solution, p->w->unit, p->count, place);
     return true;
 }
 

@@ -67,7 +67,7 @@ static double condition(const struct special_curve *c)
 }
 
 /* Equations and condition there, f [n + 1]. */
-static bool look(struct special_curve *c, const double *u, double *f)
+static bool evaluate_condition(struct special_curve *c, const double *u, double *f)
 {
     const int n = c->base.problem->n;
     if (!field_hold(&c->base.field, c->second, u[n + 1] * c->qsize) ||
@@ -89,16 +89,16 @@ static bool derive(struct special_curve *c, const double *u)
     const int n = c->base.problem->n;
     const bool both = c->base.kind == SOLUTION_EQUILIBRIUM;
     double side[2][CURVE_MAX], moved[CURVE_MAX];
-    if (!both && !look(c, u, side[0]))
+    if (!both && !evaluate_condition(c, u, side[0]))
         return false;
     for (int k = 0; k <= n + 1; k++) {
         const double by = DIFFERENCE_STEP_RELATIVE * fmax(1, fabs(u[k]));
         memcpy(moved, u, sizeof moved);
         moved[k] = u[k] - by;
-        if (both && !look(c, moved, side[0]))
+        if (both && !evaluate_condition(c, moved, side[0]))
             return false;
         moved[k] = u[k] + by;
-        if (!look(c, moved, side[1]))
+        if (!evaluate_condition(c, moved, side[1]))
             return false;
         c->slope[k] = (side[1][n] - side[0][n]) / (both ? 2 * by : by);
         for (int i = 0; k == n + 1 && i < n; i++)
@@ -113,7 +113,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
 {
     struct special_curve *c = context;
     const int n = c->base.problem->n, all = n + 2;
-    if (cancelled(c->base.field.cancel) || (!is_fresh(c, u) && !derive(c, u)) || !look(c, u, f))
+    if (cancelled(c->base.field.cancel) || (!is_fresh(c, u) && !derive(c, u)) ||
+        !evaluate_condition(c, u, f))
         return false;
     for (int i = 0; i < n; i++) {
         memcpy(jacobian + i * all, c->base.work->jacobian + i * (n + 1),
@@ -168,13 +169,13 @@ static void test_orbit_fold(void *context, const double *u, const double *jacobi
     (void)jacobian;
     (void)tangent;
     value[0] = NAN;
-    if (!look(c, u, f) || !curve_tangent(c->base.problem, c->along, along))
+    if (!evaluate_condition(c, u, f) || !curve_tangent(c->base.problem, c->along, along))
         return;
     for (int k = 0; k < 2; k++) {
         memcpy(moved, u, sizeof moved);
         for (int i = 0; i <= n; i++)
             moved[i] += (k == 0 ? -FOLD_DIFFERENCE_UNITS : FOLD_DIFFERENCE_UNITS) * along[i];
-        if (!look(c, moved, f))
+        if (!evaluate_condition(c, moved, f))
             return;
         side[k] = f[n];
     }
@@ -239,8 +240,8 @@ static void end(struct special_curve *c)
     free(c->problem.work);
 }
 
-static bool begin(struct special_curve *c, const struct branch_request *r, int side,
-                  struct curve_place *first, struct error *error)
+static bool begin_curve_side(struct special_curve *c, const struct branch_request *r, int side,
+                             struct curve_place *first, struct error *error)
 {
     double u[CURVE_MAX];
     const double now = r->scene->value[r->second->param];
@@ -331,7 +332,7 @@ static bool record_specials(struct special_walk *w, const struct curve_place *fr
 }
 
 /* Differences that grow too much along the orbit: it is cut anew, as far as there is room. */
-static bool prepare(struct special_walk *w, struct curve_place *at, double upright)
+static bool prepare_curve_side(struct special_walk *w, struct curve_place *at, double upright)
 {
     struct special_curve *c = w->curve;
     struct orbit_curve *orbit = &c->base.orbit;
@@ -393,7 +394,7 @@ static void walk(struct special_walk *w, struct curve_place at)
         if (next.corrections <= 3)
             by = fmin(1.5 * by, longest * curve_unit(problem->n, next.u));
         at = next;
-        if (!prepare(w, &at, upright)) {
+        if (!prepare_curve_side(w, &at, upright)) {
             ends(w,
                  cancelled(cancel) ? "cancelled" : "differences grow along the orbit by too much");
             return;
@@ -415,7 +416,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
         struct curve_place first;
         if (r->forward && side < 0)
             continue;
-        if (!begin(curve, r, side, &first, error)) {
+        if (!begin_curve_side(curve, r, side, &first, error)) {
             free(curve);
             branch->cancelled = cancelled(r->cancel);
             return branch->count > 0;

@@ -213,7 +213,7 @@ static bool no_bounds(const struct equilibria_search *s, struct error *error)
     return error_hint(error, "a parameter in place of t, as in param tau = 0, holds the time");
 }
 
-static bool begin(struct equilibria_search *search, struct error *error)
+static bool begin_equilibria_search(struct equilibria_search *search, struct error *error)
 {
     struct zero_search *s = &search->zeros;
     struct vector_field *field = &search->field;
@@ -378,7 +378,8 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
     struct equilibria_search search = {.zeros = {.request = request, .found = found}};
     struct zero_search *s = &search.zeros;
     *found = (struct equilibria){.complete = false};
-    const bool fine = begin(&search, error) && (find_all(&search) || error_memory(error));
+    const bool fine =
+        begin_equilibria_search(&search, error) && (find_all(&search) || error_memory(error));
     free(s->waiting.box);
     free(s->singular.box);
     free(s->undecided.box);

@@ -277,7 +277,7 @@ static bool meets_range(const struct zero_search *s, const struct interval *box)
     return meets;
 }
 
-static bool look(struct zero_search *s, struct state_box *box)
+static bool examine_box(struct zero_search *s, struct state_box *box)
 {
     const double part = volume(s, box->side);
     for (;;) {
@@ -308,7 +308,7 @@ static bool look(struct zero_search *s, struct state_box *box)
     }
 }
 
-static void report(const struct zero_search *s)
+static void report_search(const struct zero_search *s)
 {
     if (s->boxes % BOXES_PER_REPORT == 0 && s->request->progress)
         s->request->progress(s->request->context, fmin(fmax(s->done, 0), 1));
@@ -329,7 +329,7 @@ bool zeros_search(struct zero_search *s)
     int cuts = 0;
     while (s->boxes < BOXES_MAX && s->found->count < ZEROS_MAX && !cancelled(s->request->cancel)) {
         if (box_queue_take(&s->waiting, &box)) {
-            if (!look(s, &box))
+            if (!examine_box(s, &box))
                 return false;
         } else if (cuts < SINGULAR_CUTS_MAX && box_queue_take(&s->singular, &box)) {
             cuts++;
@@ -338,7 +338,7 @@ bool zeros_search(struct zero_search *s)
         } else {
             break;
         }
-        report(s);
+        report_search(s);
     }
     return leave(s, &s->waiting) && leave(s, &s->singular);
 }

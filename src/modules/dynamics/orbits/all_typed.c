@@ -22,7 +22,7 @@ static int rows_of(const struct system *system)
 }
 
 /* The text of a buffer that is freed. Returns false if out of memory. */
-static bool take(struct writing *w, struct buffer *buffer, struct text *text)
+static bool take_buffer_text(struct writing *w, struct buffer *buffer, struct text *text)
 {
     text->at = buffer->failed ? NULL : arena_text(&w->arena, buffer_text(buffer));
     text->len = text->at ? strlen(text->at) : 0;
@@ -46,7 +46,7 @@ static bool primed(struct writing *w, int i, struct text *name)
 {
     struct buffer buffer = {0};
     buffer_format(&buffer, "%s'", w->system.model->variable[i].name);
-    return take(w, &buffer, name);
+    return take_buffer_text(w, &buffer, name);
 }
 
 static size_t letters(struct text text)
@@ -101,7 +101,7 @@ static bool write_equation(struct writing *w, int row)
     if (text.len == 0)
         buffer_put(&text, TEXT("0"));
     line->order = system->order;
-    return take(w, &text, &line->expr);
+    return take_buffer_text(w, &text, &line->expr);
 }
 
 /* Velocities have names of their own in what was typed on top. */

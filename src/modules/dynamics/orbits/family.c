@@ -41,7 +41,7 @@ static bool close_next(struct orbit_search *s, const struct found_orbit *last, d
 }
 
 /* Follows the family from *found as far as it goes, at most to the wanted period. */
-static void follow(struct orbit_search *s, double wanted, struct found_orbit *found)
+static void follow_family(struct orbit_search *s, double wanted, struct found_orbit *found)
 {
     struct found_orbit next;
     double step = longest_step;
@@ -69,7 +69,7 @@ bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error)
     struct found_orbit away = *s->found;
     if (fabs(first / wanted - 1) < same_period)
         return true;
-    follow(s, wanted, s->found);
+    follow_family(s, wanted, s->found);
     const double last = s->found->solution.period;
     s->found->family_from = first;
     if (last == wanted)
@@ -77,7 +77,7 @@ bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error)
     if (cancelled(s->request->cancel))
         return error_set(error, ERROR_CANCELLED, "cancelled");
     if (last == first)
-        follow(s, first * first / wanted, &away);
+        follow_family(s, first * first / wanted, &away);
     if (away.solution.period == first && last == first)
         return error_set(error, ERROR_COMMAND, "every orbit of this family has the period %.10g s",
                          first);

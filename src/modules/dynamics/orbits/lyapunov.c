@@ -33,14 +33,14 @@ struct exponents_search {
     enum tangents_end end;
 };
 
-static bool go(struct exponents_search *s, double from, double span)
+static bool advance_tangents(struct exponents_search *s, double from, double span)
 {
     s->end = tangents_advance(&s->t, from, span);
     tangents_unwind(&s->t);
     return s->end == TANGENTS_OK;
 }
 
-static void report(const struct exponents_search *s, double fraction)
+static void report_exponents(const struct exponents_search *s, double fraction)
 {
     if (s->request->progress)
         s->request->progress(s->request->context, fraction);
@@ -69,9 +69,9 @@ static bool go_unasked(struct exponents_search *s)
 {
     double span = s->period > 0 ? s->period : slow(s);
     while (tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR) {
-        if (!go(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
+        if (!advance_tangents(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
             return false;
-        report(s, (double)tangents_evals(&s->t) / EVALUATIONS_DEFAULT);
+        report_exponents(s, (double)tangents_evals(&s->t) / EVALUATIONS_DEFAULT);
         if (!(s->period > 0) && 4 * tangents_evals(&s->t) < EVALUATIONS_DEFAULT / PILOT_DIVISOR)
             span *= 2;
     }
@@ -84,9 +84,9 @@ static bool go_before(struct exponents_search *s, double skip)
     const double pieces = drive ? ceil(skip / s->period * (1 - 1e-12)) : 32,
                  span = drive ? s->period : skip / pieces;
     for (double i = 0; i < pieces && skip > 0; i++) {
-        if (!go(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
+        if (!advance_tangents(s, s->timed ? s->t0 + s->t.elapsed : s->t0, span))
             return false;
-        report(s, 0.1 * i / pieces);
+        report_exponents(s, 0.1 * i / pieces);
     }
     return true;
 }
@@ -114,7 +114,7 @@ static void choose_bins(struct exponents_search *s, double duration)
 }
 
 /* Into the place from which means are taken, and how long they are. */
-static bool begin(struct exponents_search *s)
+static bool begin_exponents(struct exponents_search *s)
 {
     const struct lyapunov_request *r = s->request;
     double duration = r->duration;
@@ -144,8 +144,9 @@ static bool go_bin(struct exponents_search *s, size_t b)
     t->divergence = 0;
     for (int k = 0; fine && k < s->times; k++) {
         const double part = (double)(b % (size_t)s->parts);
-        fine = s->period > 0 ? go(s, s->t0 + part * s->period / s->parts, s->period / s->parts)
-                             : go(s, s->timed ? s->t0 + t->elapsed : s->t0, s->bin);
+        fine = s->period > 0
+                   ? advance_tangents(s, s->t0 + part * s->period / s->parts, s->period / s->parts)
+                   : advance_tangents(s, s->timed ? s->t0 + t->elapsed : s->t0, s->bin);
     }
     for (int j = 0; fine && j < t->count; j++)
         s->series[(size_t)j * s->bins + b] = t->growth[j] / s->bin;
@@ -160,7 +161,7 @@ static bool go_through(struct exponents_search *s)
         if (!go_bin(s, s->done))
             return false;
         if (s->done % 16 == 0)
-            report(s, 0.1 + 0.9 * (double)s->done / (double)s->bins);
+            report_exponents(s, 0.1 + 0.9 * (double)s->done / (double)s->bins);
     }
     return true;
 }
@@ -273,7 +274,7 @@ static double compare_with_map(struct exponents_search *s)
                         slopes.by_start[i * n + l] * t->y[n * (j + 1) + l] / t->field.size[l];
         tangents_orthonormalise(n, count, column, diagonal);
         memset(t->growth, 0, sizeof t->growth);
-        if (!go(s, s->t0, s->period))
+        if (!advance_tangents(s, s->t0, s->period))
             return NAN;
         for (int j = 0; j < count; j++)
             off[j] += t->growth[j] - log(diagonal[j]);
@@ -323,7 +324,7 @@ bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *foun
     s->t0 = system->t0;
     s->period = found->period > 0 ? found->period : 0;
     s->timed = isnan(found->period);
-    if (begin(s) && go_through(s) && s->period > 0 && s->t.condition < 1e6)
+    if (begin_exponents(s) && go_through(s) && s->period > 0 && s->t.condition < 1e6)
         found->strobe = compare_with_map(s);
     const bool fine = s->series || s->end != TANGENTS_OK;
     found->condition = s->t.condition;
@@ -339,7 +340,7 @@ bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *foun
     found->tol = s->t.controller.tol;
     found->evals = tangents_evals(&s->t) + s->t.field.evals;
     found->seconds = clock_seconds(since);
-    report(s, 2);
+    report_exponents(s, 2);
     free(s->series);
     tangents_free(&s->t);
     free(s);

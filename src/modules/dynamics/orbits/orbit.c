@@ -64,7 +64,7 @@ static void tell(const struct orbit_search *s)
 }
 
 /* Takes the first that is stable, and keeps the first of all. Returns true if it is stable. */
-static bool take(struct orbit_search *s, const double *state, double period, int multiple)
+static bool take_orbit(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};
     s->tries++;
@@ -86,7 +86,7 @@ struct returns {
 };
 
 /* Returns false if the motion does not get there. */
-static bool look(struct orbit_search *s, double span, struct returns *found, double *end)
+static bool find_returns(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;
     double grid[FIELD_TIMES * FIELD_VARIABLES], at[FIELD_VARIABLES];
@@ -137,7 +137,7 @@ static bool take_returns(struct orbit_search *s, const struct returns *r, double
         if (r->distance[k] <= near &&
             (r->distance[k] <= 1e3 * best || r->distance[k] <= RETURN_NEAR_FRACTION)) {
             tried++;
-            if (cancelled(s->request->cancel) || take(s, s->state, r->time[k], 0))
+            if (cancelled(s->request->cancel) || take_orbit(s, s->state, r->time[k], 0))
                 return true;
         }
     return false;
@@ -165,7 +165,7 @@ static bool find_own(struct orbit_search *s, struct error *error)
     for (int waits = 0, looks = 0; looks < 3 * SETTLING_SPANS_MAX; looks++) {
         struct returns found;
         tell(s);
-        if (cancelled(s->request->cancel) || !look(s, span, &found, end))
+        if (cancelled(s->request->cancel) || !find_returns(s, span, &found, end))
             return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
                            error);
         if (s->extent < REST_SIZES)
@@ -198,7 +198,7 @@ static bool find_of_period(struct orbit_search *s, double period, struct error *
     struct orbit_request motion = *wanted;
     struct error ignored;
     motion.period = 0;
-    if (!take(s, s->state, period, 0) && !s->any) {
+    if (!take_orbit(s, s->state, period, 0) && !s->any) {
         s->request = &motion; /* the orbit that it moves on, if that is one of a family */
         const bool family = find_own(s, &ignored) && s->found->family;
         s->request = wanted;
@@ -220,7 +220,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
         if (!(fabs(ratio - rint(ratio)) < 0.02 && ratio > 0.5 && ratio < 1000))
             return error_set(error, ERROR_COMMAND,
                              "the period is one of the drive's %.9g s, or a multiple of it", drive);
-        return take(s, s->state, s->request->period, (int)lrint(ratio)) ||
+        return take_orbit(s, s->state, s->request->period, (int)lrint(ratio)) ||
                nothing(s, "no response of that period was found near this guess", error);
     }
     /* on to where the drive is as at the start */
@@ -228,7 +228,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
     if (on > 1e-9 * drive && !field_flow(&s->field, s->t, s->state, on, s->state, NULL))
         return nothing(s, "the motion from there ends", error);
     struct returns ignored;
-    if (!look(s, drive, &ignored, history[0]))
+    if (!find_returns(s, drive, &ignored, history[0]))
         return nothing(s, "the motion from there ends", error);
     const double extent = fmax(s->extent, REST_SIZES);
     memcpy(history[0], s->state, sizeof history[0]);
@@ -250,13 +250,13 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
         if (best > 1e-4 * extent)
             continue;
         for (int q = 1; q <= SUBHARMONIC_MAX && q <= k; q++)
-            if (distance[q] < RETURN_NEAR_FRACTION * extent && take(s, now, q * drive, q))
+            if (distance[q] < RETURN_NEAR_FRACTION * extent && take_orbit(s, now, q * drive, q))
                 return true;
         if (best < 1e-9 * extent)
             break;
     }
     for (int q = 1; q <= 3; q++)
-        if (!s->any && take(s, s->state, q * drive, q))
+        if (!s->any && take_orbit(s, s->state, q * drive, q))
             return true;
     return nothing(s, "no response of the drive's period, or of a few of them, was found", error);
 }

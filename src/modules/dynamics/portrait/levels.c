@@ -57,7 +57,7 @@ static bool crossing(const struct marching *m, const double a[3], const double b
     return fabs(at[2]) <= before;
 }
 
-static void add(struct marching *m, const double a[2], const double b[2])
+static void add_level_segment(struct marching *m, const double a[2], const double b[2])
 {
     if (m->segments == m->capacity) {
         const size_t capacity = m->capacity > 0 ? 2 * m->capacity : 256;
@@ -86,17 +86,17 @@ static void march(struct marching *m, double corner[4][3])
             count++;
     }
     if (count == 2) {
-        add(m, at[0], at[1]);
+        add_level_segment(m, at[0], at[1]);
     } else if (count == 4) { /* a saddle of f: what its middle says */
         const double middle =
             value_at(m, (corner[0][0] + corner[2][0]) / 2, (corner[0][1] + corner[2][1]) / 2);
         const bool same = (middle < 0) == (corner[0][2] < 0);
-        add(m, at[same ? 0 : 3], at[same ? 1 : 0]);
-        add(m, at[same ? 2 : 1], at[same ? 3 : 2]);
+        add_level_segment(m, at[same ? 0 : 3], at[same ? 1 : 0]);
+        add_level_segment(m, at[same ? 2 : 1], at[same ? 3 : 2]);
     }
 }
 
-static void look(struct marching *m, const double box[2][2], int cells)
+static void examine_cells(struct marching *m, const double box[2][2], int cells)
 {
     const struct level_request *request = m->request;
     if (m->failed || m->cells++ >= CELLS_EXAMINED_MAX || cancelled(request->cancel))
@@ -121,8 +121,8 @@ static void look(struct marching *m, const double box[2][2], int cells)
     const double x[] = {box[0][0], box[0][0] + (box[0][1] - box[0][0]) / 2, box[0][1]},
                  y[] = {box[1][0], box[1][0] + (box[1][1] - box[1][0]) / 2, box[1][1]};
     for (int i = 0; i < 4; i++)
-        look(m, (const double[2][2]){{x[i % 2], x[i % 2 + 1]}, {y[i / 2], y[i / 2 + 1]}},
-             2 * cells);
+        examine_cells(m, (const double[2][2]){{x[i % 2], x[i % 2 + 1]}, {y[i / 2], y[i / 2 + 1]}},
+                      2 * cells);
 }
 
 /* ---- lines ---- */
@@ -188,9 +188,10 @@ bool level_lines(const struct level_request *request, struct polyline *line)
                              : box[k][0] + i * (box[k][1] - box[k][0]) / CELLS_PER_SIDE;
     for (int i = 0; i < CELLS_PER_SIDE; i++)
         for (int j = 0; j < CELLS_PER_SIDE; j++)
-            look(&m,
-                 (const double[2][2]){{side[0][i], side[0][i + 1]}, {side[1][j], side[1][j + 1]}},
-                 CELLS_PER_SIDE);
+            examine_cells(
+                &m,
+                (const double[2][2]){{side[0][i], side[0][i + 1]}, {side[1][j], side[1][j + 1]}},
+                CELLS_PER_SIDE);
     const bool fine = !m.failed && join(&m, line);
     free(m.segment);
     return fine;

@@ -160,7 +160,7 @@ static enum walk_end advance(struct plane_walk *w, double span, int except)
     return at >= 0 ? WALK_REST : WALK_ON;
 }
 
-static void begin(struct plane_walk *w, struct portrait_work *work)
+static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
 {
     *w = (struct plane_walk){.work = work, .sign = 1, .t = work->request->t};
     for (int k = 0; k < 2; k++) {
@@ -170,7 +170,7 @@ static void begin(struct plane_walk *w, struct portrait_work *work)
     }
 }
 
-static bool follow(struct portrait_work *work, int e, int value, int side)
+static bool follow_separatrix(struct portrait_work *work, int e, int value, int side)
 {
     struct portrait *portrait = work->portrait;
     const struct solution *from = &portrait->found.of[e];
@@ -182,7 +182,7 @@ static bool follow(struct portrait_work *work, int e, int value, int side)
     struct separatrix *s = &more[portrait->separatrices++];
     *s = (struct separatrix){e, from->value[value].re < 0, side, "goes on", -1, 0, {{0}}};
     struct plane_walk w;
-    begin(&w, work);
+    begin_plane_walk(&w, work);
     w.sign = s->stable ? -1 : 1;
     w.rate_max = fabs(from->value[value].re);
     w.separatrix = s;
@@ -226,7 +226,7 @@ bool portrait_separatrices(struct portrait_work *work)
             for (int side = 1; side >= -1; side -= 2)
                 if (s->value[k].im == 0 && s->value[k].re != 0 &&
                     (s->value[k].re > 0 ? growing : decaying) == 1 &&
-                    !cancelled(work->request->cancel) && !follow(work, e, k, side))
+                    !cancelled(work->request->cancel) && !follow_separatrix(work, e, k, side))
                     return false;
     }
     return true;
@@ -243,7 +243,7 @@ bool portrait_trajectory(const struct portrait_request *request, const double *s
         return true;
     work.field.cancel = request->cancel;
     work.field.tol = 1e-9;
-    begin(&w, &work);
+    begin_plane_walk(&w, &work);
     memcpy(w.y, start, (size_t)work.field.n * sizeof *start);
     w.sign = span < 0 ? -1 : 1;
     w.line = line;

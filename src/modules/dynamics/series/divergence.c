@@ -55,8 +55,8 @@ static double log_across(const struct delay_space *s, size_t i, size_t from, siz
 }
 
 /* Of one pair, added to the means of its part. */
-static void follow(const struct delay_space *s, size_t i, size_t j, size_t samples,
-                   const struct divergence *d, double *mean)
+static void follow_pairs(const struct delay_space *s, size_t i, size_t j, size_t samples,
+                         const struct divergence *d, double *mean)
 {
     const size_t most = s->points + samples - 1;
     const bool flows = s->delay > 1 && i > 0;
@@ -105,7 +105,7 @@ bool divergence_find(const struct delay_space *s, size_t samples, struct arena *
             continue;
         if (i / stride % 64 == 0 && cancelled(s->cancel))
             return false;
-        follow(s, i, near.at[0], samples, d, d->part + part * d->steps);
+        follow_pairs(s, i, near.at[0], samples, d, d->part + part * d->steps);
         count[part]++;
         d->pairs++;
     }

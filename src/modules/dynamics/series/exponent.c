@@ -41,7 +41,7 @@ struct part {
     double mean, sigma;
 };
 
-static struct part part_of(const double *y, size_t from, size_t to)
+static struct part series_part_of(const double *y, size_t from, size_t to)
 {
     struct part p = {0};
     const double n = (double)(to - from);
@@ -57,7 +57,8 @@ static bool lasts(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
     for (size_t k = 0; k < SERIES_PARTS; k++) {
-        const struct part p = part_of(x->y, k * x->n / SERIES_PARTS, (k + 1) * x->n / SERIES_PARTS);
+        const struct part p =
+            series_part_of(x->y, k * x->n / SERIES_PARTS, (k + 1) * x->n / SERIES_PARTS);
         low = fmin(low, p.sigma);
         high = fmax(high, p.sigma);
         left = fmin(left, p.mean);
@@ -220,7 +221,7 @@ bool series_exponent(const struct series *series, struct arena *arena,
     if (!samples_init(&x, series, arena))
         return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
                                          : error_memory(error);
-    const struct part whole = part_of(x.y, 0, x.n);
+    const struct part whole = series_part_of(x.y, 0, x.n);
     if (!is_fit(&x, &whole, &turn, found))
         return true;
     struct delay_space space = {.y = x.y, .apart = (size_t)turn, .cancel = series->cancel};

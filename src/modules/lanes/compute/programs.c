@@ -124,8 +124,8 @@ static struct slot_value *value_in_slot(const struct program *p, double *frame, 
     return (struct slot_value *)(void *)(frame + (size_t)(slot - p->names) * PROGRAM_LANES);
 }
 
-static struct slot_value look(const struct program *p, const double *input,
-                              const unsigned char *lanes, double *frame, int slot)
+static struct slot_value slot_lookup(const struct program *p, const double *input,
+                                     const unsigned char *lanes, double *frame, int slot)
 {
     if (slot < p->names)
         return (struct slot_value){lanes ? lanes[slot] : 0, input + (size_t)slot * PROGRAM_LANES};
@@ -150,7 +150,8 @@ void program_prepare_lanes(const struct program *p, const double *input,
         *next =
             (struct lane_operation){.kind = i->node.kind, .output = i->output, .node = &i->node};
         for (int j = 0; j < 3; j++) {
-            const struct slot_value operand = look(p, input, lanes_of, frame, i->node.operand[j]);
+            const struct slot_value operand =
+                slot_lookup(p, input, lanes_of, frame, i->node.operand[j]);
             next->operand[j] = operand.at;
             lanes &= operand.lanes; /* one that it does not have is the first one again */
         }
@@ -169,7 +170,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
         fixed += PROGRAM_LANES;
     }
     for (int i = 0; i < p->outputs; i++) {
-        const struct slot_value output = look(p, input, lanes_of, frame, p->output[i]);
+        const struct slot_value output = slot_lookup(p, input, lanes_of, frame, p->output[i]);
         if (!p->written[i])
             *next++ = (struct lane_operation){.kind = NODE_KINDS,
                                               .output = i,

@@ -80,7 +80,7 @@ static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
     return true;
 }
 
-static double value_of(const double parameter[TERMS], const double term[TERMS])
+static double clean_fit_value(const double parameter[TERMS], const double term[TERMS])
 {
     double sum = 0;
     for (int j = 0; j < TERMS; j++)
@@ -273,7 +273,7 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
     for (size_t i = local->from; i < local->to; i++) {
         terms_at(c, i, local->t, here);
-        c->model[i] = local->fitted ? value_of(parameter, here) : NAN;
+        c->model[i] = local->fitted ? clean_fit_value(parameter, here) : NAN;
     }
     put_residuals(c, local);
 }

@@ -52,7 +52,7 @@ struct archive_api {
     struct library library;
 };
 
-static bool load(struct archive_api *api, const char *shown, struct error *error)
+static bool load_archive_library(struct archive_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
 #define SYMBOL(name) {#name, offsetof(struct archive_api, name)},
@@ -159,7 +159,7 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
                     struct intake *intake, struct archive_content *content, struct error *error)
 {
     struct archive_api api;
-    if (!load(&api, shown, error))
+    if (!load_archive_library(&api, shown, error))
         return false;
     struct unpacking u = {&api,
                           api.archive_read_new(),

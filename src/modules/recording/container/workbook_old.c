@@ -25,7 +25,7 @@ struct freexl_api {
     struct library library;
 };
 
-static bool load(struct freexl_api *api, const char *shown, struct error *error)
+static bool load_freexl_library(struct freexl_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
 #define SYMBOL(name) {#name, offsetof(struct freexl_api, name)},
@@ -101,7 +101,7 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
     struct freexl_api api;
     const void *book = NULL;
     unsigned sheets = 0, password = FREEXL_BIFF_PLAIN;
-    if (!load(&api, shown, error))
+    if (!load_freexl_library(&api, shown, error))
         return false;
     bool done = api.freexl_open(path, &book) == FREEXL_OK;
     if (!done) {

@@ -44,7 +44,7 @@ struct expat_api {
     struct library library;
 };
 
-static bool load(struct expat_api *api, const char *shown, struct error *error)
+static bool load_expat_library(struct expat_api *api, const char *shown, struct error *error)
 {
     static const struct library_symbol functions[] = {
 #define SYMBOL(name) {#name, offsetof(struct expat_api, name)},
@@ -148,7 +148,7 @@ bool xml_read(struct text document, const char *shown, const struct xml_reader *
               struct error *error)
 {
     struct parsing p = {.reader = reader};
-    if (!load(&p.api, shown, error))
+    if (!load_expat_library(&p.api, shown, error))
         return false;
     p.parser = p.api.XML_ParserCreate(NULL);
     bool done = p.parser || error_memory(error);

@@ -88,8 +88,8 @@ struct censoring {
 
 /* From a first level and sine on: censor beyond it, fit the rest, read the level again from what is
  * censored. */
-static bool settle(const struct motion *m, int side, const struct harmonic *start,
-                   struct censoring *c)
+static bool settle_level(const struct motion *m, int side, const struct harmonic *start,
+                         struct censoring *c)
 {
     static const double small = 1e-6, unseen = 1e-2; /* of the amplitude, of the uncertainty */
     struct samples x = m->samples;
@@ -204,7 +204,8 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
         /* From between a start and where it led, the way leads there, too. */
         if (!last && side * trial->level >= settled)
             continue;
-        if (!isfinite(trial->level) || !settle(last ? m : some, side, last ? &start : h, trial))
+        if (!isfinite(trial->level) ||
+            !settle_level(last ? m : some, side, last ? &start : h, trial))
             continue;
         settled = side * trial->level;
         if (!all && !last) {

@@ -147,7 +147,7 @@ struct refining {
 };
 
 /* Copies the result into the memory of the answer. Returns false if out of memory. */
-static bool keep(struct refining *r, const struct curve_fit *trial)
+static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
 {
     const size_t n = r->series->n;
     double *residual = r->found ? r->fit->residual : arena_array(r->arena, n, sizeof *residual);
@@ -176,7 +176,7 @@ static bool refine(struct refining *r, const double *x, bool projected)
     options.linear = projected ? whole.linear : NULL;
     bool goes_on = curve_fit(&curve, r->series, x, &options, &own, &trial, &local);
     if (goes_on) {
-        goes_on = (r->found && !better(&trial, r->fit)) || keep(r, &trial);
+        goes_on = (r->found && !better(&trial, r->fit)) || keep_formula_fit(r, &trial);
     } else {
         *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
         goes_on = local.code == ERROR_COMMAND;

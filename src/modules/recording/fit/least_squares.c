@@ -192,7 +192,7 @@ struct walk {
     struct linear_problem problem;
 };
 
-static void look(struct walk *w, const struct descent *d)
+static void evaluate_model(struct walk *w, const struct descent *d)
 {
     const struct least_squares *m = w->model;
     const struct triangle *t = &d->triangle;
@@ -280,7 +280,7 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
     d->rss = solve_linears(m, d->x, &d->triangle);
     if (!isfinite(d->rss))
         return false;
-    look(&w, d);
+    evaluate_model(&w, d);
     while (d->iterations < o->iterations && damping <= damping_max) {
         struct descent trial = *d;
         double full[CURVE_PARAMETERS] = {0}, step[CURVE_PARAMETERS] = {0};
@@ -313,14 +313,14 @@ bool least_squares_descend(const struct least_squares *m, const struct descent_o
             raise = 2;
             trial.iterations++;
             *d = trial;
-            look(&w, d);
+            evaluate_model(&w, d);
         } else if (ends) {
             d->converged = length <= stalls * o->exact;
             refused = true;
         } else if (m->linears > 0 && !fresh) {
             /* the derivatives by the others are those with the linear parameters before */
             d->rss = solve_linears(m, d->x, &d->triangle);
-            look(&w, d);
+            evaluate_model(&w, d);
             fresh = true;
         } else {
             damping = fmax(raise * damping, 1e-6);

@@ -27,7 +27,7 @@ struct closed_run {
 };
 
 /* Moves y by the classical Runge-Kutta method. */
-static void follow(const struct system *system, double t, double span, double *y)
+static void follow_closed_motion(const struct system *system, double t, double span, double *y)
 {
     static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
     const double h = span / SUBSTEPS;
@@ -81,7 +81,7 @@ static double time_of_return(const struct closed_run *c, size_t base, double *er
                 off += (y[i] - start[i]) * along;
                 slope += rate[i] * along;
             }
-            follow(system, t, -off / slope, y);
+            follow_closed_motion(system, t, -off / slope, y);
             t -= off / slope;
         }
         const double left = distance(c, y, start);
@@ -107,7 +107,8 @@ static bool first_repeats(const struct closed_run *c, double span)
         double y[LIMIT_VARIABLES];
         const size_t row = trace_row_at(c->trace, t);
         memcpy(y, trace_state(c->trace, row), (size_t)c->system->n * sizeof *y);
-        follow(c->system, trace_time(c->trace, row), t - trace_time(c->trace, row), y);
+        follow_closed_motion(c->system, trace_time(c->trace, row), t - trace_time(c->trace, row),
+                             y);
         repeats = fabs(y[0] - trace_state(c->trace, base)[0]) <= same_state_max * c->size[0];
     }
     return repeats;

@@ -39,7 +39,7 @@ void inputs_use_params(struct inputs *inputs, const struct scene *scene, const c
 }
 
 /* Derivatives of all variables at two states, and the start. */
-static bool look(const struct scene *scene, double out[3 * LIMIT_VARIABLES], int *n)
+static bool sample_motion(const struct scene *scene, double out[3 * LIMIT_VARIABLES], int *n)
 {
     struct system system;
     struct error ignored;
@@ -60,14 +60,14 @@ void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const b
 {
     double before[3 * LIMIT_VARIABLES], after[3 * LIMIT_VARIABLES];
     int n, same;
-    if (!look(scene, before, &n))
+    if (!sample_motion(scene, before, &n))
         return;
     for (int i = 0; i < (int)scene_params(scene)->count; i++) {
         struct scene other = *scene;
         struct error ignored;
         const struct measured moved = {scene->value[i] * (1 + PARAM_NUDGE_RELATIVE), 0};
         if (is_free[i] || scene->value[i] == 0 || !scene_set(&other, i, moved, &ignored) ||
-            !look(&other, after, &same) || same != n)
+            !sample_motion(&other, after, &same) || same != n)
             continue;
         bool differs = false;
         for (int k = 0; k < 3 * n; k++)

@@ -203,7 +203,7 @@ static bool fit_motion_first(struct drag_fitting *f)
 }
 
 /* Chooses samples and fits in turn until both agree. Returns false if no law converged. */
-static bool settle(struct drag_fitting *f, size_t *edge)
+static bool settle_samples(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
     bool local = false, changes = fit_motion_first(f);
@@ -232,7 +232,7 @@ static bool settle(struct drag_fitting *f, size_t *edge)
 /* ---- the whole ---- */
 
 /* Sets the start of the search: the damped sine at t0, as a position. */
-static void begin(const struct motion *m, struct drag_fitting *f)
+static void begin_drag_fitting(const struct motion *m, struct drag_fitting *f)
 {
     const struct harmonic *h = &m->harmonic;
     const double back = f->t0 - h->origin, e = exp(-0.5 * h->gamma * back);
@@ -263,8 +263,8 @@ static void guess_rates(const struct envelope_rates rates[3], double span, struc
     f->rounding = INTEGRATION_ROUNDING_SQUARED * f->size * f->size;
 }
 
-static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena,
-                    struct drag_fitting *f)
+static bool prepare_drag_fitting(struct motion *m, enum quantity quantity, struct arena *arena,
+                                 struct drag_fitting *f)
 {
     const size_t n = m->samples.n;
     *f = (struct drag_fitting){.motion = m, .t0 = m->samples.t0};
@@ -280,7 +280,7 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
                                       .middle = m->harmonic.c,
                                       .cancel = m->samples.cancel};
     one_block(f, m->harmonic.drifts ? 2 : 1);
-    begin(m, f);
+    begin_drag_fitting(m, f);
     return true;
 }
 
@@ -309,7 +309,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
 {
     struct drag_fitting f;
     size_t *edge = arena_array(arena, m->samples.n / BASELINE_MIN + 2, sizeof *edge);
-    if (!edge || !prepare(m, quantity, arena, &f))
+    if (!edge || !prepare_drag_fitting(m, quantity, arena, &f))
         return error_memory(error);
     guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
     struct drag_fit *drag = &out->drag;
@@ -317,7 +317,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
     if (forces && !choose_force(&f, quantity, drag))
         return error_set(error, ERROR_NUMERICAL,
                          "no restoring force could be fitted: the search did not converge");
-    const bool settled = settle(&f, edge);
+    const bool settled = settle_samples(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
     const int widest = settled ? nearest(&f) : -1;

@@ -134,7 +134,8 @@ static void expand(struct equation_walk *s)
 
 /* Of the first column or of all: the derivative by time of the given order, at x after the start of
  * the step. */
-static void evaluate(const struct equation_walk *s, double x, int order, int columns, double *out)
+static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
+                            double *out)
 {
     if (columns == 1) {
         double sum = 0;
@@ -154,7 +155,7 @@ static void evaluate(const struct equation_walk *s, double x, int order, int col
 static double speed(void *walk, double x)
 {
     double v;
-    evaluate(walk, x, 1, 1, &v);
+    evaluate_series(walk, x, 1, 1, &v);
     return v;
 }
 
@@ -241,7 +242,8 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
     double here[COLUMNS];
     size_t i = from;
     for (; i < n && (t[i] - s->t0) * s->omega <= s->at + h; i++) {
-        evaluate(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns, here);
+        evaluate_series(s, s->side == 0 ? 0 : (t[i] - s->t0) * s->omega - s->at, s->order, columns,
+                        here);
         value[i] = s->offset + grow * here[0];
         if (!isfinite(value[i]))
             return n + 1;
@@ -273,8 +275,8 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
         if (i >= n)
             return i == n;
         const int columns = s->slopes ? COLUMNS : 1;
-        evaluate(s, h, 0, columns, end);
-        evaluate(s, h, 1, columns, next);
+        evaluate_series(s, h, 0, columns, end);
+        evaluate_series(s, h, 1, columns, next);
         memcpy(s->c[0], end, (size_t)columns * sizeof *end);
         memcpy(s->c[1], next, (size_t)columns * sizeof *next);
         if (turns)

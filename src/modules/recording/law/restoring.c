@@ -42,7 +42,8 @@ static void take(const struct law_samples *whole, size_t to, struct first_sample
 }
 
 /* Sets the start of the damped sine of the first periods. */
-static void begin(const struct law_samples *x, const struct equation *start, struct law_fit *fit)
+static void begin_law_fit(const struct law_samples *x, const struct equation *start,
+                          struct law_fit *fit)
 {
     *fit = (struct law_fit){.motion = *start, .omega = start->value[EQUATION_OMEGA]};
     fit->parameters = drag_indices(LAW_LINEAR, RESTORING_LINEAR, fit->index);
@@ -96,8 +97,8 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
 }
 
 /* Fits a force that was not found on its own, from another force's answer for the whole. */
-static bool follow(const struct law_samples *x, const struct law_fit *other,
-                   enum restoring_force force, double rounding, struct law_fit *fit)
+static bool follow_force(const struct law_samples *x, const struct law_fit *other,
+                         enum restoring_force force, double rounding, struct law_fit *fit)
 {
     *fit = *other;
     fit->motion.force = force;
@@ -209,7 +210,7 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
     struct first_samples part;
     unsigned every = 0;
     take(x, from, &part);
-    begin(&part.law, &f->start, &first);
+    begin_law_fit(&part.law, &f->start, &first);
     law_descend(&part.law, SEARCH_PROMISE_VARIANCES, f->rounding, &first);
     for (int i = 0; i < RESTORING_FORCES; i++) {
         const bool tried = i != RESTORING_SINE || angle;
@@ -223,7 +224,7 @@ bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
              j++)
             drag->restoring[i].converged =
                 drag->restoring[j].converged &&
-                follow(x, &all.fit[j], (enum restoring_force)i, f->rounding, &all.fit[i]);
+                follow_force(x, &all.fit[j], (enum restoring_force)i, f->rounding, &all.fit[i]);
     if (!weigh(f, &all, drag))
         return false;
     const int chosen = simplest(&all, drag);

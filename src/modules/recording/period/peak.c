@@ -111,8 +111,8 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
 
 /* The next line of what `found` lines leave in left [n]: after all are fitted together it is its
  * own and stands. */
-static bool next_line(const struct samples *x, struct harmonic *line, int found,
-                      struct spectrum_peak *peak, double *left, double *work)
+static bool next_spectrum_line(const struct samples *x, struct harmonic *line, int found,
+                               struct spectrum_peak *peak, double *left, double *work)
 {
     bool memory;
     struct samples rest = *x;
@@ -177,7 +177,8 @@ int series_peaks(const struct series *series, struct arena *arena, struct spectr
         !samples_init(&x, series, arena))
         return 0;
     samples_flag_spikes(&x, work);
-    for (; count < max && !cancelled(x.cancel) && next_line(&x, line, count, now, left, work);
+    for (; count < max && !cancelled(x.cancel) &&
+           next_spectrum_line(&x, line, count, now, left, work);
          count++) {
         memcpy(peak, now, (size_t)(count + 1) * sizeof *peak);
         memcpy(found, line, (size_t)(count + 1) * sizeof *found);

@@ -173,8 +173,8 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
 }
 
 /* From one window on in one direction, each with the frequency that those before it had. */
-static void follow(const struct samples *x, struct track *track, size_t start, int direction,
-                   double omega)
+static void follow_frequency(const struct samples *x, struct track *track, size_t start,
+                             int direction, double omega)
 {
     const double min = (1 - FREQUENCY_STRAY_RELATIVE) * omega,
                  max = (1 + FREQUENCY_STRAY_RELATIVE) * omega;
@@ -248,8 +248,8 @@ static bool track_from(const struct samples *x, double omega, double periods, do
     if (track->windows > 0) {
         track->window[start].omega = omega;
         fit_window(x, &track->window[start]);
-        follow(x, track, start, 1, omega);
-        follow(x, track, start, -1, omega);
+        follow_frequency(x, track, start, 1, omega);
+        follow_frequency(x, track, start, -1, omega);
     }
     conclude_track(track);
     return true;
@@ -280,8 +280,8 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
     }
     const size_t start = best_window(x, omega, track);
     for (int pass = 0; pass < 2 && start < track->windows; pass++) {
-        follow(x, track, start, 1, omega);
-        follow(x, track, start, -1, omega);
+        follow_frequency(x, track, start, 1, omega);
+        follow_frequency(x, track, start, -1, omega);
         const double better = refined(track, start, omega);
         if (better == omega) {
             break;
@@ -291,8 +291,8 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
         fit_window(x, &track->window[start]);
     }
     if (start < track->windows) {
-        follow(x, track, start, 1, omega);
-        follow(x, track, start, -1, omega);
+        follow_frequency(x, track, start, 1, omega);
+        follow_frequency(x, track, start, -1, omega);
     }
     conclude_track(track);
     return true;
@@ -382,7 +382,7 @@ static bool average(const struct samples *x, size_t each, struct arena *arena, s
            samples_init(out, &means, arena);
 }
 
-static double power(const struct track *track, const struct samples *x)
+static double window_power(const struct track *track, const struct samples *x)
 {
     return track->omega > 0 ? track->explained / (double)x->n : 0;
 }
@@ -404,11 +404,12 @@ bool track_long(const struct samples *x, struct arena *arena, struct track *trac
     if (!track_find(is_slow ? &coarse : &part, arena, is_slow ? &slow : &fast)) {
         return false;
     }
-    const bool enough = power(&fast, &part) > half || power(&slow, &coarse) > half;
+    const bool enough = window_power(&fast, &part) > half || window_power(&slow, &coarse) > half;
     if (!enough && !track_find(is_slow ? &part : &coarse, arena, is_slow ? &fast : &slow)) {
         return false;
     }
-    const struct track *best = power(&fast, &part) > power(&slow, &coarse) ? &fast : &slow;
+    const struct track *best =
+        window_power(&fast, &part) > window_power(&slow, &coarse) ? &fast : &slow;
     const struct track_window *at = NULL;
     for (size_t k = 0; k < best->windows && best->omega > 0; k++) {
         const struct track_window *w = &best->window[k];

@@ -116,7 +116,7 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
 }
 
 /* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
-static void prepare(struct linear_motion *m, struct linear_propagator *p)
+static void prepare_linear_step(struct linear_motion *m, struct linear_propagator *p)
 {
     double *x = m->scratch[0];
     const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
@@ -188,7 +188,7 @@ double linear_motion_advance(struct linear_motion *m, double from, double t, dou
     m->last = k;
     struct linear_propagator *p = &m->step[m->last];
     if (!p->ready)
-        prepare(m, p);
+        prepare_linear_step(m, p);
     if (m->n == 2)
         propagator_advance(2, m->directions, p, state);
     else

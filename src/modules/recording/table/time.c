@@ -129,7 +129,7 @@ static void warn_dropped(struct recording *recording, const struct dropped *drop
     recording->dropped += dropped->count;
 }
 
-static void keep(struct recording *recording, size_t to, size_t from)
+static void keep_time_row(struct recording *recording, size_t to, size_t from)
 {
     for (int i = 0; to != from && i < recording->columns; i++)
         recording->column[i].value[to] = recording->column[i].value[from];
@@ -225,7 +225,7 @@ static void drop_rows(struct recording *recording)
         return;
     for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
         if (isfinite(recording->t[i]))
-            keep(recording, rows_used++, i);
+            keep_time_row(recording, rows_used++, i);
         else
             drop(&missing, recording->line[i]);
     recording->rows = rows_used;
@@ -236,7 +236,7 @@ static void drop_rows(struct recording *recording)
         const bool ahead =
             i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
         if (now > before && !ahead)
-            keep(recording, rows_used++, i);
+            keep_time_row(recording, rows_used++, i);
         else
             drop(now == before ? &same : &back, recording->line[i]);
     }

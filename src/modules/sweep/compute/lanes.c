@@ -183,7 +183,7 @@ static int64_t opening_step(const struct sweep_job *job, double t0, const struct
     return i < clock->whole ? i : clock->whole;
 }
 
-static int64_t min(int64_t a, int64_t b)
+static int64_t min_steps(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -220,9 +220,9 @@ static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *o
     for (int lane = 0; lane < worker->used; lane++) {
         const struct lane_clock *clock = &worker->clock[lane];
         if (clock->opening > i)
-            next = min(next, clock->opening);
+            next = min_steps(next, clock->opening);
         if (clock->whole > i)
-            next = min(next, clock->whole);
+            next = min_steps(next, clock->whole);
         *open |= clock->opening <= i && clock->whole > i;
     }
     return next;
@@ -254,7 +254,7 @@ static bool march(struct sweep_worker *worker)
     for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
         const bool watching = job->replays || job->tops || (job->watches && open);
         const int64_t count =
-            min(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
+            min_steps(next - i, watching ? SWEEP_ROWS - i % SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
             lanes_row(worker->lanes, before);
         for (int lane = 0; lane < LANE_COUNT; lane++) {

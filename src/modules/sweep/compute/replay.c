@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-static int64_t min(int64_t a, int64_t b)
+static int64_t min_replay_steps(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -22,8 +22,9 @@ static void feed(struct sweep_worker *worker, int lane, int64_t first, int64_t c
 {
     const struct sweep_request *request = worker->job->request;
     struct run *run = worker->run[lane];
-    const struct run_target target = {.t = worker->system[lane].t0 + request->duration,
-                                      .steps = min(count, worker->clock[lane].whole - first)};
+    const struct run_target target = {
+        .t = worker->system[lane].t0 + request->duration,
+        .steps = min_replay_steps(count, worker->clock[lane].whole - first)};
     if (!run || run->steps != first || target.steps <= 0) /* it ended before */
         return;
     run_give(run, worker->replay + lane * worker->job->room * 2, target.steps);
