@@ -130,6 +130,41 @@ static void diagnose_failure(struct run *run)
     run_end_singular(run, &followed);
 }
 
+/* Returns true if the derivative `ahead` of where a solution got is undefined, or that of the
+ * steepest variable leads back: y' = -1/y ends at 0, y' = -1/sqrt(|y|) goes on. */
+static bool turns_back(const struct system *system, const struct followed *at, double ahead)
+{
+    double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES], beyond[LIMIT_VARIABLES];
+    bool defined = true;
+    int steepest = 0;
+    system_derivative(system, at->t, at->y, slope);
+    for (int i = 0; i < system->n; i++) {
+        y[i] = at->y[i] + ahead * slope[i];
+        if (fabs(slope[i]) > fabs(slope[steepest]))
+            steepest = i;
+    }
+    system_derivative(system, at->t + ahead, y, beyond);
+    for (int i = 0; i < system->n; i++)
+        defined = defined && isfinite(beyond[i]);
+    for (int i = 0; i < system->n; i++)
+        y[i] = i == steepest ? y[i] : at->y[i];
+    system_derivative(system, at->t, y, beyond);
+    return !defined || slope[steepest] * beyond[steepest] < 0;
+}
+
+/* Returns true if a solution followed for `way` still ends if it is followed from there, with times
+ * as fine as may be. One that is only steep does not: y' = 1/(y^2 + 1e-8). */
+static bool ends_for_sure(const struct run *run, const struct followed *at, double way)
+{
+    static const double span = 1e-6, beyond = 100; /* parts of the way; of the time to the end */
+    const double t = run->system.autonomous ? 0 : at->t;
+    struct followed again;
+    run_follow(&run->system, t, at->y, t + span * way, run_follow_steps(0), run->cancel, &again);
+    return again.fate == SOLUTION_ENDS &&
+           (!at->finite ||
+            (run->system.autonomous && turns_back(&run->system, at, beyond * (again.t - t))));
+}
+
 /* Returns the length of the adaptive step to a recorded row. */
 static double step_before(const struct trace *trace, size_t row)
 {
@@ -179,7 +214,8 @@ static void find_end_passed(struct run *run)
     if (!run_seems_to_end(&run->system, t, trace_state(trace, from), t_end, run->cancel))
         return;
     run_follow_from(run, from, run->t, run_follow_steps((double)run->cost.evals), &followed);
-    if (!followed.finite || run->system.autonomous)
+    if (followed.fate == SOLUTION_ENDS &&
+        ends_for_sure(run, &followed, followed.t - trace_time(trace, start)))
         run_end_singular(run, &followed);
 }
 

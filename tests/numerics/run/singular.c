@@ -157,6 +157,7 @@ static void test_loose_tolerances(void **state)
         {"var x = 0;x' = 1/cos(x)", 1},
         {"var x = 1;x' = x^2", 1},
         {"var x = 1;x' = x*sqrt(x)", 2},
+        {"var x = 1;var y = 1;x' = -1/x;y' = x - y", 0.5},
     };
     static const char *const methods[] = {"bogacki-shampine", "dopri5", "tsit5",  "dop853", "odex",
                                           "tr-bdf2",          "radau5", "rodas4", "rodas5p"};
@@ -393,6 +394,13 @@ static void test_others(void **state)
         {"var x = 1;x' = x", NULL, "dopri5", 0.01, 1e-6, 1000, STOP_DIVERGED},
         {"var x = 1;x' = x*sqrt(1 + sin(x)^2)", NULL, "rk4", 0.01, 0, 1000, STOP_DIVERGED},
         {"var x = 1;x' = 50*(cos(x) - x^3)", NULL, "euler", 0.2, 0, 100, STOP_DIVERGED},
+        /* Steep, or with an infinite slope that is passed. */
+        {"var x = -3;x' = 1/(1e-8 + x^2)", NULL, "dop853", 0.01, 1e-3, 20, STOP_END},
+        {"var x = -3;x' = 1/(1e-8 + x^2)", NULL, "rodas5p", 0.01, 1e-6, 20, STOP_END},
+        {"var x = 1;x' = -1/(abs(x) + 1e-6)", NULL, "radau5", 0.01, 0.1, 1, STOP_END},
+        {"var x = 1;x' = -x/(1e-12 + x^2)", NULL, "rodas5p", 0.01, 0.1, 2, STOP_END},
+        {"var x = 1;x'' = -sign(x)/sqrt(abs(x))", NULL, "radau5", 0.01, 0.1, 5, STOP_END},
+        {"var x = 0.01;x' = 0.001*exp(30*x)*(1 - x)", NULL, "rodas5p", 0.01, 1e-3, 100, STOP_END},
     };
     struct error error;
     struct typed_models *models = typed_create(&error);
