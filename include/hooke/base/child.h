@@ -11,7 +11,8 @@
 struct child {
     /* Appends to `out`, or fails with an error. What else it changes is lost. */
     bool (*work)(const void *context, struct buffer *out, struct error *error);
-    /* NULL: never; asked all the time, in both processes */
+    /* Returns true if the work is to be stopped. Called all the time, in both processes. NULL means
+     * that it is never stopped. */
     bool (*stopped)(const void *context);
     const void *context;
     const char *what; /* is not done if the process fails: "the picture could not be drawn" */

@@ -26,7 +26,7 @@ enum hint_kind { HINT_NONE, HINT_LIST, HINT_GUESS, HINT_USAGE, HINT_ADVICE };
 struct error {
     enum error_code code;
     char text[600];    /* one sentence, lower case, no final full stop */
-    char hint[300];    /* what to do, or "" */
+    char hint[300];    /* advice on what to do, or "" */
     struct text where; /* the part of the caller's input that is wrong; `at` is NULL if unknown */
     /* The kind of name that was looked up and not found, such as "method", "" if it may be of any
      * kind; NULL for all other errors. */

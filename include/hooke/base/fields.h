@@ -47,7 +47,7 @@ struct field {
              : FIELD_REALS, double *                                                               \
              : FIELD_REALS, default                                                                \
              : FIELD_BYTES)
-/* The member, whose numbers are between these; `name`: what a file calls it. */
+/* Describes the member, whose numbers lie between least and most. `name` is its name in a file. */
 #define FIELD_CALLED_AS(name, type, member, kind, least, most)                                     \
     {                                                                                              \
         name, offsetof(type, member), sizeof(((type *)0)->member), kind, least, most               \
@@ -65,7 +65,7 @@ size_t field_begin(struct buffer *to, const char *name);
 void field_end(struct buffer *to, size_t begun);
 void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of);
 
-/* Points into `in`; false: not there, or damaged. */
+/* Finds a field; *value points into `in`. Returns false if it is missing or damaged. */
 bool field_find(struct text in, const char *name, struct text *value);
 /* The next of the fields, which is taken off them. Returns false if there is no more. */
 bool field_next(struct text *in, struct text *name, struct text *value);
@@ -76,12 +76,12 @@ bool fields_get(struct text in, const struct field *field, size_t count, void *o
 /* Reads those that the file has in this length, each as it may be; others keep their values.
  * Returns false if one that it has cannot be. */
 bool fields_get_known(struct text in, const struct field *field, size_t count, void *of);
-/* Whether each of what has been read is as it may be. */
+/* Returns true if each of the values that were read is within its limits. */
 bool fields_sound(const struct field *field, size_t count, const void *of);
 
 /*
- * Where the rows of a catalog stand in arrays of a file that has one item a row: a program whose
- * catalog has grown, or has another order, finds its own by their names.
+ * Positions of a catalog's rows in arrays of a file that has one item per row. A program whose
+ * catalog has grown, or has another order, finds its own rows by their names.
  */
 struct field_places {
     int rows, count;           /* length of the catalog; number of items in the file */

@@ -24,7 +24,7 @@ struct read_watch {
      * [byte] of the file, 0 if it is not known. Returns false with `error` set to stop. */
     bool (*look)(void *context, struct text content, size_t from, uintmax_t size,
                  struct error *error);
-    /* [ns] time within which a pipe or a device has to end, unless it is fast; 0: any time */
+    /* Time [ns] within which a pipe or a device has to end, unless it is fast. 0 means any time. */
     int64_t patience;
     bool grew;    /* is set if the file grew meanwhile; `content` is what it held at first */
     bool endless; /* is set if it did not end in time */
@@ -84,8 +84,8 @@ bool file_lock(int fd, bool wait);
 void file_unlock(int fd);
 
 /*
- * Opens a file that grows by whole lines, never through a link, a pipe or a device; `mode`: access
- * rights of a new one. Returns its descriptor, or -1 with `error` set.
+ * Opens a file that grows by whole lines, never through a link, a pipe or a device. `mode` holds
+ * the access rights of a new file. Returns its descriptor, or -1 with `error` set.
  */
 int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error);
 /* Appends lines; sync: waits until they are on the disk. Returns false with the file as it was and
@@ -102,7 +102,7 @@ bool append_lines(int fd, struct text lines, bool sync, struct error *error);
 typedef bool folder_owns(const char *name);
 
 struct folder {
-    struct writer at; /* where it goes */
+    struct writer at; /* destination */
     int fd;           /* -1 if closed */
     folder_owns *own;
 };

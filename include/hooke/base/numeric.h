@@ -28,7 +28,8 @@ struct cancel;
 /* The value [n] nearest to that share of the way through their order, of an even number the upper
  * median; reorders them. Without NAN; of none: NAN. */
 double values_quantile(double *values, size_t n, double share);
-/* Ascending, no NAN; scratch [n]. False: cancelled, and the values are in any order. */
+/* Sorts values in ascending order; none may be NAN. scratch has [n]. Returns false if cancelled,
+ * with the values in any order. */
 bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel);
 
 double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
@@ -45,9 +46,9 @@ static inline double hermite(double theta, double h, double y0, double f0, doubl
 }
 
 /*
- * A = L L^T of the first n rows and columns of `a`, whose lower triangle is read; rows are `width`
- * long; l may be a. False: a column is independent of those before it by less than this part of its
- * square (rounding: 1e-14).
+ * Computes A = L L^T of the first n rows and columns of `a`, whose lower triangle is read. Rows are
+ * `width` long; l may be a. Returns false if a column is independent of those before it by less
+ * than this part of its square (1e-14 for rounding).
  */
 bool matrix_cholesky(int n, int width, const double *a, double independent, double *l);
 void cholesky_forward(int n, int width, const double *l, double *x);  /* x = L^-1 x */

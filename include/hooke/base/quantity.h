@@ -29,7 +29,7 @@ enum quantity {
     QUANTITY_COUNT
 };
 
-/* A measured number. uncertainty: one standard uncertainty, >= 0, NAN if unknown. */
+/* A measured number. Its uncertainty is one standard uncertainty, >= 0, or NAN if unknown. */
 struct measured {
     double value, uncertainty;
 };

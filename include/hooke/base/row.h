@@ -4,7 +4,7 @@
 #define HOOKE_BASE_ROW_H
 
 struct row {
-    const char *name;     /* what users type */
+    const char *name;     /* word that users type */
     const char *unit;     /* unit of its value, "" if none */
     const char *brief;    /* one line for lists */
     const char *citation; /* author year equation, or "" */

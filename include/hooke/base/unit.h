@@ -12,7 +12,7 @@
 #include <hooke/base/quantity.h>
 
 struct unit {
-    struct row row; /* name "cm", unit: the SI name "m" */
+    struct row row; /* name ("cm") and, as its unit, the SI name ("m") */
     enum quantity quantity;
     double factor; /* value in SI = number * factor, up to rounding: convert with unit_convert */
     enum unit_use {
@@ -46,7 +46,7 @@ bool unit_convert(const struct unit *unit, enum quantity wanted, double number, 
  * 0.2 kg, cm for 0.05 m. */
 const struct unit *unit_display(enum quantity quantity, double value);
 /* Appends the value [SI] with a unit that suits it, such as "200 g", to `digits` significant
- * digits; 0: as many as it takes to read the same value back. */
+ * digits. With 0 digits it writes as many as are needed to read the same value back. */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits);
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a session chooses beside a method: it needs no more of methods. */
+/* Choices that a session makes beside a method; it needs nothing else of methods. */
 #ifndef HOOKE_METHOD_DRAG_H
 #define HOOKE_METHOD_DRAG_H
 
-/* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row
- * says. */
+/* Ways in which drag (forces that depend on velocity) enters a step. The row of a method lists
+ * those that it supports. */
 enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
 
 #endif

@@ -12,12 +12,13 @@ struct writer;
 
 struct outlet {
     struct buffer *text;
-    struct writer *writer; /* NULL: everything stays in `text` */
+    struct writer *writer; /* NULL if everything stays in `text` */
 };
 
-#define OUTLET_ROWS 4096 /* between two looks; fewer are written whatever happens */
+#define OUTLET_ROWS 4096 /* rows from one look at the cancel flag to the next */
 
-/* Before a row. False: the writing is ended, and the text fails. */
+/* Looks at the cancel flag; called before each row. Returns false if writing has ended, in which
+ * case the text fails. */
 static inline bool outlet_goes_on(struct outlet *sink, const struct table *table, size_t row)
 {
     if (row % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel))
@@ -25,9 +26,9 @@ static inline bool outlet_goes_on(struct outlet *sink, const struct table *table
     return !sink->text->failed;
 }
 
-/* What is more than `max` bytes goes on to the writer, all of it. */
+/* Passes the text on to the writer, all of it, if it is longer than `max` bytes. */
 void outlet_pass(struct outlet *sink, size_t max);
-/* What a spreadsheet would run, also behind the ' that keeps it from that. */
+/* Returns true if a spreadsheet would run the cell, or would run it without its leading '. */
 bool cell_is_formula(struct text cell);
 /* Appends a cell of CSV or TSV: in quotes if wanted, or if it holds a separator, a quote or a line
  * end. */

@@ -39,11 +39,11 @@ void table_put(const struct table *table, table_format *format, struct buffer *o
 bool table_write(const struct table *table, table_format *format, const char *path,
                  struct write_policy policy, struct error *error);
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
-                struct error *error); /* to a file that is open, which is closed in every case */
+                struct error *error); /* The open file is always closed. */
 /* Returns true if the text begins as a table in CSV, TSV or JSON that has keys. */
 bool table_recognise(struct text text);
-/* Reads such a text back: the same doubles and texts. ERROR_IO: it is damaged. `cancel` goes into
- * the table, too. */
+/* Reads such a text back, with the same doubles and texts. Fails with ERROR_IO if it is damaged.
+ * The table keeps `cancel`, too. */
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
                  struct table *table, struct error *error);
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
@@ -61,7 +61,7 @@ struct stored_table {
     const char *kind; /* "compare"; lives as long as the arena, or longer */
     struct arena arena;
     struct table table;
-    struct column_growth *growth; /* NULL: the table is whole, records add nothing */
+    struct column_growth *growth; /* NULL if the table is complete: records add nothing to it */
 };
 
 struct table_store {
@@ -73,8 +73,8 @@ struct table_store {
 void table_store_free(struct table_store *store);
 /* Returns NULL if there is none */
 struct stored_table *table_store_find(const struct table_store *store, struct text kind);
-/* A whole table, which replaces that of the same kind; the arena that it lives in is taken over.
- * False: no memory, nothing has changed. */
+/* Stores a complete table, which replaces that of the same kind, and takes over the arena that it
+ * lives in. Returns false if out of memory, with nothing changed. */
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
                      const struct table *table);
 /* Takes over those that are wanted, in the place of those of the same kind; `from` is empty then.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What users type: expressions, bounds of them, programs. */
+/* Compiles and evaluates expressions that users type, computes their bounds, and makes programs. */
 #ifndef HOOKE_SCENE_FORMULA_H
 #define HOOKE_SCENE_FORMULA_H
 
@@ -29,11 +29,11 @@ struct expr_scope {
     double (*load)(const void *context, int slot);
     /* Offers every known name for "did you mean"; may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
-    /* Where a run's names are wrapped: the slot in its own scope (run_scope), -1: of what does not
-     * move; NULL: as is. */
+    /* Set if a run's names are wrapped. Returns the slot in the run's own scope (run_scope), or -1
+     * for what does not move. NULL keeps slots unchanged. */
     int (*moving)(const void *context, int slot);
-    /* Where it is given, numbers and parentheses may carry units: quantity of a name,
-     * QUANTITY_OTHER if it is unknown. NULL: an expression ends before a unit. */
+    /* Returns the quantity of a name, or QUANTITY_OTHER if it is unknown. If it is set, numbers and
+     * parentheses may carry units. If it is NULL, an expression ends before a unit. */
     enum quantity (*quantity)(const void *context, int slot);
 };
 
@@ -44,10 +44,9 @@ extern const struct catalog function_catalog; /* sin, cos, …: help and complet
 
 /*
  * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a
- * unit, a comma, a colon,
- * "+-", a comparison or the end). Memory from `arena`. scope may be NULL (constants only). Errors:
- * unknown name with suggestion, malformed number, missing operand or parenthesis, depth and size
- * limits.
+ * unit, a comma, a colon, "+-", a comparison or the end). Takes memory from `arena`. scope may be
+ * NULL (constants only). Fails with an error at an unknown name (with a suggestion), a malformed
+ * number, a missing operand or parenthesis, or a limit of depth or size.
  */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
@@ -57,8 +56,8 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
  * an error that shows both readings. The value is in SI.
  */
 const struct dimension *expr_dimension(const struct expr *expr);
-/* How it was read and how it could be meant, `1/30 s`: adds a hint while its text exists. False,
- * always. */
+/* Adds a hint, while the text of the expression exists, on how it was read and how it could be
+ * meant: `1/30 s`. Always returns false. */
 bool expr_hint_readings(const struct expr *expr, struct error *error);
 /* Both sides of a comparison: refuses those of different dimensions, converts *right between Hz and
  * rad/s. */
@@ -97,15 +96,15 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet);
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
                           double half);
 /*
- * Where a function of x passes through 0 on a stretch: every place, which its bounds prove, or it
- * says from where on they do not.
+ * Search for the zeros of a function of x on a stretch. It finds every zero, as proved by bounds of
+ * the function, or reports the position from which they do not decide.
  */
 struct root_search {
     void *context;
     double (*value)(void *context, double x);
     struct jet (*bounds)(void *context, double a, double b);
-    /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for.
-     */
+    /* Takes the zeros in the order of x, with the sign beyond, or 0 where the function only touches
+     * 0. Returns false to end the search. */
     bool (*found)(void *context, double x, int sign);
     /* Returns true if the value at x is 0 within errors; may be NULL. */
     bool (*touches)(void *context, double x);
@@ -113,7 +112,8 @@ struct root_search {
     double min;  /* stretches are not cut below this length */
     int budget;  /* bounds asked for, beside some for each root */
 
-    int sign; /* in: of the value before, where it was last not 0; out: at the end */
+    /* sign of the last value that is not 0: before the stretch, then at its end */
+    int sign;
 
     int used, count;
     bool unsure; /* the bounds did not decide from here on */
@@ -162,10 +162,11 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
 struct equations;
 struct program;
 
-/* After a failure no more can be added; what there is stays good. Returns NULL if out of memory. */
+/* Creates an empty set of equations. If a later call fails, nothing more can be added, and what was
+ * added before stays valid. Returns NULL if out of memory. */
 struct equations *equations_create(int names, struct error *error);
 void equations_destroy(struct equations *equations);
-/* From here on the name means this expression of those before. */
+/* Makes the name mean this expression of earlier names from this call on. */
 bool equations_let(struct equations *equations, int name, const struct expr *expr,
                    struct error *error);
 /* One more output. */
@@ -175,17 +176,19 @@ bool equations_add(struct equations *equations, const struct expr *expr, struct 
  * the branch taken; abs has 0 at 0. */
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
-/* From here on a factor of 0 in a derivative stays so: the infinite slope of sqrt at 0 does not
- * spoil what does not depend on it, nor that of a branch what does not take it. */
+/* Keeps a factor of 0 in a derivative at 0 from this call on. The infinite slope of sqrt at 0
+ * then does not spoil what does not depend on it, nor does that of a branch spoil what does not
+ * take it. */
 void equations_keep_limits(struct equations *equations);
 /* Programs that are made from here on follow IEEE arithmetic, without the rule of absent terms. */
 void equations_exact(struct equations *equations, bool exact);
 int equations_count(const struct equations *equations); /* outputs */
 
 /*
- * `count` outputs from `first`, at least one. bound, value [names]: which names are known, and
- * their values (NULL: none). native: as machine code where possible. The equations may change or go
- * away afterwards. NULL: no memory, or too large.
+ * Compiles `count` outputs from `first`, at least one. bound, value [names] tell which names are
+ * known, and their values; they may be NULL. With `native` the program is machine code where
+ * possible. The equations may change or go away afterwards. Returns NULL if out of memory or if the
+ * program would be too large.
  */
 struct program *program_create(const struct equations *equations, int first, int count,
                                const bool *bound, const double *value, bool native,

@@ -29,7 +29,7 @@ static inline double interval_middle(struct interval a)
     return a.lo + (a.hi - a.lo) / 2;
 }
 
-/* From lo to hi, whose rounding is at most so many units in the last place. */
+/* Returns [lo, hi], widened for rounding by at most `units` units in the last place. */
 struct interval interval_wide(double lo, double hi, double units);
 struct interval interval_hull(struct interval a, struct interval b);
 struct interval interval_neg(struct interval a);

@@ -16,7 +16,7 @@ struct catalog;
  * A parameter is known by its row; its place in the table indexes scene.value.
  */
 
-/* Of typed equations (scene/typed.h); and with that of dry friction. */
+/* Number of switches of typed equations (scene/typed.h), and with that of dry friction. */
 #define LIMIT_TYPED_SWITCHES 12
 #define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
 #define PARAM_MAX LIMIT_PARAMETERS
@@ -40,7 +40,7 @@ struct scene {
     const struct model *model;
     const struct preset *preset;
     double value[PARAM_MAX];       /* SI */
-    double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
+    double uncertainty[PARAM_MAX]; /* one standard uncertainty; 0 if exact */
     bool chosen[PARAM_MAX];        /* set by the user since the preset */
     bool across; /* methods step across kinks at turning points, as they are printed */
     /* [n] errors of adaptive methods that do not matter, SI; 0 if not given */
@@ -50,14 +50,14 @@ struct scene {
 /* Settings of a model under a name. */
 struct preset {
     struct row row;
-    const struct model *model; /* NULL: the oscillator */
+    const struct model *model; /* NULL stands for the oscillator */
     struct {
-        const char *param; /* NULL: end */
+        const char *param; /* NULL ends the list */
         double value;      /* SI */
-    } value[16];           /* what differs from the parameters' defaults */
-    /* How long what it shows takes [s], the tolerance it needs, and a first step [s] of methods
-     * that adapt. 0: the lab's (preset_duration() and so on; 0 for the first step: the setting dt).
-     */
+    } value[16];           /* values that differ from the parameters' defaults */
+    /* Time [s] that the shown effect takes, the tolerance that it needs, and a first step [s] of
+     * adaptive methods. 0 stands for the lab's value (preset_duration() and so on; for the first
+     * step the setting dt). */
     double duration, tol, first;
 };
 
@@ -86,13 +86,13 @@ const struct catalog *scene_derived(const struct scene *scene);
 int scene_param(const struct scene *scene, const char *name);
 int scene_param_at(const struct scene *scene, struct text name);
 const struct param_row *param_at(const struct scene *scene, int index);
-/* NAN: the scene has no such parameter */
+/* Returns NAN if the scene has no such parameter */
 double param_value(const struct scene *scene, const char *name);
 bool param_chosen(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
-bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
+bool is_pendulum(const struct scene *scene);   /* with a rigid rod */
 
-/* NULL: "spring" with the lab's defaults */
+/* Initializes the scene from a preset, or as "spring" with the lab's defaults if it is NULL */
 void scene_init(struct scene *scene, const struct preset *preset);
 /* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on
  * error. */
@@ -106,7 +106,8 @@ struct derived_row {
     struct row row;
     enum quantity quantity;
     struct measured (*value)(const struct scene *scene); /* with the propagated uncertainty */
-    /* Setting it sets this parameter (omega0, T0 and f0 set k); NULL: cannot be set. */
+    /* Returns the value of the target parameter that gives this value (omega0, T0 and f0 set k).
+     * NULL if the value cannot be set. */
     double (*inverse)(const struct scene *scene, double value);
     const char *target;
 };
@@ -139,7 +140,7 @@ struct variable {
 
 struct model {
     struct row row;
-    int order; /* 2: positions, then velocities; 1 */
+    int order; /* 2 if positions come first, then velocities; otherwise 1 */
     int n;
     const struct variable *variable; /* [n] */
     const struct catalog *params, *terms,
@@ -148,19 +149,22 @@ struct model {
     bool (*coherent)(const double *param, struct error *error);
     /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
     void (*begin)(const double *param, struct system *system);
-    /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
+    /* Computes the same as system_exact(). NULL if there is no closed form, or that of the linear
+     * oscillator. */
     void (*exact)(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-    const struct typed *typed; /* what a user typed; NULL for one of scene_models */
+    const struct typed *typed; /* lines typed by a user; NULL for one of scene_models */
 };
 
 extern const struct model oscillator_model;
-extern const struct model *const scene_models[]; /* all of them, the oscillator first; NULL: end */
+/* all models, the oscillator first; NULL ends the list */
+extern const struct model *const scene_models[];
 
 /* ---- terms and the bound system ---- */
 
 #define TERM_COEFFICIENTS 6
-#define TERM_VALUES 64 /* of a typed term: what it is, and up to 63 parameters that it reads */
+/* coefficients of a typed term: the term itself, and up to 63 parameters that it reads */
+#define TERM_VALUES 64
 #define TERM_MAX 16
 #define LIMIT_MODEL_ROWS 3 /* accelerations or derivatives of a built-in model */
 
@@ -169,7 +173,7 @@ enum term_flag {
     TERM_VELOCITY = 2,     /* depends on velocity */
     TERM_TIME = 4,         /* depends on time */
     TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
-    TERM_KINK = 16,        /* in a scene of one coordinate: not smooth where its velocity is 0 */
+    TERM_KINK = 16,        /* not smooth where the velocity is 0, in a scene of one coordinate */
     TERM_DRY = 32, /* dry friction: the last term, that of one coordinate, c[0] [m/s^2], c[1] [N] */
 };
 
@@ -198,26 +202,27 @@ struct oscillator {
 struct term_row {
     struct row row; /* name, unit of what `add` adds, brief, citation */
     unsigned flags;
-    /* What it adds to each, as one types it: velocities are x', parameters go by their names. NULL:
-     * nothing */
+    /* Expressions that the term adds to each row, as a user would type them. Velocities are x', and
+     * parameters go by their names. NULL adds nothing. */
     const char *equation[LIMIT_MODEL_ROWS];
     /* The same in the order of `add`, where a text in the order of `equation` would be rounded in
      * another way, else NULL. */
     const char *ordered[LIMIT_MODEL_ROWS];
-    int force; /* enum force of src/scene/model/forces.h: its text is compiled again by kernels */
-    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
-     * (its coefficient is zero). */
+    /* enum force of src/scene/model/forces.h, whose text is compiled again by kernels */
+    int force;
+    /* Computes the coefficients from the parameters, and adds them to `oscillator`, too. Returns
+     * false if the term is absent because its coefficient is zero. */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
     /* Adds to the accelerations [n/2] or, in a first-order scene, to the derivatives [n]. */
     void (*add)(const double *c, double t, const double *y, double *a);
-    /* Adds d a / d y, a row of n for each a, row-major; NULL: the term does not depend on the
+    /* Adds d a / d y, a row of n for each a, row-major. NULL if the term does not depend on the
      * state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
     double (*potential)(const double *c, const double *y); /* [J], NULL unless TERM_CONSERVATIVE */
     /* [W] of typed terms without a potential; NULL otherwise */
     double (*power)(const double *c, double t, const double *y);
-    /* What a term of one coordinate adds, as FORCE of src/scene/model/forces.h has it; NULL if only
-     * `add` knows. */
+    /* Expression that a term of one coordinate adds, as FORCE of src/scene/model/forces.h has it.
+     * NULL if only `add` knows it. */
     const char *text;
 };
 
@@ -243,24 +248,28 @@ struct system {
     int order; /* 2 or 1 */
     int terms;
     struct bound_term term[TERM_MAX];
-    struct bound_term typed; /* of a typed scene: all that was typed at once; row NULL: not there */
-    bool linear;             /* every term TERM_LINEAR: y' = A y + b(t) */
-    bool autonomous;         /* no TERM_TIME */
+    /* All typed terms at once, in a typed scene. Its row is NULL if there is no such term. */
+    struct bound_term typed;
+    bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
+    bool autonomous;   /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity, but for dry friction that is located */
     bool conservative; /* every term has a potential: energy is constant */
-    /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
+    /* True if both kinetic and potential energy are known. False if typed forces have no potential,
+     * which leaves the kinetic energy only. */
     bool energy;
-    /* of typed equations, then that of dry friction: with branches that can be frozen */
+    /* Number of switches, with branches that can be frozen: first those of typed equations, then
+     * that of dry friction. */
     int switches;
     bool extended; /* frozen, they may give numbers where there are none: ask what is not frozen */
     bool dry;      /* the last of them is that of dry friction, at v = 0 */
     /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
     bool pieces;
-    const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
+    /* Sliding along switches of a frozen system; NULL if it slides along none. */
+    const struct sliding *sliding;
     bool kinks;  /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
     bool across; /* methods step across such kinks, as they are printed */
     double mass; /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
-    /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
+    /* Ratio of the mass of each coordinate to `mass`, where typed masses differ. 0 stands for 1. */
     double ratio[LIMIT_VARIABLES / 2];
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
@@ -271,10 +280,11 @@ struct system {
 };
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
-/* Without looking for the potential of typed forces, which takes about a thousand evaluations: for
- * those who bind many and ask for no energy. */
+/* Binds the scene without looking for the potential of typed forces, which takes about a thousand
+ * evaluations. It suits callers that bind many scenes and ask for no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
-/* For rates only: what is typed has sizes of 1 (others cost a trial run), and any start will do. */
+/* Binds the scene for rates only: typed variables have scales of 1 (others cost a trial run), and
+ * any start will do. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
 /* Copies what is set of a system: its terms leave most of its ten kilobytes unused. */
@@ -287,7 +297,8 @@ void system_turn_at_kinks(struct system *system);
 void system_acceleration(const struct system *system, double t, const double *y, double *a);
 /* [n] */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt);
-/* Whether everything repeats when this variable goes on by 2 pi, as far as some places tell. */
+/* Returns true if everything repeats when this variable grows by 2 pi, as checked at some
+ * states. */
 bool variable_is_angle(const struct system *system, int variable);
 /* Only the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
@@ -339,8 +350,8 @@ double system_power(const struct system *system, double t, const double *y);
 /* [W] of the drag terms alone, <= 0 */
 double system_dissipation(const struct system *system, double t, const double *y);
 
-/* [s] with which all forces repeat in time, as the expressions show it. 0: none depends on time;
- * NAN: some do not repeat, or not together. */
+/* Returns the period [s] with which all forces repeat in time, as the expressions show it. Returns
+ * 0 if none depends on time, and NAN if some do not repeat, or not together. */
 double system_drive(const struct system *system);
 
 /* describes state variable i */

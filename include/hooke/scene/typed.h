@@ -51,8 +51,8 @@ struct cancel;
  * quantities are those of the built-in one. So are forces on top of it.
  */
 
-/* Whether the energy of a state takes a quadrature: no potential was typed, and the one that was
- * found is an integral along a path. */
+/* Returns true if the energy of a state takes a quadrature: no potential was typed, and the one
+ * that was found is an integral along a path. */
 bool typed_potential_is_integrated(const struct system *system);
 
 enum typed_kind {
@@ -66,12 +66,12 @@ enum typed_kind {
 
 struct typed_line {
     enum typed_kind kind;
-    /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
+    /* TYPED_VAR: y' for a velocity's initial value. TYPED_FORCE: "" is the first coordinate. */
     struct text name;
     int order;        /* TYPED_EQUATION: 1 or 2 */
     struct text expr; /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
     double value;     /* TYPED_VAR, TYPED_PARAM: SI */
-    enum quantity quantity; /* the same; QUANTITY_NUMBER: no unit */
+    enum quantity quantity; /* The same; QUANTITY_NUMBER if it has no unit. */
 };
 
 /* Returns true if a variable, a parameter or an observable may have this name. */
@@ -82,12 +82,12 @@ struct typed_models; /* all of a session */
 struct typed_models *typed_create(struct error *error); /* Returns NULL if out of memory */
 /* Frees all models; nothing may use them any more. */
 void typed_destroy(struct typed_models *models);
-#define SWEEP_FROM 32 /* of fewer nobody looks for what is not used */
+#define SWEEP_FROM 32 /* smallest number of models that is searched for unused ones */
 /* Frees the models that nobody uses, once there are twice as many as were left the last time. */
 void typed_sweep(struct typed_models *models,
                  bool (*used)(const void *context, const struct model *model), const void *context);
-/* A scene without a line under this name ("": typed); lines that are added to it keep the name.
- * Returns NULL if an error is set. */
+/* Creates a scene without a line under this name, or "" for a typed one. Lines that are added to it
+ * keep the name. Returns NULL if an error is set. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
  * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var
@@ -101,8 +101,9 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error);
-/* Without that line; a variable takes its equation and its initial velocity along. What is left may
- * be the built-in model itself. Returns NULL if it is not there, or others use it. */
+/* Returns `from` without that line. A variable takes its equation and its initial velocity along.
+ * The result may be the built-in model itself. Returns NULL if the line does not exist, or if
+ * others use it. */
 const struct model *typed_remove(struct typed_models *models, const struct model *from,
                                  enum typed_kind kind, struct text name, struct error *error);
 /* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in
@@ -111,7 +112,7 @@ int typed_lines(const struct model *model);
 const struct typed_line *typed_line(const struct model *model, int i);
 /* "y'' = -k*y", as one types it */
 void typed_describe(const struct typed_line *line, struct buffer *text);
-/* the built-in model below; NULL: none, all is typed */
+/* Returns the built-in model below, or NULL if all is typed. */
 const struct model *typed_base(const struct model *model);
 /* Returns true for a built-in scene with this parameter or variable where only parameters were
  * typed. A parameter of that name then begins an empty scene, with those that were typed. */
@@ -129,8 +130,8 @@ void scene_remodel(struct scene *scene, const struct model *model);
 const struct bound_term *system_whole(const struct system *system);
 
 /*
- * What a typed term adds, as a program of t, y and the values behind them [*values], which are
- * term->c from 1 on. NULL: a built-in term.
+ * Returns the right-hand side that a typed term adds, as a program of t, y and the *values values
+ * behind them, which are term->c from 1 on. Returns NULL for a built-in term.
  */
 const struct program *term_program(const struct bound_term *term, int *values);
 
@@ -156,13 +157,14 @@ struct sliding {
     int at[LIMIT_SLIDING];
     double level[LIMIT_SLIDING]; /* value of the argument at the switch */
     double near;                 /* [s] over which arguments are differentiated */
-    /* [LIMIT_SLIDING + 1] below all of them, then above each alone: by system_slide(), to be given
-     * back by sliding_free(); NULL: along none */
+    /* Systems [LIMIT_SLIDING + 1]: below all switches, then above each alone. Made by
+     * system_slide() and freed by sliding_free(). NULL if the motion slides along none. */
     struct system *side;
 };
 
-/* `slides` [system->switches]: along which; false: too many, or no memory. *frozen refers to
- * *sliding, which is {0} or made before. */
+/* Freezes the system so that it slides along the switches i with slides[i]; `slides` has
+ * [system->switches]. *frozen refers to *sliding, which is {0} or made before. Returns false if
+ * there are too many, or if out of memory. */
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
                   double near, struct sliding *sliding, struct system *frozen);
 void sliding_free(struct sliding *sliding);
@@ -189,9 +191,9 @@ bool system_switch_sees(const struct system *system, int i, double t, const doub
                         int variable);
 
 /*
- * Bounds of the derivatives rate [n] on a box [n] of states, and of their derivatives by the state
- * [n][n], NULL if not wanted. What a drive does is left out: means over its period. False: not of a
- * scene that is all typed, or whose forces do not repeat.
+ * Computes bounds of the derivatives rate [n] on a box [n] of states, and of their derivatives by
+ * the state [n][n], NULL if not wanted. Drives are left out, which gives means over their period.
+ * Returns false for a scene that is not all typed, or whose forces do not repeat.
  */
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
                    struct interval *by);
