@@ -9,7 +9,8 @@
 #include "scene/model/params.h"
 #include "scene/typed/typed.h"
 
-/* Accelerations or, for a first-order scene, derivatives: what a term adds to. */
+/* Returns the number of accelerations or, for a first-order scene, of derivatives that a term adds
+ * to. */
 static int term_rows(const struct system *system)
 {
     return system->order == 2 ? system->n / 2 : system->n;
@@ -123,7 +124,7 @@ static double term_power(const struct system *system, const struct bound_term *t
     return sum;
 }
 
-/* Of the terms whose flags under `mask` are `wanted`. */
+/* Returns the power of the terms whose flags under `mask` are `wanted`. */
 static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t,
                        const double *y)
 {

@@ -5,12 +5,12 @@
 
 #include "scene/formula/expr.h"
 
-/* What waits for its operands: an operator, an open parenthesis or an open call. */
+/* An operator, an open parenthesis or an open call that waits for its operands. */
 struct pending {
     enum { WAIT_OPERATOR, WAIT_PARENTHESIS, WAIT_CALL } what;
     enum op_kind op;
     int precedence;
-    int arguments; /* of a call: commas so far */
+    int arguments; /* number of commas so far in a call */
     const struct function *function;
     struct text where;
 };
@@ -22,13 +22,14 @@ struct compiler {
     struct arena *arena;
     struct error *error;
     struct expr *expr;
-    size_t values; /* on the stack after the operations so far */
+    size_t values; /* number of values on the stack after the operations so far */
     struct pending pending[LIMIT_EXPR_DEPTH];
     size_t depth;
     /* One for each value on the stack, where the scope knows quantities; else NULL. */
     struct typed_operand *operand;
-    size_t operands;                                 /* that there is memory for */
-    enum { LAST_NAME, LAST_NUMBER, LAST_UNIT } last; /* what the complete operand ends with */
+    size_t operands; /* that there is memory for */
+    /* kind of word that ends the complete operand */
+    enum { LAST_NAME, LAST_NUMBER, LAST_UNIT } last;
 };
 
 static inline struct text compiler_slice(const struct compiler *c, size_t from, size_t len)
@@ -44,8 +45,8 @@ bool compiler_emit(struct compiler *c, struct op operation, size_t arity);
 
 /* The value that was just emitted was typed there. */
 bool units_of_value(struct compiler *c, struct text typed, struct dimension dimension);
-/* Before an operation is emitted: finds the dimension of its result, and converts Hz beside rad/s.
- * False: its operands do not go together. */
+/* Finds the dimension of the result before an operation is emitted, and converts Hz beside rad/s.
+ * Returns false if its operands do not go together. */
 bool units_of_operation(struct compiler *c, const struct op *operation, size_t arity);
 /* The last value stands in parentheses, which open at `open` and end here. */
 void units_of_parenthesis(struct compiler *c, const char *open);

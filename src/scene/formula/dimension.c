@@ -63,7 +63,7 @@ struct dimension dimension_of_unit(const struct unit *unit)
     return made;
 }
 
-/* What both have typed, with the powers of a. */
+/* Returns a dimension with the powers of a, and with what users typed in either operand. */
 static struct dimension both(const struct dimension *a, const struct dimension *b)
 {
     struct dimension made = *a;
@@ -248,7 +248,8 @@ double dimension_turned(double x, int turns)
     return turns > 0 ? x * (2 * PI) : x / (2 * PI);
 }
 
-/* What a text shows of a power: no angle that pi has changed, as pi Hz is neither Hz nor rad/s. */
+/* Returns the power as texts show it, without an angle that pi has changed: pi Hz is neither Hz nor
+ * rad/s. */
 static double shown_power(const struct dimension *a, int base)
 {
     const bool changed = !is_zero(angles_of(a).cycles - a->power[BASE_CYCLE]);

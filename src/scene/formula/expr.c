@@ -281,11 +281,12 @@ static bool missing_operand(struct compiler *c)
     const unsigned char first = (unsigned char)peek(c, 0);
     if (first == '*' && top && top->op == OP_MUL && top->where.at + 1 == where.at)
         return error_hint(c->error, "a power is written with ^: 2^3");
-    return first >= 0xC2 && first <= 0xF4 && /* of a letter in UTF-8 */
+    return first >= 0xC2 && first <= 0xF4 && /* first byte of a letter in UTF-8 */
            error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
 }
 
-/* Where an operand has to stand. *complete: one was read, an operator may follow. */
+/* Reads an operand, or what may come before it. Sets *complete if an operand was read, so that an
+ * operator may follow. */
 static bool read_operand(struct compiler *c, bool *complete)
 {
     char next = peek(c, 0);
@@ -323,7 +324,7 @@ static struct pending *innermost(struct compiler *c)
     return NULL;
 }
 
-/* NULL: none, as at "+-" of an uncertainty. */
+/* Returns the operator, or NULL if there is none, as at "+-" of an uncertainty. */
 static const struct sign *next_operator(const struct compiler *c)
 {
     struct text rest = compiler_slice(c, c->at, c->text.len - c->at);
@@ -334,8 +335,9 @@ static const struct sign *next_operator(const struct compiler *c)
 }
 
 /*
- * Where an operator may stand; a comparison only inside of parentheses, else it is that of a
- * condition. *complete: an operand has just been closed by ')'. *over: the expression ends here.
+ * Reads an operator where one may be. A comparison is part of the expression only inside of
+ * parentheses; elsewhere it is that of a condition. Sets *complete if ')' has just closed an
+ * operand, and *over if the expression ends here.
  */
 static bool read_operator(struct compiler *c, bool *complete, bool *over)
 {

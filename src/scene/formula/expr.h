@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the compiler and the evaluators of expressions share. */
+/* Declarations shared by the compiler and the evaluators of expressions. */
 #ifndef HOOKE_SCENE_FORMULA_EXPR_H
 #define HOOKE_SCENE_FORMULA_EXPR_H
 
@@ -7,16 +7,17 @@
 #include <hooke/scene.h>
 #include <hooke/scene/dimension.h>
 
-/* How the dimension of a function follows from those of its arguments. */
+/* Rules for the dimension of a function, given those of its arguments. */
 enum function_dimension {
     FUNCTION_PURE,  /* a number of numbers or angles */
     FUNCTION_ANGLE, /* the same of radians */
-    FUNCTION_SAME,  /* of one argument, or of several alike */
+    FUNCTION_SAME,  /* the dimension of its argument, or of several that are alike */
     FUNCTION_SIGN,  /* a number of anything alike */
     FUNCTION_SQUARE_ROOT,
     FUNCTION_CUBE_ROOT,
     FUNCTION_POWER,
-    FUNCTION_CHOICE /* of the second and the third, which are alike */
+    /* the dimension of the second and the third argument, which are alike */
+    FUNCTION_CHOICE
 };
 
 /* One of the three is set: it says how many arguments there are. */
@@ -33,7 +34,7 @@ static inline int function_arity(const struct function *function)
     return function->one ? 1 : function->two ? 2 : 3;
 }
 
-/* What a NaN argument has to give NaN for, and what programs know without a call. */
+/* Functions that have to return NaN for a NaN argument, and that programs know without a call. */
 /* Those that have a slope, of libm or our own. */
 #define ONE(function, ...) double function(double x);
 #define TWO(function, ...) double function(double x, double y);
@@ -94,7 +95,7 @@ struct op {
     };
 };
 
-/* What a value on the compiler's stack was typed as. */
+/* Dimension and text of a value on the compiler's stack. */
 struct typed_operand {
     struct dimension dimension;
     struct text text;
@@ -102,8 +103,8 @@ struct typed_operand {
     struct text number, unit;
 };
 
-/* In postfix order. The stack never holds more than LIMIT_EXPR_DEPTH values: the compiler sees to
- * it. */
+/* Expression in postfix order. The compiler ensures that the stack never holds more than
+ * LIMIT_EXPR_DEPTH values. */
 struct expr {
     struct op *op;
     size_t count, capacity;

@@ -11,7 +11,7 @@
 static inline double *operation_value(const struct op *op, double *top)
 {
     switch (op->kind) {
-    case OP_NUMBER: /* values: the caller's business */
+    case OP_NUMBER: /* The caller handles values. */
     case OP_NAME:
         return top;
     case OP_NEG:

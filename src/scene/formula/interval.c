@@ -11,8 +11,8 @@ static const double rounding = 0.5;
 /* A little more than the distance of two numbers at 1: its half leads to the next. */
 static const double last_place = DBL_EPSILON * (1 + DBL_EPSILON);
 
-/* With units = 0.5 these are the next numbers below and above x (Rump, Zimmermann, Boldo, Melquiond
- * 2009). */
+/* Returns a bound below x. With units = 0.5 these functions give the next numbers below and above x
+ * (Rump, Zimmermann, Boldo, Melquiond 2009). */
 static double lower(double x, double units)
 {
     return x - (fabs(x) * (units * last_place) + tiny);

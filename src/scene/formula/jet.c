@@ -92,7 +92,8 @@ static struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
 
 /* ---- functions of two arguments ---- */
 
-/* Of two that are continuous, one is chosen: the slope is one of theirs. */
+/* Returns bounds of a choice between two functions that are continuous. The slope is one of
+ * theirs. */
 static struct jet either(const struct jet *a, const struct jet *b, double lo, double hi)
 {
     return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
@@ -175,7 +176,7 @@ static struct jet to_number(struct jet x, double n)
         interval_add(interval_mul(twice, interval_square(x.slope)), interval_mul(once, x.bend))};
 }
 
-/* In general exp(n log x), for which x has to be above 0. */
+/* Returns x^n. In general this is exp(n log x), for which x has to be above 0. */
 static struct jet to_power(struct jet x, struct jet n)
 {
     const bool fixed = jet_is_number(&n) && n.value.lo == n.value.hi;

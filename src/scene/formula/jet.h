@@ -8,10 +8,11 @@
 
 struct jet jet_number(double number);
 struct jet jet_add(struct jet a, struct jet b);
-struct jet jet_one(double (*function)(double), struct jet x); /* of expressions (functions.c) */
+/* bounds of a function of expressions (functions.c) */
+struct jet jet_one(double (*function)(double), struct jet x);
 
-/* Of a branch that is not known: in between, with any slope; of one that may not be a number, the
- * same. */
+/* Returns bounds of a branch that is not known: values in between, with any slope. A branch that
+ * may not be a number has the same bounds. */
 struct jet jet_jump(double lo, double hi);
 
 /* The operation on bounds of its arguments x. */

@@ -2,7 +2,8 @@
 /* Bounds of the functions of one argument, of their first and of their second derivatives. */
 #include "scene/formula/jet.h"
 
-/* Of the last place: elementary functions are off by 0.9, at an end of a stretch and in it. */
+/* Error of elementary functions in units of the last place: 0.9 at an end of a stretch and 0.9 in
+ * it. */
 static const double function_units = 2;
 
 /* f, f', f'' over an interval. */

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where a function passes through 0: a stretch is halved until its bounds exclude 0, or a bound of
- * the slope leaves one sign change at most, or one of the second derivative at most two (Moore
- * 1966, Interval Analysis; Hansen, Walster 2004, Global Optimization Using Interval Analysis,
- * chapter 9).
+ * Finds the zeros of a function. A stretch is halved until its bounds exclude 0, or a bound of the
+ * slope leaves one sign change at most, or one of the second derivative at most two (Moore 1966,
+ * Interval Analysis; Hansen, Walster 2004, Global Optimization Using Interval Analysis, chapter 9).
  */
 #include <hooke/scene/interval.h>
 
@@ -200,7 +199,7 @@ static bool leaves_zero(struct root_search *roots, const struct root_interval *s
     return true;
 }
 
-/* With a second derivative of one sign. */
+/* Searches a stretch on which the second derivative has one sign. */
 static void bent(struct root_search *roots, const struct root_interval *s,
                  const struct interval *second)
 {
@@ -304,7 +303,7 @@ static bool is_uncuttable(struct root_search *roots, const struct root_interval 
             is_undecided(roots, s->b));
 }
 
-/* True: nothing is left to be found in it. `undecided` is what comes before it. */
+/* Returns true if nothing is left to be found in the stretch. `undecided` is the part before it. */
 static bool decided(struct root_search *roots, const struct root_interval *s,
                     struct root_interval *undecided)
 {

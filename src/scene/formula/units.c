@@ -7,7 +7,7 @@
 
 #include "scene/formula/compiler.h"
 
-/* How much of a text a message quotes. */
+/* Returns the length of a text that a message quotes. */
 static int shown_length(struct text text)
 {
     return (int)(text.len < 60 ? text.len : 60);
@@ -63,7 +63,7 @@ static bool hint_readings(const struct typed_operand *operand, struct error *err
                       shown_length(whole), whole.at, (int)operand->unit.len, operand->unit.at);
 }
 
-/* verb: "add", "compare" */
+/* Refuses a pair of operands; verb is "add" or "compare". */
 static bool refuse_pair(struct error *error, const char *verb, const struct typed_operand *a,
                         const struct typed_operand *b)
 {
@@ -249,7 +249,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
             return false;
         *dimension = number_of(a, arity);
     }
-    c->operand[c->values - arity] = made; /* which more may have moved */
+    c->operand[c->values - arity] = made; /* making room for more may have moved the array */
     return true;
 }
 

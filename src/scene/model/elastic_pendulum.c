@@ -122,7 +122,7 @@ static void elastic_pendulum_scales(const double *param, struct system *system)
            c = fixed_cos(param[P_theta0]);
     double speed = r * param[P_rate0], reach = fmax(fabs(r), param[P_length]);
     double stiffness = param[P_k] / param[P_m];
-    /* how far the weight stretches the spring */
+    /* extension of the spring by the weight */
     double sag = stiffness > 0 ? fabs(param[P_g]) / stiffness : 0;
     reach = scale_clamp(fmax(reach, sag));
     system->t0 = param[P_t0];

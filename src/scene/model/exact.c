@@ -250,8 +250,9 @@ struct exact_table {
     int count;
     struct {
         struct flow flow;
-        real response;        /* to a constant force from rest */
-        node p, p_rate, turn; /* of a drive that is 1 at the base; how it has turned */
+        real response; /* response to a constant force from rest */
+        /* response to a drive that is 1 at the base, and the turn of its phase */
+        node p, p_rate, turn;
     } at[TABLE_MAX];
     bool known; /* the base */
     double t;

@@ -6,7 +6,7 @@
 
 #include <hooke/scene.h>
 
-/* Without quadratic drag and friction, whatever they are. */
+/* Computes the exact state, leaving out quadratic drag and friction, whatever they are. */
 void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t,
                       double *y, double *floor);
 

@@ -30,7 +30,7 @@ bool dry_has_exact(const struct system *system)
     return fine && o->quadratic == 0;
 }
 
-/* From `start` over a time, moving in the direction `side`. */
+/* Moves from `start` over a time, in the direction `side`. */
 static void move(const struct oscillator *o, double side, const double *start, real time, double *y)
 {
     struct oscillator branch = *o;
@@ -99,7 +99,7 @@ static void stay(double q, double *y)
     y[1] = 0;
 }
 
-/* From rest at q, where more pulls than friction holds. */
+/* Swings from rest at q, where the force is larger than friction. */
 static void swing(const struct oscillator *o, real omega, double q, real time, double *y)
 {
     const double force = -(o->stiffness * q + o->gravity), away = force > 0 ? 1 : -1;

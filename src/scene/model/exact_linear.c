@@ -14,7 +14,8 @@
 
 #include "scene/model/exact.h"
 
-#define LINEAR_MAX 16 /* variables: a matrix product of more is slow for each row of a run */
+/* largest number of variables: a larger matrix product is slow for each row of a run */
+#define LINEAR_MAX 16
 #define MATRIX_SIDE_MAX (LINEAR_MAX + 1)
 #define EXPM_TERMS 10
 #define EXPM_NORM_MAX (1. / 16) /* (1/16)^10/11! is below the rounding of long double. */
@@ -54,8 +55,8 @@ bool linear_has_exact(const struct system *system)
     return fine;
 }
 
-/* Makes it D^-1 X D, rows and columns of which are about the same size; d: the diagonal of D,
- * powers of two. */
+/* Replaces x by D^-1 X D, whose rows and columns are about the same size. d returns the diagonal of
+ * D, which has powers of two. */
 static void balance(struct matrix *x, real *d)
 {
     const int n = x->n - 1;
@@ -150,7 +151,7 @@ static void exponential(const struct matrix *x, real t, struct matrix *made,
     *made = e[now];
 }
 
-/* For each variable those that it depends on, directly or through others, as bits. */
+/* Finds for each variable those that it depends on, directly or through others, as bits. */
 static void dependence(const struct matrix *x, unsigned *on)
 {
     const int n = x->n - 1;

@@ -26,13 +26,13 @@ struct program *terms_program(const struct system *system, unsigned mask, unsign
 
 /* ---- their texts ---- */
 
-/* Which text a term's force is; 0 for one that no kernel knows. */
+/* Number of the force of each term; 0 for one that no kernel knows. */
 enum force {
     FORCE_OTHER,
 #define CONSERVATIVE_TERM(name, ...) FORCE_##name,
 #define POWERED_TERM(name, ...) FORCE_##name,
 #include "scene/model/terms.def"
-    FORCE_TERMS_END, /* of the oscillator */
+    FORCE_TERMS_END, /* end of the terms of the oscillator */
     FORCE_weight,
     FORCE_attraction,
     FORCE_well,
@@ -83,8 +83,8 @@ POTENTIAL(weight, 2 * c1 * sin(q / 2) * sin(q / 2))
 
 #include "scene/model/terms.def"
 
-/* What dry friction c0 [m/s^2] makes of the acceleration by all other forces: at rest as much as
- * it takes, up to c0. */
+/* Computes the acceleration with dry friction c0 [m/s^2], given that by all other forces. At rest
+ * friction cancels as much as there is, up to c0. */
 MODEL_FORCE(friction)
 {
     if (y[1] != 0)

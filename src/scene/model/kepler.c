@@ -150,7 +150,8 @@ static real bracket(real alpha, real r0, real sigma, real time, real *low, real 
  * method, fenced in. */
 static void kepler_equation(real alpha, real r0, real sigma, real time, real u[4])
 {
-    static const real close = 1e-12L; /* relative: the next step has twice as many digits */
+    /* relative error at which the next step has twice as many digits */
+    static const real close = 1e-12L;
     real low, high, s = bracket(alpha, r0, sigma, time, &low, &high);
     bool found = false;
     for (int i = 0; i < 200; i++) {

@@ -21,7 +21,8 @@ struct catalog;
 extern const struct model pendulum_model, elastic_pendulum_model, kepler_model, henon_heiles_model,
     prothero_robinson_model, robertson_model, orego_model;
 
-extern const struct catalog no_derived; /* of a model without derived quantities */
+/* empty catalog, for models without derived quantities */
+extern const struct catalog no_derived;
 
 /* ---- parameters ---- */
 

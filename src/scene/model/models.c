@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What there is to move. */
+/* List of the built-in models. */
 #include <hooke/base/catalog.h>
 #include "scene/model/model.h"
 

@@ -19,7 +19,7 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
     if (mu > 0 && o->stiffness > 0)
         y0 = fmax(y0, 2 * width);
     double rate = sqrt(fabs(o->stiffness));
-    if (rate == 0) { /* how far it gets: cubic y^4/4 = v^2/2 */
+    if (rate == 0) { /* largest displacement: cubic y^4/4 = v^2/2 */
         y0 = fmax(y0, cubic > 0 ? sqrt(v0 * sqrt(2 / cubic)) : 0);
         rate = sqrt(fabs(cubic)) * y0;
     }

@@ -105,7 +105,7 @@ static const struct preset rows[] = {
      .duration = 200,
      .tol = 1e-9},
 
-    /* Stiff: what decides accuracy is slow, what limits an explicit step is fast. */
+    /* A stiff system: slow motion decides accuracy, fast motion limits an explicit step. */
     {.row = {"stiff-spring", "", "k/m = 1e12: 159155 swings a second, damped within a few seconds",
              "", NULL},
      .value = {{"m", 1}, {"k", 1e12}, {"y0", 1}, {"gamma", 1}},

@@ -25,7 +25,8 @@ static struct jet of_unit(struct interval value, bool moves)
     return jet;
 }
 
-/* Everything at time t, differentiated by variable `by`; -1: by none. */
+/* Computes bounds of all names at time t, differentiated by variable `by`, or not at all if `by` is
+ * -1. */
 static void name_all(struct box_names *names, const double *c, const struct interval *box, double t,
                      int by)
 {

@@ -20,7 +20,7 @@
 #define BOUND_SLACK_FACTOR 8.0
 /* Part of a variable's size that an interval may add to it unseen. */
 #define HIDDEN_MOTION_MAX 1e-13
-#define DEPTH_MIN 6 /* halvings: longer stretches are no bursts */
+#define DEPTH_MIN 6 /* halvings; longer stretches are no bursts */
 #define DEPTH_MOST 50
 #define BOUND_ROUNDING_RELATIVE 1e-12
 #define AT_ENDS 1e-6 /* of a way: where a step ended at a switch, what follows is not on it; */
@@ -34,10 +34,11 @@
 struct way {
     const struct system *system;
     const struct typed *typed;
-    const double *c; /* of the bound term */
+    const double *c; /* coefficients of the bound term */
     double t[2];
     const double *from, *to;
-    double bend[2][LIMIT_VARIABLES]; /* from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
+    /* curve from + s (rate + s (bend[0] + s bend[1])), 0 <= s <= 1 */
+    double bend[2][LIMIT_VARIABLES];
     double rate[LIMIT_VARIABLES];
     struct jet name[TYPED_NAMES_MAX], centre[TYPED_NAMES_MAX];
 };
@@ -94,7 +95,7 @@ static void name_all(const struct way *way, double a, double b, struct jet *name
         name[1 + n + i] = jet_number(way->c[1 + i]);
 }
 
-/* Of an expression of the names on [a, b]. */
+/* Computes bounds of an expression of the names on [a, b]. */
 static struct jet bounds_of(const struct way *way, const struct expr *expr, double a, double b)
 {
     return a == b ? expr_jet(expr, way->name)
@@ -139,7 +140,7 @@ static double largest(struct interval a)
     return fmax(fabs(a.lo), fabs(a.hi));
 }
 
-/* What may hide between samples of a stretch, and what they show of it. */
+/* Change that may hide between samples of a stretch, and change that they show. */
 struct stretch_look {
     double hidden, seen;
 };
@@ -241,7 +242,7 @@ static int search_row(struct way *way, int row, double size, bool sure, int64_t 
         const bool seen = at.hidden <= BOUND_SLACK_FACTOR * at.seen;
         if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
             count = burst_append(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
-        /* of a long stretch one sample may have met a burst by chance */
+        /* one sample of a long stretch may have met a burst by chance */
         if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, at.seen)))
             continue;
         /* a jump, or no number */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From lines to a model: state, parameters, and what each variable's expressions are. */
+/* Compiles lines to a model: state, parameters, and the expressions of each variable. */
 #include <hooke/base/cancel.h>
 #include <hooke/base/unit.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static bool read_expr(struct compile *c, const struct typed_line *line, const st
                                         : false;
 }
 
-/* What is observed first: each knows those above, equations know all. */
+/* Reads all lines. Observables come first: each knows those above, and equations know all. */
 static bool read_all(struct compile *c)
 {
     struct typed *typed = c->typed;

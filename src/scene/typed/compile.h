@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the makers of typed models share: names while expressions are read, before it is known what
- * they stand for. */
+/* Declarations shared by the makers of typed models: names while expressions are read, before their
+ * meaning is known. */
 #ifndef HOOKE_SCENE_TYPED_COMPILE_H
 #define HOOKE_SCENE_TYPED_COMPILE_H
 
@@ -20,8 +20,8 @@ enum symbol_kind {
 struct symbol {
     char name[LIMIT_SYMBOL + 1];
     enum symbol_kind kind;
-    int index;   /* among its kind */
-    int primed;  /* of a velocity: the symbol that it belongs to with a ' */
+    int index;   /* index among symbols of its kind */
+    int primed;  /* for a velocity, the symbol that it belongs to with a ' */
     bool hidden; /* not to be used in expressions */
     bool used;
     int slot; /* as the equations count */
@@ -29,7 +29,7 @@ struct symbol {
 
 /* A variable that has an equation, or is going to have one. */
 struct unknown {
-    /* speed: var y' = …; NULL if it is not there */
+    /* speed is the line var y' = …; NULL if a line is missing */
     const struct typed_line *line, *speed, *equation;
     int symbol, velocity; /* symbols, velocity -1: none */
     const struct expr *expr;
@@ -53,14 +53,14 @@ struct compile {
 
 static inline bool symbol_is(const struct symbol *symbol, struct text name)
 {
-    const size_t last = name.len - 1; /* where names like x1 and x2 differ */
+    const size_t last = name.len - 1; /* names like x1 and x2 differ in their last byte */
     return name.len > 0 && name.len <= LIMIT_SYMBOL && symbol->name[name.len] == '\0' &&
            symbol->name[last] == name.at[last] && memcmp(symbol->name, name.at, last) == 0;
 }
 
 /* All names but those of observed quantities. */
 bool typed_declare(struct compile *c);
-/* -1: the name is taken. */
+/* Adds a symbol. Returns -1 if the name is taken. */
 int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,
                  struct text where);
 /* The parameter that is a variable's value at the start (line NULL: 0), and t0; not for
@@ -71,7 +71,8 @@ bool typed_start_time(struct compile *c);
 /* The scope of expressions. */
 bool typed_find(const void *context, struct text name, int *slot);
 void typed_offer(const void *context, struct suggestion *suggestion);
-/* False, always: why an unknown name of that line is not known here, where more can be said. */
+/* Explains why an unknown name of that line is not known here, if more can be reported. Always
+ * returns false. */
 bool typed_explain(struct compile *c, const struct typed_line *line);
 
 #endif

@@ -9,13 +9,13 @@
 #include "scene/formula/expr.h"
 #include "scene/typed/typed.h"
 
-#define RATIO_MOST 64   /* of two periods, as whole numbers */
+#define RATIO_MOST 64   /* largest ratio of two periods, as whole numbers */
 #define RATIO_NEAR 1e-9 /* and how near to that */
 
 struct drive_part {
     bool known; /* the value at t = 0 is a number, whatever the state is */
     double value;
-    double rate;   /* 0: steady, or it repeats */
+    double rate;   /* 0 if steady, or if it repeats */
     double period; /* [s] 0: it does not repeat; NAN if it does neither */
 };
 

@@ -262,7 +262,7 @@ static void linear_term_add(const struct typed_term *term, const double *c, stru
     o->drag_whole = o->drag_whole && !drag;
 }
 
-/* Of several coordinates: is it v_i' = -gamma v_i, with one gamma? */
+/* Adds the drag of several coordinates if it is v_i' = -gamma v_i, with one gamma. */
 static void add_drag(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const int n = term->typed->model.n, rows = n / 2;

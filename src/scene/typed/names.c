@@ -24,7 +24,7 @@ static bool symbol_matches(const struct compile *c, const struct symbol *symbol,
     return symbol_is(symbol, name);
 }
 
-/* The line of that kind and name; NULL: none. */
+/* Returns the line of that kind and name, or NULL if there is none. */
 static const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
                                               struct text name)
 {

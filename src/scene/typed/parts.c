@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define FRAME_MAX 16384 /* doubles */
-#define ADDED_FEW 256   /* of 16 variables the Jacobian */
+#define ADDED_FEW 256   /* elements: the Jacobian of 16 variables */
 
 /* ---- evaluation ---- */
 
@@ -98,7 +98,7 @@ struct part_making {
     struct error *error;
 };
 
-/* STEPS: what depends on parameters only is computed by binding; RARELY: no machine code. */
+/* For STEPS, binding computes what depends on parameters only. RARELY has no machine code. */
 enum use { STEPS, LOOKS, RARELY };
 
 /* The last `count` outputs as a program. */
@@ -145,8 +145,8 @@ static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
     return flags;
 }
 
-/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the
- * equations. */
+/* Makes the program of the sum of the expressions [rows]; makes nothing if it is 0. *first is its
+ * index among the equations. */
 static bool make_add(const struct part_making *m, struct typed_term *term,
                      const struct expr *const *expr, int *first)
 {
@@ -213,8 +213,8 @@ static bool make_whole(const struct part_making *m, struct typed_part *part)
     return fine;
 }
 
-/* What can be integrated of the force that depends on positions only. Returns false if an error is
- * set. */
+/* Integrates as much as possible of the force that depends on positions only. Returns false if an
+ * error is set. */
 static bool make_integrals(const struct part_making *m, struct typed_term *force, int first)
 {
     const int rows = typed_rows(m->typed);

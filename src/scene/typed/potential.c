@@ -85,7 +85,7 @@ static double around_potential(const double *c, const double *y)
     return -typed_work(c, PATH_AROUND_ORIGIN, NULL, y, &size);
 }
 
-/* In the order in which they are tried; the first is for linear forces. */
+/* Potentials in the order in which they are tried; the first is for linear forces. */
 static double (*const potentials[TYPED_FOUND])(const double *c, const double *y) = {
     linear_potential,  formula_from_origin, formula_along_axes, formula_from_infinity,
     formula_from_unit, origin_potential,    infinity_potential, around_potential};

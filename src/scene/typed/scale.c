@@ -76,8 +76,8 @@ static bool grown(int n, const double *early, const double *max)
 }
 
 /*
- * How far it got, if its steps became shorter and shorter there; 0 if it found no pole. *there: it
- * came to the end, or grew away.
+ * Runs a trial. Returns the time that it reached if its steps became shorter and shorter there, or
+ * 0 if it found no pole. Sets *there if it reached the end, or grew beyond limits.
  */
 static double try_out(const struct system *system, double span, double *max, bool *there)
 {
@@ -121,8 +121,8 @@ static double try_out(const struct system *system, double span, double *max, boo
     return t < end && h < POLE_STEP_RELATIVE * (t - system->t0) ? t - system->t0 : 0;
 }
 
-/* What sticks to a switch shakes about it in ever shorter steps: then sizes are those on the
- * branches of the start. */
+/* Tries the scene with its switches frozen. A motion that sticks to a switch shakes about it in
+ * ever shorter steps; sizes are then those on the branches of the start. */
 static bool try_frozen(const struct system *system, double span, const double *start, double *max)
 {
     struct system frozen;

@@ -28,7 +28,7 @@ static const struct sliding *sliding_of(const double *c)
     return sliding;
 }
 
-/* How fast each argument changes along the field f. */
+/* Computes the rate of each argument along the field f. */
 static void rates(const struct sliding *s, double t, const double *y, const double *f, double *rate)
 {
     const int n = s->side[0].n;
@@ -43,8 +43,8 @@ static void rates(const struct sliding *s, double t, const double *y, const doub
         rate[k] = (after[s->at[k]] - before[s->at[k]]) / (2 * s->near);
 }
 
-/* [s] in which a motion by `direction` goes as far as variables are large; `otherwise`: it does
- * not. */
+/* Returns the time [s] in which a motion by `direction` moves as far as variables are large, or
+ * `otherwise` if there is no motion. */
 static double moment(const struct system *system, const double *y, const double *direction,
                      double otherwise)
 {
@@ -77,7 +77,7 @@ static void differences(const struct sliding *s, double t, double time, const do
     }
 }
 
-/* How each argument changes along the motion on one side: its rate, and the rate of that. */
+/* Computes the rate of each argument along the motion on one side, and the rate of that rate. */
 static void changes(const struct sliding *s, const struct system *side, double t, const double *y,
                     double *rate, double *second)
 {
@@ -107,9 +107,9 @@ static void changes(const struct sliding *s, const struct system *side, double t
  * stays where both are 0.
  */
 struct around {
-    double field[LIMIT_VARIABLES];               /* below all switches */
-    double jump[LIMIT_SLIDING][LIMIT_VARIABLES]; /* what each adds above */
-    double rate[LIMIT_SLIDING];                  /* of the arguments along `field`, */
+    double field[LIMIT_VARIABLES];               /* field below all switches */
+    double jump[LIMIT_SLIDING][LIMIT_VARIABLES]; /* change of the field above each switch */
+    double rate[LIMIT_SLIDING];                  /* rate of each argument along `field`, */
     double by[LIMIT_SLIDING][LIMIT_SLIDING]; /* and what each jump adds to that of argument [i] */
     bool second[LIMIT_SLIDING];
     double first[LIMIT_SLIDING]; /* rate of those whose second derivative it is */
@@ -288,7 +288,7 @@ static void move(const struct sliding *s, const double *by, double (*direction)[
             y[i] += by[j] * direction[j][i];
 }
 
-/* What the field makes of each jump in a moment: [1/s] times it. */
+/* Computes how the field changes each jump in a moment, in 1/s times the unit of the jump. */
 static void follow_jumps(const struct sliding *s, const struct around *around, double t,
                          const double *y, double (*direction)[LIMIT_VARIABLES])
 {
@@ -332,8 +332,8 @@ static bool return_twice(const struct sliding *s, const struct around *around, d
     return true;
 }
 
-/* How far each argument is from its switch. Returns true if one is, or its rate is not 0 where it
- * has to be. */
+/* Computes the distance of each argument from its switch. Returns true if one is off, or if its
+ * rate is not 0 where it has to be. */
 static bool look_off(const struct sliding *s, double t, const double *y, struct around *around,
                      double *miss)
 {
@@ -348,7 +348,7 @@ static bool look_off(const struct sliding *s, double t, const double *y, struct 
     return off;
 }
 
-/* By a step of Newton's iteration. */
+/* Corrects the state by a step of Newton's iteration. */
 static void step_back(const struct sliding *s, struct around *around, double t, double *miss,
                       double *y)
 {
@@ -397,7 +397,8 @@ bool sliding_passes(const struct sliding *s, int i, double t, const double *y, d
     return false;
 }
 
-/* Of the switches along which it slides: the product of both sides' shares. */
+/* Computes guards of the switches along which the motion slides: the product of both sides'
+ * shares. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard)
 {
     struct around around;

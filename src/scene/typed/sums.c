@@ -34,7 +34,7 @@ const struct expr *typed_value(struct arena *arena, struct op op)
     return made;
 }
 
-/* Behind what is there already. */
+/* Appends operations to an expression. */
 static bool operations_append(struct arena *arena, struct expr *to, const struct op *op,
                               size_t count)
 {
@@ -102,7 +102,7 @@ struct sorting {
     struct operand *operand;
 };
 
-/* What is done with a summand, from the inside out. */
+/* An operation on a summand; operations are listed from the inside out. */
 struct wrap {
     enum op_kind op;
     const struct expr *other; /* NULL: OP_NEG */
@@ -110,13 +110,13 @@ struct wrap {
     const struct wrap *outer;
 };
 
-/* How an operation treats sums: its operands that are cut up, and its other one, a factor that is
- * constant in time. */
+/* Treatment of sums by an operation: the operands that are split, and the other one, a factor that
+ * is constant in time. */
 struct parting {
-    size_t side[2]; /* where they end */
+    size_t side[2]; /* ends of the operands */
     int sides;
     struct wrap wrap[2]; /* op OP_NUMBER: nothing is done */
-    size_t factor;       /* where it ends */
+    size_t factor;       /* end of the factor */
 };
 
 static void part(const struct sorting *s, size_t at, struct parting *p)

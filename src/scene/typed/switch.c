@@ -22,7 +22,7 @@ struct switch_making {
     struct equations *equations;
     const bool *bound; /* [names] */
     const double *value;
-    int values; /* of the term, so far */
+    int values; /* number of values of the term, so far */
     struct error *error;
 };
 
@@ -92,7 +92,7 @@ static bool any_switches(const struct typed *typed)
     for (int g = 0; g < GROUPS; g++)
         for (int i = 0; typed->group[g] && i < typed_rows(typed); i++)
             any = any || expr_switches(typed->group[g][i]);
-    for (int i = 0; i < typed->observes; i++) /* which equations may read */
+    for (int i = 0; i < typed->observes; i++) /* observables, which equations may read */
         any = any || expr_switches(typed->observe[i]);
     return any;
 }
@@ -107,7 +107,7 @@ static void take_branches(const struct typed_part *part, const double *branch, i
 
 #define NEXT_BRANCH_TRIALS 3
 
-/* By numbers as good as any. */
+/* Decides by evaluation at arbitrary numbers. */
 static bool turns_only(const struct typed_part *part)
 {
     const struct typed *typed = part->frozen.typed;
@@ -241,7 +241,7 @@ void typed_branches_take(const struct system *system, const double *branch, int 
     frozen_values(part, system->typed.c, frozen->typed.c);
     take_branches(part, branch, count, frozen->typed.c);
     frozen->terms = 0;
-    for (int i = 0; i < system->terms; i++) /* of the scene underneath */
+    for (int i = 0; i < system->terms; i++) /* terms of the built-in scene */
         if (system->term[i].row->bind)
             frozen->term[frozen->terms++] = system->term[i];
     frozen->term[frozen->terms++] = frozen->typed;

@@ -11,7 +11,7 @@
 
 struct typed_models {
     struct typed *last;
-    size_t count, left; /* left: by the last sweep */
+    size_t count, left; /* number of models, and number left by the last sweep */
 };
 
 struct typed_models *typed_create(struct error *error)
@@ -317,7 +317,7 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
     return typed_lines_compile(models, typed, copy, line, error);
 }
 
-/* A line that is left and uses what is gone; NULL: another reason. */
+/* Returns a remaining line that uses the removed name, or NULL if the error has another reason. */
 static const struct typed_line *user_of(const struct typed *typed, const struct error *error)
 {
     for (int i = 0; i < typed->lines && error->where.at; i++) {
@@ -335,8 +335,7 @@ static void drop_line(struct typed *typed, enum typed_kind kind, struct text nam
         typed_line_drop(typed, index);
 }
 
-/* What is left of the lines without it; a variable takes its equation and its initial velocity
- * along. */
+/* Drops the line; a variable takes its equation and its initial velocity along. */
 static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
 {
     char primed[LIMIT_SYMBOL + 2];

@@ -29,14 +29,14 @@ enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
  * read, and what programs keep of them.
  */
 struct typed {
-    struct typed *next;          /* of all models */
+    struct typed *next;          /* next of all models */
     const struct cancel *cancel; /* while it is compiled */
     struct arena arena;
     struct model model;
     struct preset preset; /* settings under the name of the model */
     char name[LIMIT_SYMBOL + 1];
-    const struct model *base; /* NULL: all is typed */
-    struct typed_line *line;  /* in the order of typing */
+    const struct model *base; /* NULL if all is typed */
+    struct typed_line *line;  /* lines in the order of typing */
     int lines;
     struct term_row *row; /* [terms of the base + GROUPS] the groups that are there */
     struct catalog params, terms, derived;
@@ -51,7 +51,8 @@ struct typed {
     const struct expr **observe;
     int observes;
     const struct expr *
-        *group[GROUPS]; /* [rows] each with NULL where there is nothing; NULL: nothing at all */
+        /* [rows], each with NULL where the group has nothing; NULL if it has nothing at all */
+        *group[GROUPS];
     const struct expr *potential;
     struct typed_parts *parts;
 };
@@ -90,16 +91,16 @@ bool typed_compile(struct typed *typed, struct error *error);
 
 /* ---- sums (typed_sums.c) ---- */
 
-/* a, b in this order, then the operation; b NULL: it has one operand. NULL: out of memory, too
- * deep. */
+/* Returns a and b, in this order, followed by the operation; b is NULL if it has one operand.
+ * Returns NULL if out of memory or if the expression is too deep. */
 const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b,
                               enum op_kind op, struct error *error);
 const struct expr *typed_value(struct arena *arena, struct op op);
 struct typed_sort {
     struct arena *arena;
     struct error *error;
-    const unsigned *depends; /* of each name: bits of enum typed_dependence */
-    bool positions;          /* what depends on them only is a group of its own */
+    const unsigned *depends; /* bits of enum typed_dependence for each name */
+    bool positions;          /* expressions of positions only form a group of their own */
 };
 
 enum typed_dependence { DEPENDS_TIME = 1, DEPENDS_POSITION = 2, DEPENDS_VELOCITY = 4 };
@@ -114,16 +115,16 @@ bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
 
 #define TYPED_FOUND 8 /* ways to a potential (typed_potential.c) */
 
-/* Of a group, or of all of them, with those parameters known that are 0. */
+/* Programs of a group, or of all of them, with those parameters known that are 0. */
 struct typed_term {
     const struct typed *typed;
     struct typed_part *part;
-    struct term_row row; /* with the flags that hold here */
+    struct term_row row; /* row with the flags that hold here */
     struct program *add, *jacobian;
-    /* NULL if there is none. slope: of the potential */
+    /* NULL where there is none. slope is that of the potential. */
     struct program *potential, *slope, *observe;
     /* Parts of a potential that nobody typed, as equations_integrate() makes them: of all
-     * antiderivatives, and along the axes; NULL: none were found. */
+     * antiderivatives, and along the axes. NULL if none were found. */
     struct program *parts, *axes;
 };
 
@@ -133,21 +134,22 @@ struct typed_part {
     struct typed_term term[GROUPS], all;
     /* all, with the branches of switches as given values; add NULL: no switches */
     struct typed_term frozen;
-    struct program *argument; /* of each switch */
+    struct program *argument; /* argument of each switch */
     struct switches switches;
     bool turns_only; /* as typed_turns_only() says */
-    /* of GROUP_FORCE with a potential that was found, by the way to it */
+    /* rows of GROUP_FORCE with a potential that was found, one for each way to find it */
     struct term_row found[TYPED_FOUND];
     /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
     int steady;
     atomic_bool checked; /* force and potential agree */
 };
 
-/* By a program of the part that c is from. */
+/* Evaluates a program of the part that c is from. */
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
                     double *out);
 const struct typed_term *typed_term_of(const double *c);
-/* Of a term's row: add, and jacobian. Without memory for large ones they add NaN. */
+/* Functions of a term's row: add, and jacobian. They add NaN if there is no memory for large
+ * ones. */
 void typed_add_force(const double *c, double t, const double *y, double *a);
 void typed_add_jacobian(const double *c, double t, const double *y, double *jac);
 /* Returns true if ratios of masses have room behind the values of a bound term. The last ratio is
@@ -169,7 +171,7 @@ void typed_part_destroy(struct typed_part *part);
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part,
                   struct error *error);
 enum switch_kind typed_switch_kind(const struct system *system, int i);
-/* Of those that were typed; of a frozen system, not one that slides. */
+/* Computes arguments of the typed switches of a frozen system, not of one that slides. */
 void typed_arguments(const struct system *system, double t, const double *y, double *argument);
 void typed_unfrozen_arguments(const struct system *system, double t, const double *y,
                               double *argument);
@@ -180,8 +182,8 @@ void typed_branches_at(const struct typed_part *part, const double *bound, const
 /* Puts the terms on these branches; the rest of *frozen is a copy of *system already. */
 void typed_branches_take(const struct system *system, const double *branch, int count,
                          struct system *frozen);
-/* Guards of the switches along which it slides, into those of all; the branch that switch i goes
- * to, NAN: not one. */
+/* sliding_guards() writes the guards of the switches along which the motion slides into those of
+ * all. sliding_leaves() returns the branch that switch i goes to, or NAN if it goes to none. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
 /* Returns true if the only switch is that of a speed, across which the force is continuous. */
@@ -193,12 +195,12 @@ int typed_switches(struct system *system);
 
 double switch_branch(enum switch_kind kind, double argument);
 enum switch_kind switch_kind_of(const struct system *system, int i);
-/* Of all; of a frozen system, not one that slides. */
+/* Computes arguments of all switches of a frozen system, not of one that slides. */
 void switch_arguments(const struct system *system, double t, const double *y, double *argument);
 /* Returns true if all there is is dry friction that sticks; then nothing moves. */
 bool sliding_rests(const struct sliding *sliding);
 void sliding_freeze_rest(struct system *frozen);
-void system_sum_up(struct system *system); /* what its terms say together (system.c) */
+void system_sum_up(struct system *system); /* sums up the properties of its terms (system.c) */
 
 /* ---- binding (typed_bind.c) ---- */
 
@@ -217,8 +219,8 @@ bool typed_check(const struct system *system, struct error *error);
  */
 enum typed_path { PATH_STRAIGHT, PATH_FROM_ORIGIN, PATH_FROM_INFINITY, PATH_AROUND_ORIGIN };
 
-/* The work of the forces of a bound term, and that of their magnitude (*size); NAN: the integral
- * does not converge. */
+/* Returns the work of the forces of a bound term, and in *size that of their magnitude. Returns NAN
+ * if the integral does not converge. */
 double typed_work(const double *c, enum typed_path shape, const double *from, const double *to,
                   double *size);
 
@@ -234,8 +236,9 @@ bool typed_has_energy(const struct system *system);
 
 /* ---- what they are (typed_linear.c) ---- */
 
-/* Are all outputs linear in the state, as they are written? The coefficients may still depend on
- * time. Do some have a kink where the second variable, a velocity, is 0? */
+/* Sets *affine if all outputs are linear in the state, as they are written; the coefficients may
+ * still depend on time. Sets *kinks if some have a kink where the second variable, a velocity, is
+ * 0. */
 bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
                 struct error *error);
 /* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that

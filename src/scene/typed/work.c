@@ -76,7 +76,7 @@ static double piece(const struct force_path *path, double from, double to, doubl
 /* Part of the remaining path after which the branch that begins at a switch is evaluated. */
 #define BRANCH_OFFSET 1e-12
 
-/* False: others than *first, which are those behind `from`. */
+/* Returns true if the branches are *first, which are those just beyond `from`. */
 static bool same_branches(const struct force_path *path, double s, const double *first)
 {
     const struct typed_part *part = path->term->part;
@@ -90,7 +90,8 @@ static bool same_branches(const struct force_path *path, double s, const double 
     return true;
 }
 
-/* Where the first switch behind `from` is, to the last place; 1 if there is none. */
+/* Returns the position of the first switch beyond `from`, to the last place, or 1 if there is
+ * none. */
 static double next_switch(const struct force_path *path, double from)
 {
     const struct typed_part *part = path->term->part;
@@ -113,8 +114,8 @@ static double next_switch(const struct force_path *path, double from)
 }
 
 struct quadrature {
-    double value, size; /* of the integral so far, and of its magnitude */
-    double total;       /* of the magnitude of all of it, about */
+    double value, size; /* integral so far, and that of the magnitude */
+    double total;       /* approximate integral of the whole magnitude */
     int pieces;
 };
 
@@ -195,9 +196,9 @@ static double length(const double *q, int rows)
 }
 
 /*
- * About 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same sign:
- * the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit vector u
- * is across the first axis.
+ * Goes around 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same
+ * sign: the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit
+ * vector u is across the first axis.
  */
 static void around_origin(const struct force_path *path, double s, double *q, double *along)
 {

@@ -32,7 +32,8 @@ static uint64_t payload(const struct node *node)
     return bits;
 }
 
-/* Any spread will do; multiplier: splitmix64 (Steele, Lea, Flood 2014). */
+/* Returns a hash. Any spread will do; the multiplier is that of splitmix64 (Steele, Lea, Flood
+ * 2014). */
 static unsigned node_hash(const struct node *node)
 {
     uint64_t hash = (uint64_t)node->kind;
@@ -61,7 +62,7 @@ static void table_put(int *table, unsigned slots, const struct node *node, int i
 static bool grow(struct graph *g)
 {
     int capacity = g->capacity ? 2 * g->capacity : 64;
-    unsigned slots = 2 * (unsigned)capacity; /* at most half full */
+    unsigned slots = 2 * (unsigned)capacity; /* so that the table is at most half full */
     struct node *node = arena_array(g->arena, (size_t)capacity, sizeof *node);
     int *table = arena_array(g->arena, slots, sizeof *table);
     if (!node || !table)
@@ -181,7 +182,7 @@ static bool is_coefficient_zero(const struct graph *g, int i)
     return g->has_terms && is(g, i, 0);
 }
 
-/* What becomes of the mark of operands where the result is the number 0. */
+/* Returns the mark of a result that is the number 0, as its operands give it. */
 static enum zero_mark mark_of_result(const struct graph *g, const struct node *node)
 {
     const enum zero_mark a = mark_of(g, node->operand[0]);
@@ -223,7 +224,7 @@ static int power(struct graph *g, int x, double n)
     return n < 0 ? graph_apply(g, NODE_DIV, graph_number(g, 1), made, 0) : made;
 }
 
-/* What is as good and simpler; -1 if there is nothing. */
+/* Returns a simpler node of the same value, or -1 if there is none. */
 static int simpler(struct graph *g, struct node node)
 {
     const int a = node.operand[0], b = node.operand[1], c = node.operand[2];

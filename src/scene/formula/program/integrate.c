@@ -24,13 +24,14 @@ enum {
     FACTORS_MAX = 8,
     SUMMANDS_MAX = 4096,
     EXPANSIONS_MAX = 512,
-    GRAPH_MAX = PROGRAM_SIZE / 8 /* nodes: beyond, nothing is integrated */
+    GRAPH_MAX = PROGRAM_SIZE / 8 /* number of nodes above which nothing is integrated */
 };
 
 struct integration {
     struct graph *g;
-    int name;           /* of the variable x */
-    unsigned char *has; /* [GRAPH_MAX] of the first `known` nodes: does it depend on x? */
+    int name; /* name of the variable x */
+    /* [GRAPH_MAX] Tells of each of the first `known` nodes if it depends on x. */
+    unsigned char *has;
     int known;
     bool *mark;    /* [GRAPH_MAX] for walks over the graph */
     int *map;      /* [GRAPH_MAX] */
@@ -40,7 +41,8 @@ struct integration {
     bool distinct; /* those that are among the `earlier` ones are left out */
 };
 
-/* number * constant * the product of base^power; power: a number, or the node `exponent` > 0. */
+/* A factor number * constant * the product of base^power. The power is a number, or the node
+ * `exponent` if that is > 0. */
 struct factor {
     int base, exponent;
     double power;
@@ -321,7 +323,8 @@ static bool put_summand(struct integration *in, double number, int constant, int
 
 static bool integrate(struct integration *in, int i, double sign);
 
-/* By one of the factors, where the others are a multiple of the derivative of its argument. */
+/* Substitutes one of the factors, if the others are a multiple of the derivative of its
+ * argument. */
 static bool substitute_factor(struct integration *in, const struct product *p)
 {
     struct graph *g = in->g;
@@ -403,7 +406,8 @@ static int minus_sum(const struct integration *in, int first)
 
 static const double zeros[LIMIT_VARIABLES];
 
-/* Of the outputs at `from` the potential's parts [3][count], or [count] along the axes. */
+/* Integrates the outputs at `from` to the potential's parts [3][count], or to [count] along the
+ * axes. */
 static bool integrate_rows(struct integration *in, const int *from, const int *name, int count,
                            bool along_axes, int *made)
 {

@@ -158,9 +158,9 @@ static void with_remembered(struct emitter *e, uint32_t code, int bytes, int val
     word(e, 8 * (uint64_t)slot, 4);
 }
 
-/* Before a call of what depends on t only: stages at the same time, and steps that begin where the
- * last one ended, take the value that is there already. The call is behind this and 21 bytes
- * long, with the move of its value into its place. */
+/* Writes the look-up before a call that depends on t only. Stages at the same time, and steps that
+ * begin where the last one ended, take the value that was computed before. The call follows this
+ * code and is 21 bytes long, with the move of its value into its slot. */
 static void write_remembered(struct emitter *e)
 {
     word(e, 0xC07E0F4866, 5);              /* movq rax, xmm0 */
@@ -312,12 +312,12 @@ static void write_leading(struct emitter *e)
         with_register(e, PACKED, MOVE, 1, e->where[second]);
 }
 
-/* Where calls are made the addresses are in registers that survive them; five pushes align the
- * stack. */
+/* Writes the code. If it makes calls, the addresses are in registers that survive them, and five
+ * pushes align the stack. */
 static void write_code(struct emitter *e, bool calls)
 {
     const struct program *p = e->program;
-    word(e, 0xFA1E0FF3u, 4); /* endbr64: may be jumped to */
+    word(e, 0xFA1E0FF3u, 4); /* endbr64 marks a target of jumps */
     if (calls) {
         word(e, 0x57415641555350, 7); /* push rax; push rbx; push rbp; push r14; push r15 */
         word(e, 0xF38948, 3);         /* mov rbx, rsi */

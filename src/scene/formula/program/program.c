@@ -41,10 +41,10 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
 
 /* ---- scheduling ---- */
 
-/* What is known of each node of the bound graph. */
+/* Facts about each node of the bound graph. */
 struct usage {
-    int uses;   /* by operations and outputs */
-    int slot;   /* in the frame */
+    int uses;   /* number of uses by operations and outputs */
+    int slot;   /* slot in the frame */
     int output; /* that it is, the last one of them; -1 if there is none */
     bool fused;
 };
@@ -52,7 +52,7 @@ struct usage {
 struct schedule {
     struct program *program;
     struct usage *usage;
-    struct node *node; /* what is kept is a name, then products are fused */
+    struct node *node; /* nodes; retained values become names, then products are fused */
     int *free_slot;    /* a stack */
     int free_slots;
 };
@@ -78,7 +78,7 @@ static void fuse(struct node *node, const struct node *all, struct usage *usage)
     }
 }
 
-/* What nothing needs any more gives its place back. */
+/* Frees the slots of values that nothing needs any more. */
 static void release(struct schedule *s, const struct node *node, struct instruction *instruction)
 {
     const int constant = s->program->names + s->program->numbers;
@@ -149,7 +149,7 @@ static bool prepare(struct schedule *s)
     return true;
 }
 
-/* Of the graph, with the nodes `retained` [p->keeps] as the last names. */
+/* Schedules the nodes of the graph, with the nodes `retained` [p->keeps] as the last names. */
 static bool schedule(struct program *p, const int *retained)
 {
     const size_t nodes = (size_t)p->nodes;

@@ -36,8 +36,8 @@ enum node_kind {
     NODE_KINDS
 };
 
-/* Where a number that is 0 comes from: it was typed or computed, is the value of a known name, or
- * is a term whose coefficient is 0. */
+/* Source of a number that is 0: it was typed or computed, is the value of a known name, or is a
+ * term whose coefficient is 0. */
 enum zero_mark { ZERO_NUMBER, ZERO_NAME, ZERO_TERM };
 
 struct node {
@@ -56,17 +56,18 @@ struct graph {
     struct arena *arena;
     struct node *node;
     int count, capacity;
-    int *table; /* hashed nodes, 0: free; `slots` is a power of two */
+    int *table; /* hashed nodes, 0 where free; `slots` is a power of two */
     unsigned slots;
     bool binds;     /* known names are numbers: powers become multiplications */
     bool has_terms; /* those whose coefficient is 0 are absent */
-    bool limits;    /* in derivatives a factor of 0 beside an infinite one gives 0 */
+    bool limits;    /* a factor of 0 beside an infinite one gives 0 in derivatives */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
 void graph_init(struct graph *graph, struct arena *arena, bool binds);
 int graph_number(struct graph *graph, double number);
-int graph_known(struct graph *graph, double value); /* of a known name */
+/* Returns the node of a known name with this value. */
+int graph_known(struct graph *graph, double value);
 int graph_name(struct graph *graph, int name);
 /* NODE_NEG … NODE_IF */
 int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c);
@@ -208,7 +209,8 @@ bool expr_switches(const struct expr *expr); /* false for NULL */
 struct instruction {
     struct node node; /* operand: places */
     int out;
-    /* in lanes: the output that this is, which no operation reads; -1 if there is none */
+    /* index of the output that this computes in lanes, which no operation reads; -1 if there is
+     * none */
     int output;
     bool last[3]; /* the operand's place is free afterwards */
 };
@@ -282,8 +284,9 @@ static inline void program_run(const struct program *p, double t, const double *
 
 /* ---- machine code (native_x86.c; elsewhere always NULL) ---- */
 
-/* NULL: not here, no memory, not allowed; else *run is the code, and *remembered the calls that
- * remember. */
+/* Translates a program to machine code. *run is then the code, and *remembered the number of calls
+ * that remember. Returns NULL if this machine is not supported, if out of memory, or if the system
+ * does not allow it. */
 struct native *native_create(const struct program *program, program_function **run,
                              int *remembered);
 void native_destroy(struct native *native);

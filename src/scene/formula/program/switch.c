@@ -92,8 +92,8 @@ static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
     return -1;
 }
 
-/* The smooth node in place of one whose operands move; -1 if it is smooth itself. x: frozen
- * operands. */
+/* Returns the smooth node in place of one whose operands move, or -1 if it is smooth itself. x
+ * holds the frozen operands. */
 static int freeze(struct freezing *f, const struct node *node, const int *x, bool condition_moves)
 {
     switch (node->kind) {

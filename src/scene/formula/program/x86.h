@@ -5,11 +5,12 @@
 
 #include "scene/formula/program/program.h"
 
-/* What is in the page before the code: 16-byte constants, then the program's numbers. */
+/* Contents of the page before the code: 16-byte constants, then the program's numbers. */
 enum { POOL_SIGN = 0, POOL_MAGNITUDE = 16, POOL_ONE = 32, POOL_NUMBERS = 48 };
 enum { REGISTERS = 16, NOTHING = -1, TAKEN = -2 };
 enum { RAX, RCX, RDX, RBX, RSP, RBP, RSI, RDI, R8, R14 = 14, R15 };
-enum { DOUBLE = 0xF2, PACKED = 0x66 }; /* prefixes: one double, all bits of the register */
+/* prefixes for one double and for all bits of the register */
+enum { DOUBLE = 0xF2, PACKED = 0x66 };
 enum {
     LOAD = 0x10,
     STORE = 0x11,
@@ -22,7 +23,7 @@ enum {
     COMPARE = 0xC2
 };
 enum { PLUS = 0x58, TIMES = 0x59, MINUS = 0x5C, OVER = 0x5E };
-enum { LESS_THAN = 1, AT_MOST = 2, UNORDERED = 3 }; /* of COMPARE */
+enum { LESS_THAN = 1, AT_MOST = 2, UNORDERED = 3 }; /* predicates of COMPARE */
 
 struct emitter {
     const struct program *program;
@@ -33,7 +34,7 @@ struct emitter {
     int holds[REGISTERS];  /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
     bool dirty[REGISTERS]; /* not in the frame */
     int64_t used[REGISTERS], clock;
-    int *where; /* [places] register, NOTHING: in memory */
+    int *where; /* [places] register, or NOTHING if the value is in memory */
     /* [places] the value in it depends on the state, and so on more than t and what is given */
     bool *by_state;
     int remembered; /* calls that remember their last argument */
