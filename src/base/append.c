@@ -73,7 +73,7 @@ void file_unlock(int fd)
 
 /* ---- adding ---- */
 
-/* What this program has put behind `whole`, where nobody has written since. */
+/* Removes what this program has appended behind `whole`, if nobody has written since. */
 static bool cut_back(int fd, off_t whole)
 {
     struct stat now;

@@ -106,7 +106,7 @@ static bool same_but_case(struct text a, struct text b)
     return true;
 }
 
-/* How far a misspelling of this length may be from what was meant. */
+/* Returns the largest distance of a misspelling of this length from the name that was meant. */
 static int reach(size_t len)
 {
     return len <= 3 ? 1 : len <= 7 ? 2 : (int)(len / 3);

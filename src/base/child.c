@@ -61,7 +61,7 @@ static _Noreturn void work_apart(const struct child *child, int end, pid_t paren
     struct buffer made = {0};
     struct child_answer answer;
     const int to = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-    memset(&answer, 0, sizeof answer); /* what lies between the members is written, too */
+    memset(&answer, 0, sizeof answer); /* padding between the members is written, too */
     leave_all();
     if (to < 0 || !dies_with(parent))
         _exit(1);
@@ -102,7 +102,7 @@ static bool take_all(const struct child *child, struct process *process, struct 
             return true;
         if (count == 0 && !(--looks > 0))
             return not_done(child, error, "it took too long");
-        if (count == 0) /* what it wrote since then is still to be read */
+        if (count == 0) /* output written until then is still to be read */
             process->gone = waitpid(process->pid, &process->status, WNOHANG) != 0;
         else if (got < 0 && errno != EINTR)
             return not_done(child, error, system_message(errno));
@@ -125,7 +125,7 @@ static bool died(const struct child *child, int status, struct error *error)
                      child->what, WTERMSIG(status));
 }
 
-/* What came behind the first `before` bytes, without the answer. */
+/* Takes the answer off the end of the output that follows the first `before` bytes. */
 static bool read_answer(const struct child *child, int status, size_t before, struct buffer *out,
                         struct error *error)
 {

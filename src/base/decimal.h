@@ -28,7 +28,7 @@ extern const double decimal_power10[POWER10_MAX + 1];
 /* digits * 10^exponent */
 struct decimal {
     bool negative;
-    uint64_t digits; /* below 10^17 */
+    uint64_t digits; /* less than 10^17 */
     int exponent;
 };
 

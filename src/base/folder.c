@@ -27,8 +27,8 @@ static bool is_self(const char *name)
     return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
 }
 
-/* Calls `act` for each entry until it returns false; the name of that one, "" if all passed. False:
- * errno says why. */
+/* Calls `act` for each entry until it returns false. stopped is then the name of that entry, or ""
+ * if all passed. Returns false with errno set on failure. */
 static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns *own),
                        folder_owns *own, char stopped[NAME_MAX_SIZE])
 {
@@ -203,7 +203,8 @@ static int move(const struct writer *at, const char *from, const char *to, unsig
     return renameat2(at->folder, from, at->folder, to, flags) == 0 ? 0 : errno;
 }
 
-/* Where names cannot be exchanged (NFS, FAT) the old folder steps aside first. */
+/* Replaces a folder in two steps, where names cannot be exchanged (NFS, FAT): the old folder is
+ * moved aside first. */
 static int replace_in_turn(struct folder *folder)
 {
     struct writer *at = &folder->at;

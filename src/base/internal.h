@@ -16,8 +16,8 @@
 #define WRITER_REFUSED "nothing is written while a hand-in is checked"
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why);
 bool writer_refuse_existing(const struct writer *writer, struct error *error);
-/* Opens the folder of writer->path and points at the last component. confine: it has to be below
- * the current one. */
+/* Opens the folder of writer->path and points at the last component. With confine, the folder has
+ * to be below the current one. */
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error);
 /* Returns true if the name is free, or is a regular file that force may replace. Sets *mode to its
  * permissions, or to 0 for a new file. */
@@ -26,7 +26,7 @@ int file_synced(int fd); /* 0 or an errno */
 
 /* ---- hidden names beside the target (strays.c) ---- */
 
-/* What was opened under that name is locked, and still has it. */
+/* Returns true if the opened file is locked, and still has that name. */
 bool stray_is_held(int folder, const char *name, int fd);
 /* Removes what killed programs left in a folder. */
 void strays_sweep(int folder);

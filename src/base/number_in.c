@@ -46,8 +46,8 @@ const double decimal_power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1
                                                  1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                  1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
-/* What the text says: 0.digits * 10^..., kept as the first 19 digits and where the number lies in
- * the text. */
+/* A number as written: 0.digits * 10^..., kept as the first 19 digits and the position of the
+ * number in the text. */
 struct scanned {
     bool negative;
     uint64_t leading;                 /* the first (up to) 19 significant digits */
@@ -112,8 +112,8 @@ static bool scan(struct text text, char decimal, struct scanned *s)
 }
 
 #if HAVE_WIDE
-/* n * 2^exponent rounded to nearest even, n >= 2^53; `more`: n has lost a non-zero tail (and has at
- * least 64 bits then). */
+/* Returns n * 2^exponent rounded to nearest even, with n >= 2^53. `more` means that n has lost a
+ * non-zero tail (it then has at least 64 bits). */
 static double compose(wide n, int exponent, bool more)
 {
     uint64_t high = (uint64_t)(n >> 64);

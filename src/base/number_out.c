@@ -118,9 +118,8 @@ static struct decimal shortest_by_trying(double value)
         struct decimal d = rounded(value, digits);
         if (reads_back(d, value))
             return stripped(d);
-        /* Below a power of two the doubles are denser: the nearest decimal may miss where its
-         * neighbour above does not.
-         */
+        /* The doubles are denser below a power of two: the nearest decimal may miss where its
+         * neighbour above does not. */
         d.digits++;
         if (power_of_two && reads_back(d, value))
             return stripped(d);
@@ -245,7 +244,8 @@ void buffer_short(struct buffer *buffer, double value, int digits)
 
 void buffer_phase(struct buffer *buffer, double radians)
 {
-    const double degrees = nearbyint(radians / 3.14159265358979323846 * 1800) / 10; /* to a tenth */
+    /* rounded to a tenth */
+    const double degrees = nearbyint(radians / 3.14159265358979323846 * 1800) / 10;
     const double turns = nearbyint(degrees / 360), rest = degrees - 360 * turns;
     if (!isfinite(degrees))
         buffer_char(buffer, '-');

@@ -46,7 +46,7 @@ void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum st
         codepoint = ' ';
         last = x;
     }
-    /* What is half covered loses its other half. */
+    /* A character that is half covered loses its other half. */
     if (row[x].codepoint == 0 && x > 0)
         row[x - 1].codepoint = ' ';
     if (last + 1 < canvas->width && row[last + 1].codepoint == 0)

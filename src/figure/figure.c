@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
-/* What lines are drawn with. Box characters are code points: alternate character sets break in
- * captures and mosh. */
+/* Characters that lines are drawn with. Box characters are code points: alternate character sets
+ * break in captures and mosh. */
 struct strokes {
     uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin,
         zero, point, band;
@@ -291,7 +291,7 @@ static void draw_curves(const struct text_sheet *sheet)
     for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
-            /* On few rows of its own a line says more than its marks. */
+            /* A line says more than its marks if it has few rows of its own. */
             raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points &&
                                   alone_in_panel(figure, i)
                               ? 0

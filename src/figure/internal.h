@@ -14,7 +14,7 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
 struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want,
                         int max);
 
-/* In columns of the plot; the label may begin left of it. */
+/* Returns the column of a tick in the plot; the label may begin left of it. */
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i);
 int x_label_start(const struct figure_layout *layout, int column, int len);
 
@@ -22,10 +22,10 @@ int x_label_start(const struct figure_layout *layout, int column, int len);
 struct raster {
     struct canvas *canvas;
     const struct figure_layout *layout;
-    int x, y; /* where the plot begins on the canvas */
+    int x, y; /* origin of the plot on the canvas */
     enum style style;
-    char mark;     /* 0: as a line of dots */
-    uint32_t fill; /* of a band */
+    char mark;     /* 0 draws a line of dots */
+    uint32_t fill; /* character that fills a band */
 };
 
 void raster_line(const struct raster *raster, const struct curve *curve);

@@ -3,8 +3,8 @@
 #include <hooke/base/catalog.h>
 #include "figure/internal.h"
 
-#define MIN_ROWS 3     /* with less plot than this the x labels go */
-#define MIN_COLUMNS 10 /* with less plot than this the y labels go */
+#define MIN_ROWS 3     /* the x labels are left out if the plot would be smaller */
+#define MIN_COLUMNS 10 /* the y labels are left out if the plot would be smaller */
 #define TICK_GAP 2     /* blanks between x labels */
 
 static int larger(int a, int b)
@@ -25,7 +25,7 @@ static int cell_of(double fraction, int cells, int dots)
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row)
 {
     double across = scale_fraction(&layout->x, x), up = scale_fraction(&layout->y, y);
-    double edge = 1e-9; /* of rounding */
+    double edge = 1e-9; /* allowance for rounding */
     struct dot_grid grid = layout->charset->dots;
 
     if (!(across >= -edge && across <= 1 + edge && up >= -edge && up <= 1 + edge))

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the axes do not hold: which curves leave the frame, where, how far, and how the frame says
- * so. */
+/* Finds the curves that leave the frame, where and how far, and marks them on the frame. */
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include "figure/internal.h"
@@ -8,7 +7,7 @@
 /* Part of an axis by which points may lie outside; a live axis is not widened for less. */
 #define FRAME_MARGIN 0.011
 
-/* How far beyond the ends of an axis; 0: inside. */
+/* Returns the distance beyond the ends of an axis, or 0 if the fraction is inside. */
 static double beyond(double fraction)
 {
     return fraction < -FRAME_MARGIN ? -fraction : fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;

@@ -10,8 +10,8 @@ struct scale scale_of(double from, double to, bool log)
         double low = log10(from);
         return (struct scale){from, to, true, 1, low, 1 / (log10(to) - low)};
     }
-    /* In units of about the larger end, so that to - from cannot overflow; of a power of two, so
-     * that nothing is rounded where both ends are nearly the same. */
+    /* Computes in units of about the larger end, so that to - from cannot overflow. The unit is a
+     * power of two, so that nothing is rounded where both ends are nearly the same. */
     int exponent;
     frexp(fmax(fabs(from), fabs(to)), &exponent);
     double unit = ldexp(1, -exponent), origin = from * unit;
@@ -104,7 +104,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
         low -= 0.1 * size;
         high += 0.1 * size;
     } else {
-        double sign = low; /* what is nowhere negative keeps its zero */
+        double sign = low; /* values that are nowhere negative keep their zero */
         low -= air * (high - low);
         if (sign >= 0 && low < 0)
             low = 0;
@@ -122,7 +122,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     return scale_of(low, high, false);
 }
 
-/* At least two powers of ten, in the numbers that are shown. */
+/* Returns a scale of at least two powers of ten, in the numbers that are shown. */
 static struct scale log_scale(struct extent extent, const struct axis *axis)
 {
     double shift = log10(axis_factor(axis));

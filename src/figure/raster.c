@@ -83,7 +83,7 @@ static void put_span(const struct raster *raster, int column, int low, int high,
 struct cell_pen {
     const struct raster *raster;
     int columns;       /* dots across */
-    bool down, starts; /* on the paper; the curve begins in this column */
+    bool down, starts; /* the pen is on the paper; the curve begins in this column */
     int column;        /* -1 and `columns` stand for everything left and right of the plot */
     int heading;       /* sign of the way along x */
     double enter;      /* [dot] where the curve came into the column, or starts */
@@ -100,9 +100,9 @@ static int pen_column(const struct cell_pen *pen, double x)
 static void pen_leave(struct cell_pen *pen, double y, bool ends)
 {
     double in = pen->starts ? NAN : pen->enter, out = ends ? NAN : y;
-    double from = fmin(in, out), to = fmax(in, out); /* of the borders that are crossed */
-    /* Between the ways in and out: the dots in the interval. An extreme beyond them is rounded to
-     * its dot. */
+    double from = fmin(in, out), to = fmax(in, out); /* heights where the borders are crossed */
+    /* Draws the dots in the interval between the ways in and out. An extreme beyond them is rounded
+     * to its dot. */
     double low = from <= pen->low ? ceil(from) : floor(pen->low + 0.5);
     double high = to >= pen->high ? floor(to) : floor(pen->high + 0.5);
 
@@ -232,7 +232,7 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
 
 void raster_arrows(const struct raster *raster, const struct curve *curve)
 {
-    /* from right on, counterclockwise; lines of plain text have four directions only */
+    /* Arrows begin at the right, counterclockwise; plain text has four directions only. */
     static const uint32_t arrow[] = {0x2192, 0x2197, 0x2191, 0x2196,
                                      0x2190, 0x2199, 0x2193, 0x2198};
     static const char plain[] = ">^<v";
@@ -272,7 +272,7 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
         double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
                after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
         int side = -1;
-        double part = 2; /* of the way to the first border that is crossed */
+        double part = 2; /* part of the way to the first border that is crossed */
         for (int s = 0; s < 4 && inside && !isnan(x + y); s++) {
             if (after[s] > 0 && before[s] / (before[s] - after[s]) < part) {
                 part = before[s] / (before[s] - after[s]);

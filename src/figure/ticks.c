@@ -88,8 +88,8 @@ static int power_below(double x)
 }
 
 /*
- * Of a range so narrow that its labels would have more digits, what they have in common is taken
- * off: the offset, below the lower end, so that no label is negative.
+ * Takes the common part off the labels of a range so narrow that they would have more digits. This
+ * offset is below the lower end, so that no label is negative.
  */
 static void take_offset(struct ticks *ticks)
 {
@@ -153,7 +153,7 @@ double tick_value(const struct ticks *ticks, int i, bool log)
     return fabs(value) < 1e-6 * ticks->step ? 0 : value;
 }
 
-/* Through an integer: printf's %f would follow the locale. */
+/* Goes through an integer, because printf's %f would follow the locale. */
 static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
 {
     long long unit = 1;

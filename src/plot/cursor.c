@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the two cursors stand on, and how they move. */
+/* Values that the two cursors select, and their moves. */
 #include <hooke/plot/cursor.h>
 #include <hooke/data.h>
 #include <hooke/run.h>
@@ -70,10 +70,11 @@ static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, s
  * (least squares). */
 static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
 {
-    static const double width_periods = 0.1; /* on each side of the highest sample */
+    static const double width_periods = 0.1; /* width on each side of the highest sample */
     const struct series *s = &g->series;
-    const double ceiling = g->overview.high + 4 * g->overview.noise, /* above are only spikes */
-        width = g->overview.oscillates ? width_periods * g->overview.period : 0;
+    /* only spikes are above the ceiling */
+    const double ceiling = g->overview.high + 4 * g->overview.noise,
+                 width = g->overview.oscillates ? width_periods * g->overview.period : 0;
     size_t top = s->n;
     for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
         if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
@@ -194,7 +195,8 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
     return true;
 }
 
-/* Without the module that measures series, only how far it goes. */
+/* Computes the overview, or only the extent of the series if the module that measures series is
+ * missing. */
 static void overview_of(const struct series *series, struct arena *arena, struct overview *overview)
 {
     const struct series_tools *tools = series_tools();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the two cursors say, and the point on the plane of a plot of states, as a portrait is. */
+/* Readings of the two cursors, and the point on the plane of a plot of states, as a portrait is. */
 #include <hooke/run.h>
 #include <hooke/result.h>
 #include <hooke/base/numeric.h>

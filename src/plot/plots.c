@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plots, which are the panes of the screen, too: all that is known of one stands in its row. */
+/* Rows of the plots, which are the panes of the screen, too. A row holds all that is known of its
+ * plot. */
 #include <hooke/run.h>
 #include <hooke/plot/drawing.h>
 

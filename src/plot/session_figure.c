@@ -23,7 +23,8 @@ static const struct run *run_of(const struct drawing *d, int i)
     return d->session->runs.slot[d->request->run[i]]->run;
 }
 
-/* What is drawn of runs; of the energy what all of them have. NULL: states. */
+/* Returns the observable that is drawn of runs, or NULL for states. For energies it is one that all
+ * runs have. */
 static const struct observable *observable(const struct drawing *d)
 {
     const struct plot_row *row = kind_of(d);
@@ -42,7 +43,7 @@ static bool is_kinetic(const struct drawing *d)
     return drawn && !(drawn->needs & NEED_ENERGY);
 }
 
-/* What all runs of the plot have to be. */
+/* Finds the model that all runs of the plot must have. */
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -209,7 +210,7 @@ static double size_of(const struct drawing *d, bool x)
     return size;
 }
 
-/* Do the periods run together? In a picture dots stay apart, and lines much longer. */
+/* Returns true if the periods run together. Dots stay apart in a picture, and lines much longer. */
 static bool is_smeared(const struct drawing *d)
 {
     const int width = d->request->width;
@@ -283,7 +284,8 @@ static enum quantity y_quantity(const struct drawing *d)
     return vertical_variable(d->model, kind)->quantity;
 }
 
-/* "y", "x, y", "v/omega0", "E", of the curves in a panel; NULL: no memory. */
+/* Returns the label of the curves in a panel: "y", "x, y", "v/omega0", "E". Returns NULL if out of
+ * memory. */
 const char *drawing_y_label(const struct drawing *d, int panel)
 {
     const struct plot_row *row = kind_of(d);

@@ -8,7 +8,7 @@
 #include "base/elementary/exponential.h"
 
 #define EXP_SAFE 690     /* |x| up to which the result and its parts are normal */
-#define EXP_ALONE_MIN 40 /* From this x on, 1 is less than the last place of e^x. */
+#define EXP_ALONE_MIN 40 /* smallest x at which 1 is less than the last place of e^x */
 
 /* 2^shift e^x, |shift| <= 1 */
 static double exp_shifted(double x, int shift)
@@ -58,7 +58,7 @@ double fixed_expm1(double x)
         return x < 0 ? -1 : fixed_exp(x);
     if (fabs(x) < 0x1p-54)
         return x;
-    if (fabs(x) < SERIES_X_MAX) { /* to 2^-56.4 of it */
+    if (fabs(x) < SERIES_X_MAX) { /* relative error 2^-56.4 */
         const double s = x * x, q = s * s;
         const double low = (0x1.ffffffffffff7p-2 + x * 0x1.555555555554fp-3) +
                            s * (0x1.555555556570cp-5 + x * 0x1.111111111e1e7p-7);
@@ -86,7 +86,7 @@ INLINE double both_signs(double x, double sign)
 double fixed_sinh(double x)
 {
     const double size = fabs(x);
-    if (size < SERIES_X_MAX) { /* to 2^-62.7 of it */
+    if (size < SERIES_X_MAX) { /* relative error 2^-62.7 */
         const double s = x * x;
         const double sum = (0x1.5555555555552p-3 + s * 0x1.1111111119e9cp-7) +
                            s * s * (0x1.a019ffee3c99fp-13 + s * 0x1.71fecdd56609dp-19);

@@ -12,7 +12,7 @@
 #define LN_2_HIGH 0x1.62e42fefa2000p-1 /* 41 bits, and what follows */
 #define LN_2_LOW 0x1.9ef35793c7673p-41
 
-/* What log x is the sum of: `whole`, exact, 0 or more than r; log(1 + r); `rest`. */
+/* Summands of log x: `whole`, which is exact, and 0 or more than r; log(1 + r); `rest`. */
 struct log_parts {
     double whole, r, rest;
 };
@@ -50,7 +50,7 @@ INLINE double log_in(double x, bool fused)
     return most.high + ((most.low + (parts.rest - parts.r * parts.r * 0.5)) + cubic_part(parts.r));
 }
 
-/* To 2^-67 of it. */
+/* Returns log x with a relative error of 2^-67. */
 INLINE struct wide wide_log(double x, bool fused)
 {
     const struct log_parts parts = parts_of(x, fused);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is known beforehand: powers of two, elementary_reciprocals of few bits with their
- * logarithms, elementary_tangents.
- */
+/* Tables of constants: powers of two, elementary_reciprocals of few bits with their logarithms,
+ * elementary_tangents. */
 #ifndef HOOKE_BASE_ELEMENTARY_TABLES_H
 #define HOOKE_BASE_ELEMENTARY_TABLES_H
 

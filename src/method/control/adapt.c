@@ -34,7 +34,8 @@ static double first_step(struct step *step, double tol, int order, double span)
     const double *y = step->y;
     double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES], z[LIMIT_VARIABLES];
     double natural = system->order == 2 ? system->scale[0] / system->scale[n / 2] : 1; /* [s] */
-    double cautious = 1e-3 * fmin(natural, fabs(span)); /* where the derivatives say nothing */
+    /* used if the derivatives say nothing */
+    double cautious = 1e-3 * fmin(natural, fabs(span));
     system_derivative(system, step->t, y, f0);
     step->cost.evals++;
     double size = norm(step, tol, y, y, y), slope = norm(step, tol, f0, y, y);
@@ -112,8 +113,8 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         step->square = -1;
         if (turns && status == STEP_OK)
             status = turn_step(method, step, t, before, low, &turned);
-        /* What lies inside a step on frozen branches says something only where it is good as a
-         * whole. */
+        /* Switches inside a step on frozen branches mean something only if the whole step is
+         * accurate. */
         if (switches && square <= 1)
             status = switch_step(method, step, t, before, low, &ended);
         turned = turned || ended >= 0;
@@ -216,7 +217,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     return status;
 }
 
-/* Where there is neither a switch nor a first step to choose. */
+/* Takes steps of a system that has no switch, with a first step that is known. */
 INLINE enum step_status adapt_plain(int n, const struct method *method, struct step *step,
                                     struct controller *controller, double t_end)
 {
@@ -266,7 +267,8 @@ enum step_status method_adapt(const struct method *method, struct step *step,
     assert(method->flags & METHOD_ADAPTIVE);
     if (t_end - step->t == 0)
         return STEP_OK;
-    if (method->adapt || step->system->switches > 0 || controller->h == 0) /* 0: choose one */
+    /* 0 chooses a step */
+    if (method->adapt || step->system->switches > 0 || controller->h == 0)
         return adapt_any(method, step, controller, t_end);
     if (step->controlled && !step->low && !step->system->kinks) {
         enum step_status status;

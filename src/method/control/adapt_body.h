@@ -55,7 +55,8 @@ static const struct filter {
 #define LAST_STEP_STRETCH 1.01
 /* Successive steps that may give no number; each makes the next a quarter as long. */
 #define FAILED_STEPS_MAX 20
-#define MIN_ULPS 4 /* of t: a smaller step is only rounding, though the clock counts it */
+/* units of the last place of t: a smaller step is only rounding, though the clock counts it */
+#define MIN_ULPS 4
 
 INLINE double tolerance(const struct controller *controller)
 {
@@ -118,7 +119,7 @@ INLINE double by_aim(const struct method *method)
                                            : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
 }
 
-/* log2 of rho as above, from squares of errors in units of the aim; ratio: h_n/h_n-1 */
+/* Returns log2 of rho as above, from squares of errors in units of the aim. ratio is h_n/h_n-1. */
 INLINE double change(const struct filter *filter, int k, double square, double previous,
                      double ratio)
 {
@@ -135,8 +136,8 @@ __attribute__((noinline, unused)) static double change_elementary(int k, double 
 }
 
 /*
- * Plans the next step after an accepted one of h; square: of its error in units of the aim. cut:
- * only a longer one counts.
+ * Plans the next step after an accepted one of h. square is that of its error in units of the aim.
+ * After a step that was cut only a longer one counts.
  */
 INLINE void plan_next(const struct method *method, struct controller *controller, double h,
                       double square, bool cut)

@@ -8,7 +8,7 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
     struct step *step = march->step;
     int n = step->system->n;
     *status = STEP_OK;
-    /* Where a kernel ends early, the next step alone says why. */
+    /* The next step alone gives the reason if a kernel ends early. */
     for (int64_t i = kernel ? kernel(method, march) : 0; i < march->count; i++) {
         step->t = march->origin + (double)(march->first + i) * step->h;
         *status = method_step(method, step);

@@ -79,7 +79,7 @@ INLINE void picked_stages(const struct tableau *tableau, const struct weights *w
         combine(n, stride, &weights[0], k, y, z);
 }
 
-/* What lies between the variables and the next stage's takes part in sums, too. */
+/* Clears the gap between the variables and the next stage's, which takes part in sums, too. */
 INLINE void blocks_begin(int stages, int n, int stride, double *k, double *y)
 {
     for (int i = n; i < stride; i++) {
@@ -89,7 +89,8 @@ INLINE void blocks_begin(int stages, int n, int stride, double *k, double *y)
     }
 }
 
-/* As rk_march(), of any method; stride: at least n, from one stage's slopes to the next one's. */
+/* Does the same as rk_march(), for any method. stride, at least n, separates the slopes of one
+ * stage from those of the next. */
 INLINE int64_t picked_march(const struct method *method, int n, int stride,
                             combine_function *combine, slope_function *slope, const void *forces,
                             const struct march *march)
@@ -128,7 +129,7 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride,
     return march->count;
 }
 
-/* known: what the functions know */
+/* known holds the data of the force functions */
 INLINE int64_t split_march(const struct method *method, int n, enum drag drag,
                            force_function *force, force_function *velocity, const void *known,
                            const struct march *march)

@@ -26,7 +26,8 @@
 #define PILE_SHRINK_MAX 0.1
 /* Switches also pile up if a block takes less than this part of t. */
 #define PILE_TIME_RELATIVE 1e-12
-#define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
+/* units of the last place of t: in so short a step a guard at 0 need not come to be above it */
+#define BRIEF_ULPS 64
 /* Speed, as a part of the natural one, below which a turning point is near. */
 #define TURNING_SPEED 0.05
 /* A step without a turning point may deviate from its mean speed by this part of its length. */
@@ -43,7 +44,8 @@ struct switch_search {
 static bool inside_by_step(const struct switch_search *look, double theta, double *y)
 {
     const struct method *method = look->method;
-    const bool cubic = method->order > 0 && method->order <= 4; /* 0: exact */
+    /* order 0 means that the method is exact */
+    const bool cubic = method->order > 0 && method->order <= 4;
     if (method->dense || cubic || method->flags & METHOD_MULTISTEP || theta <= 0)
         return false;
     struct step part = *look->step;
@@ -89,7 +91,7 @@ static double one_guard_at(void *context, double theta)
     return guard == 0 ? DBL_MIN : guard; /* a branch holds up to there */
 }
 
-/* Where the guard is 0 between a, where it is above, and b, where it is below. */
+/* Returns the zero of the guard between a, where it is above 0, and b, where it is below. */
 static double root(const struct switch_search *look, int i, double a, double fa, double b,
                    double fb)
 {

@@ -6,8 +6,8 @@
 #include "method/step/step.h"
 
 /*
- * At the start of a step, by which a step of about `by` is planned: the branches there, and the
- * system frozen on them. False: no branch leads on and no sliding does.
+ * Finds the branches at the start of a step, and freezes the system on them; `by` is about the size
+ * of the planned step. Returns false if no branch leads on and the motion does not slide.
  */
 bool switch_begin(struct step *step, struct switches_state *state, double by,
                   struct sliding *sliding, struct system *frozen);
@@ -15,7 +15,7 @@ bool switch_begin(struct step *step, struct switches_state *state, double by,
 void switch_go_back(struct step *step, const struct system *frozen);
 
 /*
- * After a step of the frozen system from `before` at t: one across the end of a branch is taken
+ * Ends a step of the frozen system from `before` at t. A step across the end of a branch is taken
  * again, up to there; then step->h is less and *ended the switch, else it is -1.
  */
 enum step_status switch_step(const struct method *method, struct step *step, double t,

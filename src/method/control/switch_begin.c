@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* On which branches of its switches a step begins: where they lead, along which of them the motion
+/* Finds the branches of its switches on which a step begins, and those along which the motion
  * slides. */
 #include <hooke/scene/typed.h>
 #include "method/control/switch.h"
@@ -18,7 +18,7 @@
 #define PROBE_MIN_ULPS 1e5  /* Shortest probe in units of the last place of t. */
 #define SHARE_ROUNDING 1e-9 /* Rounding of a sliding share that is computed by differences. */
 
-/* y after h by the midpoint rule; f: the derivative there. */
+/* Computes the guards at y after h, by the midpoint rule; f is the derivative at y. */
 static void look_from(const struct step *step, const struct system *frozen, const double *f,
                       double h, double *guard)
 {
@@ -143,8 +143,8 @@ static bool let_go(const struct step *step, struct switches_state *state,
 }
 
 /*
- * Branches that do not hold at the start of a step, because their guards are at 0 there and fall,
- * are changed for the next ones, then for sliding between. False: none of them holds.
+ * Changes branches that do not hold at the start of a step, because their guards are at 0 there and
+ * fall, for the next ones, then for sliding between. Returns false if none of them holds.
  */
 static bool branches_settle(struct step *step, struct switches_state *state, double by,
                             struct sliding *sliding, struct system *frozen)

@@ -13,7 +13,7 @@
 
 bool method_meets_switches(const struct method *method, const struct system *system)
 {
-    /* On a branch all that was typed is one force: no potential of a part, no drag of its own. */
+    /* All that was typed is one force on a branch: no potential of a part, no drag of its own. */
     return system->pieces &&
            (system->switches == system->dry ||
             (!(method->flags & METHOD_POTENTIAL) && !(method->splitting && system->velocity)));
@@ -44,8 +44,8 @@ static struct near_turn near_turn(struct step *step, double t, double x, const d
     return (struct near_turn){x, y[1], a[0]};
 }
 
-/* Where v = 0 between two of them: cubic Hermite interpolation of the time as a function of the
- * velocity. */
+/* Returns the time at which v = 0 between two of them, by cubic Hermite interpolation of the time
+ * as a function of the velocity. */
 static double turning_time(const struct near_turn *p, const struct near_turn *q)
 {
     const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;

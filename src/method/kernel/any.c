@@ -28,7 +28,7 @@ static void any_slope(const void *system, double t, const double *y, double *dyd
 /* A whole typed scene in one program: prepared once a march, not at each evaluation. */
 struct whole {
     const struct system *system;
-    int positions; /* variables whose slopes are others; -1: not in one program */
+    int positions; /* variables whose slopes are others; -1 if not in one program */
     bool force;    /* what does not depend on velocity is in one */
     struct typed_forces known;
 };

@@ -176,9 +176,9 @@ INLINE void control_copy(int n, const struct controller *from, struct controller
     to->rejected = from->rejected;
 }
 
-/* Attempts steps towards t_end until one is accepted. known: its first slope is in *attempt;
- * accepted: factor that makes the square of the largest error that is accepted 1. Returns STEP_OK,
- * or the reason why no step was accepted. */
+/* Attempts steps towards t_end until one is accepted. `known` means that its first slope is in
+ * *attempt. `accepted` is the factor that makes the square of the largest accepted error 1. Returns
+ * STEP_OK, or the reason why no step was accepted. */
 INLINE enum step_status accept_step(const struct method *method, int n, slope_function *slope,
                                     const void *forces, const struct system *system,
                                     struct controller *controller, double t_end, double accepted,

@@ -64,9 +64,8 @@ MOTION_SHAPES(NEWTON_STAGE)
 
 /* ---- steps ---- */
 
-/* z: the increment where the last stage is not the new state, sum: else the state. False: not
- * finite, y is as it was.
- */
+/* Updates y. z is the increment if the last stage is not the new state; else sum is the state.
+ * Returns false with y unchanged if the result is not finite. */
 INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
 {
     double next[N];

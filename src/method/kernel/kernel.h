@@ -109,7 +109,7 @@ ALL_SHAPES(SHAPE_FUNCTIONS)
 #define SHAPE_PLACE(shape) SHAPE_##shape,
 enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
-/* The terms of a system, in their order, as one number; 0: no shape. */
+/* Returns the terms of a system, in their order, as one number, or 0 if it has no shape. */
 static inline unsigned forces_of(const struct system *system)
 {
     unsigned forces = 0;
@@ -128,7 +128,7 @@ static inline unsigned forces_of(const struct system *system)
     case 0u TERMS_OF_##shape(FORCE_AT):                                                            \
         return SHAPE_##shape;
 
-/* Which shape is the system's, -1 if there is none. */
+/* Returns the shape of the system, or -1 if it has none. */
 static inline int shape_of(const struct system *system)
 {
     switch (forces_of(system)) {

@@ -31,14 +31,14 @@ struct typed_forces {
     double frame[FRAME];
 };
 
-/* False: the system is neither typed nor an equation of motion of one or two coordinates, or too
- * large. */
+/* Returns false if the system is too large, or is neither typed nor an equation of motion of one or
+ * two coordinates. */
 bool known_take(struct typed_forces *known, const struct system *system);
 
 /* Returns true if the sum has one part, which is a program. */
 bool sum_is_one(const struct typed_sum *sum);
 
-/* out [rows], of n state variables */
+/* Evaluates the part to out [rows], with n state variables. */
 INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t,
                           const double *y, double *out)
 {
@@ -87,7 +87,7 @@ TYPED_FLOWS(FLOW_FUNCTIONS)
 #define TYPED_PLACE(name, n) PLACE_##name,
 enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
-/* Which of these a system is, -1 if there is none. splits: force and drag apart. */
+/* Returns the shape of a system, or -1 if it has none. `splits` asks for force and drag apart. */
 int typed_shape(const struct system *system, bool splits);
 
 #endif

@@ -196,7 +196,7 @@ bool method_applies(const struct method *method, const struct system *system, en
 {
     if (!method_meets_switches(method, system))
         return applies(method, system, drag, error);
-    struct system frozen; /* which is what it steps */
+    struct system frozen; /* the system that it steps */
     double branch[LIMIT_SWITCHES];
     system_branches(system, system->t0, system->start, branch);
     system_freeze(system, branch, &frozen);

@@ -12,8 +12,8 @@
 
 #define GAUSS_NODES 6
 
-/* On [0, 1]: the first half; the other is its mirror image (Abramowitz, Stegun 1964, table 25.4).
- */
+/* Nodes on [0, 1], the first half; the other is its mirror image (Abramowitz, Stegun 1964, table
+ * 25.4). */
 static const double node[GAUSS_NODES / 2] = {0.033765242898423986093849222753003,
                                              0.16939530676686774316930020249005,
                                              0.38069040695840154568474913915964};
@@ -60,7 +60,7 @@ static void mean_rest(const struct newton *equations, struct step *step, int n, 
         rest[i] = h * rest[i] - z[i];
 }
 
-/* work: increments [n], then the solver's */
+/* The work array holds increments [n], then the solver's work. */
 size_t avf_work(const struct method *method, int n)
 {
     (void)method;

@@ -14,7 +14,7 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#define STEPS_MOST 100000 /* of its own, in one of ours */
+#define STEPS_MOST 100000 /* limit of its own steps in one of ours */
 
 struct cvode {
     SUNContext context;
@@ -25,11 +25,11 @@ struct cvode {
     SUNNonlinearSolver fixed_point;
     const struct system *system;
     double tol;
-    bool forward, wild;  /* wild: a slope was not finite in this step */
-    struct cost counted; /* since it began anew, and already in the step's */
+    bool forward, wild;  /* wild means that a slope was not finite in this step */
+    struct cost counted; /* cost since it began anew, which is in the step's already */
 };
 
-/* What CVODE is told: 0, or 1, which makes it try a smaller step. */
+/* Returns what CVODE expects: 0, or 1, which makes it try a smaller step. */
 static int checked(struct cvode *c, const double *x, int count)
 {
     for (int i = 0; i < count; i++)
@@ -181,7 +181,7 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double from
     return cvode_status(flag, *t != from, c->wild);
 }
 
-/* What every step ends with: the state if it is one. */
+/* Ends a step: takes the state if it is one. */
 static enum step_status cvode_take_state(struct cvode *c, struct step *step)
 {
     if (step->error) {
@@ -201,7 +201,7 @@ enum step_status cvode_adapt(const struct method *method, struct step *step,
     double t = step->t;
     if (!c)
         return STEP_NO_SOLUTION;
-    c->system = step->system; /* which may be frozen anew */
+    c->system = step->system; /* the system may have been frozen anew */
     c->tol = fmax(controller->tol, 10 * DBL_EPSILON);
     enum step_status status = STEP_OK;
     if ((!step->warm || forward != c->forward) && !begin_anew(c, step, forward))
@@ -219,8 +219,8 @@ enum step_status cvode_adapt(const struct method *method, struct step *step,
     return STEP_OK;
 }
 
-/* Over a given distance, as inside a step that it has made: as many of its own steps as the
- * tolerance asks for. */
+/* Steps over a given distance, as inside a step that it has made, with as many of its own steps as
+ * the tolerance asks for. */
 enum step_status cvode_step(const struct method *method, struct step *step)
 {
     (void)method;

@@ -5,7 +5,7 @@
 enum step_status exact_step(const struct method *method, struct step *step)
 {
     (void)method;
-    /* Where nothing depends on time, from 0 to h: (t + h) - t would have lost digits of h. */
+    /* Starts from 0 where nothing depends on time: (t + h) - t would have lost digits of h. */
     double t = step->system->autonomous ? 0 : step->t;
     system_exact(step->system, t, step->y, t + step->h, step->work, NULL);
     step->cost.solves++;

@@ -121,8 +121,9 @@ static bool estimate(const struct implicit_tableau *tableau, struct step *step, 
     return newton_filter(tableau, step, step->t, step->h, step->y, step->error, own);
 }
 
-/* In a first step and after a rejection the estimate of a stiff error is too large by far: once
- * more from there. */
+/* Estimates the error once more if it exceeds the tolerance, at the state changed by the first
+ * estimate. In a first step and after a rejection the estimate of a stiff error is too large by
+ * far. */
 static bool estimate_again(const struct implicit_tableau *tableau, struct step *step,
                            const double *z, double *own)
 {
@@ -146,9 +147,9 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
     if (!step->warm)
         newton_forget(own);
     /*
-     * From 0, not from the last step's polynomial: that would save iterations, but leads steps that
-     * are too long past a fold (van der Pol) to solutions that are none, and would make a step
-     * depend on the one before.
+     * Iterates from 0, not from the last step's polynomial. That would save iterations, but leads
+     * steps that are too long past a fold (van der Pol) to solutions that are none, and would make
+     * a step depend on the one before.
      */
     memset(z, 0, (size_t)(stages * n) * sizeof *z);
     enum step_status status = newton_solve(&equations, step, step->t, step->h, step->y, z, own);

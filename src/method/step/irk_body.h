@@ -29,8 +29,9 @@ INLINE bool stiffly_accurate(const struct implicit_tableau *tableau)
 }
 
 /*
- * Of a step from step->t, step->y over step->h. k [stages][n]: the slopes; z, sum [n]: the last
- * stage's increment and state; base [n]: scratch. warm: k holds the slopes of the step before.
+ * Computes the stages of a step from step->t, step->y over step->h. k [stages][n] receives the
+ * slopes, z and sum [n] the last stage's increment and state; base [n] is scratch. With `warm`, k
+ * holds the slopes of the step before.
  */
 INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, int n,
                                         stage_function *stage, slope_function *slope,
@@ -62,7 +63,7 @@ INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, 
     return STEP_OK;
 }
 
-/* z: in, the last stage's increment, out, that of the step */
+/* Replaces z, the last stage's increment, by the increment of the step. */
 INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, double h,
                                const double *k, double *z)
 {

@@ -89,7 +89,7 @@ bool method_amplification(const struct method *method, enum drag drag, double x,
 double matrix_spectral_radius(const double m[4])
 {
     double mean = (m[0] + m[3]) / 2, half = (m[0] - m[3]) / 2;
-    double split = half * half + m[1] * m[2]; /* eigenvalues: mean +- sqrt(split) */
+    double split = half * half + m[1] * m[2]; /* the eigenvalues are mean +- sqrt(split) */
     return split >= 0 ? fabs(mean) + sqrt(split) : sqrt(mean * mean - split);
 }
 

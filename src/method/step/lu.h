@@ -14,7 +14,8 @@
 
 #define LU_ROOM(n) ((size_t)(n) * (size_t)((n) + 1))
 
-/* a becomes its factors. False: singular or not finite, a is spoilt. */
+/* Replaces a by its factors. Returns false if a is singular or not finite; its contents are then
+ * undefined. */
 bool lu_factor(int n, double *a);
 void lu_solve(int n, const double *a, double *b); /* b [n] becomes the solution of a x = b */
 

@@ -22,7 +22,7 @@ enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 static const double ARRIVED = 1e-9;
 
 /* Substeps of a start: the shortest, and how many there may be. */
-static const double SHORTEST = 1e-9; /* of h */
+static const double SHORTEST = 1e-9; /* shortest step as a part of h */
 enum { SUBSTEPS = 1000 };
 static const double SENSIBLE = 1e-4; /* estimated error, relative to the values */
 
@@ -39,7 +39,7 @@ size_t multistep_work(const struct method *method, int n)
            (start > solve ? start : solve);
 }
 
-/* What a step may change, to take it back. */
+/* Values that a step may change, kept to take it back. */
 struct before {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
@@ -223,7 +223,7 @@ static double growth_of(const struct multistep *multistep, double complex z)
         p[0] -= z;
     } else {
         const double *c = multistep->correct;
-        double complex f = c ? z * c[0] : 1; /* what the predicted value is multiplied by */
+        double complex f = c ? z * c[0] : 1; /* factor of the predicted value */
         p[0] = 1;
         p[1] = c ? -1 - f : -1;
         for (int j = 0; j < steps; j++)

@@ -82,7 +82,7 @@ static enum step_status approach(const struct newton *equations, struct step *st
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
-    double last = 0, left = 1;                 /* left: of an increment */
+    double last = 0, left = 1;                 /* left is the remaining part of an increment */
     *workspace->rate = sqrt(*workspace->rate); /* it ages, so that factors are not kept for ever
                                                 without being seen to be good */
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
@@ -98,7 +98,7 @@ static enum step_status approach(const struct newton *equations, struct step *st
             if (rate >= 1)
                 return STEP_NO_SOLUTION;
             left = rate / (1 - rate);
-            double end = left * size; /* what the last iteration will leave */
+            double end = left * size; /* error that the last iteration will leave */
             for (int rest = iteration + 1; rest < ADAPTIVE_ITERATIONS; rest++)
                 end *= rate;
             if (end > enough)
@@ -112,8 +112,8 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
-/* What increments are measured by, where the solution beside z is larger than anything before: in
- * the first steps of what starts from nothing. */
+/* Computes the weights of increments where the solution beside z is larger than anything before, as
+ * in the first steps of a motion that starts from nothing. */
 static void increments_weigh(int stages, int n, const double *y, const double *z,
                              const double *weight, double *now)
 {
@@ -157,7 +157,7 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     const int count = equations->tableau->stages * n;
     struct workspace workspace = workspace_of(equations->tableau->stages, n, work);
     double at[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
-    double done = 0, part = FIRST_PART; /* of h */
+    double done = 0, part = FIRST_PART; /* parts of h */
     for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_MIN; i++) {
         const double to = fmin(1, done + part);
         memcpy(next, at, (size_t)count * sizeof *next);

@@ -12,7 +12,7 @@
 struct newton;
 /* [n][n] */
 typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
-/* What the equations are off by; scratch [stages][n]. */
+/* Computes the residual of the equations; scratch has [stages][n]. */
 typedef void newton_rest_function(const struct newton *equations, struct step *step, int n,
                                   double t, double h, const double *y, const double *z,
                                   double *scratch, double *rest);
@@ -22,12 +22,12 @@ struct newton {
     newton_rest_function *rest;
     slope_function *slope;
     jacobian_function *jacobian;
-    const void *forces; /* what the last two know */
+    const void *forces; /* data of the last two functions */
 };
 
 extern const struct implicit_tableau newton_euler; /* one stage: z = h f(t, y + z) */
 
-/* The equations for a system; rest: newton_stages, unless the method has its own. */
+/* Returns the equations for a system. rest is newton_stages, unless the method has its own. */
 struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
                         const struct system *system);
 newton_rest_function newton_stages;
@@ -53,8 +53,8 @@ void newton_forget(double *work);
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
                    const double *y, double *z, const double *weight, double *work);
 
-/* x [n] becomes (real - h J)^-1 x; J at y, unless the factors for this h are there. False:
- * singular. */
+/* Replaces x [n] by (real - h J)^-1 x. J is taken at y, unless the factors for this h exist.
+ * Returns false if the matrix is singular. */
 bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h,
                    const double *y, double *x, double *work);
 

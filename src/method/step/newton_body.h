@@ -38,10 +38,10 @@ static const double newton_one[] = {1}, newton_now[] = {0};
         .real = 1, .left = newton_one, .right = newton_one                                         \
     }
 
-/* What newton_room() holds. */
+/* Layout of the memory of newton_room(). */
 struct workspace {
-    double *h;    /* of the factors, 0 if there are none */
-    double *rate; /* by which increments shrank in the last solution */
+    double *h;    /* step of the factors, 0 if there are none */
+    double *rate; /* rate at which increments shrank in the last solution */
     double *slope, *rest, *move, *jacobian, *real, *complex;
 };
 
@@ -126,7 +126,7 @@ INLINE void newton_increment(const struct implicit_tableau *tableau, struct step
     step->cost.solves++;
 }
 
-/* What the increments z are off by; slope and rest [stages][n] */
+/* Computes the residual of the increments z; slope and rest have [stages][n]. */
 INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t,
                         double h, const double *y, const double *z, double *slope, double *rest)
 {
@@ -290,8 +290,8 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
     const double drag = dragged ? o->quadratic * h * fabs(v) : -0.0;
     const double restoring = h * (o->stiffness * h + o->damping) * v,
                  lost = dragged ? drag * v : -0.0;
-    /* Where it is small, the increment by the force: the rounding of a would shift v in the same
-     * way at every step. */
+    /* Where the factor is small, the increment is computed from the force: the rounding of a would
+     * shift v in the same way at every step. */
     const bool small = fabs(a - 1 + drag) < 1;
     z[0] = h * v;
     z[1] = small ? (h * force - restoring) - lost : v - y[1];

@@ -3,7 +3,7 @@
  * I, II.14. */
 #include "method/step/step.h"
 
-/* work: k [stages][n/2], one state */
+/* The work array holds k [stages][n/2], and one state. */
 size_t nystrom_work(const struct method *method, int n)
 {
     return (size_t)method->nystrom->stages * (size_t)n / 2 + (size_t)n;

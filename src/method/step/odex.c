@@ -14,7 +14,8 @@
 
 enum { COLUMNS = 6 };
 
-/* work: the extrapolated increments [COLUMNS][n], the same smoothed, then four states */
+/* The work array holds the extrapolated increments [COLUMNS][n], the same smoothed, then four
+ * states. */
 size_t odex_work(const struct method *method, int n)
 {
     (void)method;

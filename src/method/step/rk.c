@@ -3,7 +3,8 @@
  * I, II.1-6, II.10. */
 #include "method/control/rk_error.h"
 
-/* work: k [stages + extra][n], one state, whether the extra stages are those of the last step */
+/* The work array holds k [stages + extra][n], one state, and a flag that tells if the extra stages
+ * are those of the last step. */
 size_t rk_work(const struct method *method, int n)
 {
     return (size_t)(method->tableau->stages + method->tableau->extra + 1) * (size_t)n + 1;

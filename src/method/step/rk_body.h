@@ -13,7 +13,7 @@
 #endif
 #define INLINE static inline __attribute__((always_inline))
 
-/* z = y + sum_j (h w_j) k_j; low: as in struct step, or NULL */
+/* Computes z = y + sum_j (h w_j) k_j. low is as in struct step, or NULL. */
 INLINE void rk_combine(int n, double h, const double *w, int count, const double *k,
                        const double *y, double *z, double *low)
 {
@@ -25,7 +25,8 @@ INLINE void rk_combine(int n, double h, const double *w, int count, const double
     }
 }
 
-/* k [stages][n], z: the new state. known: k_1 is there already. */
+/* Computes the stages k [stages][n] and the new state z. `known` means that k_1 has been
+ * computed. */
 INLINE void rk_stages(const struct tableau *tableau, int n, slope_function *slope,
                       const void *forces, double t, double h, const double *y, double *k, double *z,
                       double *low, bool known)

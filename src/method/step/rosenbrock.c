@@ -8,7 +8,7 @@
  * below the step's. */
 static const double APART = 1. / 8192;
 
-/* work: u [stages][n], the Jacobian, four states, the matrix. */
+/* The work array holds u [stages][n], the Jacobian, four states, the matrix. */
 size_t rosenbrock_work(const struct method *method, int n)
 {
     return (size_t)(method->rosenbrock->stages + n + 4) * (size_t)n + LU_ROOM(n);

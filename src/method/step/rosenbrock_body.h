@@ -20,7 +20,7 @@
 /* [n][n] */
 typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
 
-/* What a step is of; `forces` is whatever the functions know. */
+/* Functions that a step evaluates; `forces` is their data. */
 struct rosenbrock_forces {
     slope_function *slope;
     jacobian_function *jacobian;
@@ -38,8 +38,8 @@ INLINE void rosenbrock_combine(int n, const double *w, int count, const double *
             sum[i] += w[j] * u[j * n + i];
 }
 
-/* Stage s is at the same point of time and space as the one before it (ros3p): f is known. row: its
- * part of a. */
+/* Returns true if stage s is at the same point of time and space as the one before it (ros3p), so
+ * that f is known. row is its part of a. */
 INLINE bool rosenbrock_same_point(const struct rosenbrock *rosenbrock, const double *row, int s)
 {
     bool same = row[s - 1] == 0 && rosenbrock->alpha[s] == rosenbrock->alpha[s - 1];
@@ -153,7 +153,7 @@ INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct f
 }
 
 struct few_start {
-    /* at y: the slope, and how it changes with t */
+    /* the slope at y, and its derivative by t */
     double jacobian[INVERTED * INVERTED], first[INVERTED], drift[INVERTED];
 };
 
@@ -198,7 +198,7 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
     step->cost.solves += rosenbrock->stages;
 }
 
-/* Where the compiler knows n, which is at most INVERTED. */
+/* Takes a step where the compiler knows n, which is at most INVERTED. */
 INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *rosenbrock,
                                               const struct rosenbrock_forces *of, struct step *step)
 {

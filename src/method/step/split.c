@@ -22,7 +22,7 @@
  */
 #include "method/step/split_body.h"
 
-/* work: one state, the force of the last kick [n/2], one state of low parts */
+/* The work array holds one state, the force of the last kick [n/2], and one state of low parts. */
 size_t split_work(const struct method *method, int n)
 {
     (void)method;

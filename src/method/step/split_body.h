@@ -20,14 +20,14 @@ typedef void force_function(const void *context, double t, const double *y, doub
 struct split_forces {
     force_function *force; /* that does not depend on velocity */
     force_function *drag;  /* the rest */
-    const void *context;   /* of these */
+    const void *context;   /* data of these functions */
     const struct oscillator *oscillator;
 };
 
-/* How a step goes: constant over a run. */
+/* Choices of a step that are constant over a run. */
 struct split_way {
     const struct splitting *splitting;
-    enum drag drag; /* DRAG_DEFAULT: there is none */
+    enum drag drag; /* DRAG_DEFAULT if there is none */
     bool symmetric;
     bool around; /* the drag's own flow stands at the step's ends */
     /* a step that begins and ends with a kick begins where the last one left the force */
@@ -85,11 +85,11 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
         forces->drag(forces->context, t, z, drag);
         for (int i = 0; i < d; i++)
             step_add(&z[d + i], low ? &low[d + i] : NULL, w * (pull[i] + drag[i]));
-    } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* at v' */
+    } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* evaluated at v' */
         for (int i = 0; i < d; i++)
             z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
-    } else if (way->drag == DRAG_IMPLICIT) { /* at (v + v')/2: half a kick from the end, then half a
-                                                kick from there */
+        /* evaluated at (v + v')/2: half a kick from the end, then half a kick from there */
+    } else if (way->drag == DRAG_IMPLICIT) {
         for (int i = 0; i < d; i++) {
             const double v = z[d + i];
             z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;

@@ -78,7 +78,7 @@ static inline const double *step_scale(const struct step *step)
 static inline double scaled_square(int n, const double *scale, const double *x, const double *y,
                                    const double *z)
 {
-    double sum[2] = {0, 0}; /* over even and odd i: a shorter chain */
+    double sum[2] = {0, 0}; /* separate sums over even and odd i make a shorter chain */
     for (int i = 0; i < n; i++) {
         double size = fabs(y[i]) > fabs(z[i]) ? fabs(y[i]) : fabs(z[i]);
         double ratio = x[i] / (size > scale[i] ? size : scale[i]);
@@ -141,7 +141,7 @@ struct nystrom {
  */
 struct implicit_tableau {
     int stages;      /* all at once: 3 at most */
-    double diagonal; /* 0: all at once */
+    double diagonal; /* 0 solves all stages at once */
     bool fsal;       /* the first stage is y, and its slope the last stage's of the step before */
     const double *c; /* [stages] */
     const double *a; /* [stages][stages] */
@@ -152,7 +152,7 @@ struct implicit_tableau {
     const double *left, *right; /* [stages][stages] */
 };
 
-enum { ROSENBROCK_DEGREE = 4 }; /* at most */
+enum { ROSENBROCK_DEGREE = 4 }; /* highest degree */
 
 /*
  * (1/(gamma h) - J) u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j (c_ij/h) u_j + d_i h df/dt,
@@ -187,8 +187,8 @@ struct multistep {
 #define TURN_NEAR 1e-8
 enum { TURN_TRIES = 12, TURN_PIECES = 8 };
 /*
- * After a step from `before` at t, where the method turns: one across a turning point is taken
- * again, up to there; then step->h is less. low: where there is step->low, what it was before.
+ * Ends a step from `before` at t, where the method turns. A step across a turning point is taken
+ * again, up to there; then step->h is less. low holds step->low as it was before, if there is one.
  */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
                            const double *before, const double *low, bool *turned);
@@ -255,9 +255,9 @@ bool split_applies(const struct method *method, const struct system *system, enu
                    struct error *error);
 
 /*
- * Solves z = y + h f(t, z). y and z [n] are different; work: the last newton_work() - 2 n doubles
- * of newton_work(). A whole oscillator, linear and quadratic drag included, is solved in closed
- * form, the rest by Newton's iteration.
+ * Solves z = y + h f(t, z). y and z [n] are different; work points to the last newton_work() - 2 n
+ * doubles of newton_work(). A whole oscillator, linear and quadratic drag included, is solved in
+ * closed form, the rest by Newton's iteration.
  */
 enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y,
                                       double *z, double *work);
@@ -266,13 +266,13 @@ size_t newton_work(const struct method *method, int n); /* two states and the so
 size_t state_work(const struct method *method, int n); /* one state */
 
 /*
- * The root of a v + c |v| v = r that goes over into r/a as c -> 0; NaN: there is none. Divided by
- * a, so that nothing overflows or cancels: v + (c/a) |v| v = r/a.
+ * Returns the root of a v + c |v| v = r that goes over into r/a as c -> 0, or NaN if there is none.
+ * The equation is divided by a, so that nothing overflows or cancels: v + (c/a) |v| v = r/a.
  */
 static inline double drag_root(double a, double c, double r)
 {
     double u = r / a;
-    /* what the formula gives, too */
+    /* the formula gives this, too */
     if (c == 0)
         return u;
     return 2 * u / (1 + sqrt(1 + 4 * (c / a) * fabs(u)));

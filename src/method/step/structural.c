@@ -153,8 +153,8 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
 /* ---- a step ---- */
 
 /*
- * a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own
- * rounding only. near: as in newton_iterate().
+ * Iterates a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its
+ * own rounding only. near is as in newton_iterate().
  */
 static enum step_status iterate(const struct structural *s, struct step *step, double tau,
                                 const double *a, double *ahead, double *z, bool *near)
@@ -253,7 +253,7 @@ enum step_status newmark_step(const struct method *method, struct step *step)
                            step);
 }
 
-/* alpha_f = 0.1: beta = (1 + alpha_f)^2/4, gamma = 1/2 + alpha_f */
+/* Method with alpha_f = 0.1: beta = (1 + alpha_f)^2/4, gamma = 1/2 + alpha_f */
 enum step_status hht_step(const struct method *method, struct step *step)
 {
     (void)method;
@@ -262,8 +262,8 @@ enum step_status hht_step(const struct method *method, struct step *step)
 }
 
 /*
- * rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 - alpha_m +
- * alpha_f)^2/4, gamma = 1/2 - alpha_m + alpha_f
+ * Method with rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 -
+ * alpha_m + alpha_f)^2/4, gamma = 1/2 - alpha_m + alpha_f
  */
 enum step_status generalised_alpha_step(const struct method *method, struct step *step)
 {

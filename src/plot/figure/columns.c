@@ -113,7 +113,8 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 !column_value(run, &d->column[c], i, &up, d->error))
                 return false;
             seen++;
-            if (!request->next || seen > 1) /* of a return map each is the next of the one before */
+            /* each point of a return map is the next of the one before */
+            if (!request->next || seen > 1)
                 y[n++] = up;
         }
         if (seen == 1 && n == 0)

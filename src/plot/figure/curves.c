@@ -19,7 +19,7 @@
 
 /* ---- rows ---- */
 
-#define VARIABLES_MAX 8 /* whose extremes are kept */
+#define VARIABLES_MAX 8 /* largest number of variables whose extremes are kept */
 #define EXTREMES_MAX (2 * VARIABLES_MAX + 2)
 
 /* Not at the same place of each stride: an oscillation could be in step with it. */
@@ -29,8 +29,8 @@ static size_t visited(size_t i, size_t stride)
     return i + (stride > 1 ? (size_t)(mixed % stride) : 0);
 }
 
-/* What the extremes are of: each variable, and of second order q v of the first coordinate; up and
- * down. */
+/* Computes the quantities whose extremes are kept: each variable, and of second order q v of the
+ * first coordinate, up and down. */
 static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MAX])
 {
     const int variables = run->system.n < VARIABLES_MAX ? run->system.n : VARIABLES_MAX;
@@ -134,7 +134,7 @@ static size_t power_of_two(double min)
     return power;
 }
 
-/* Which rows lie in the window. */
+/* Finds the rows that lie in the window. */
 static void find_rows(const struct run *run, const struct row_request *request, size_t *first,
                       size_t *end)
 {
@@ -209,8 +209,8 @@ bool run_never_changed(const struct run *run)
     return true;
 }
 
-/* Whether a row and one system say all that the observable needs. What the state alone says does
- * not depend on the system. */
+/* Returns true if a row and one system give all that the observable needs. What the state alone
+ * gives does not depend on the system. */
 static bool follows_from_row(const struct run *run, const struct observable *observable)
 {
     for (int i = 0; i < run->system.n; i++)

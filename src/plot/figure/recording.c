@@ -14,8 +14,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define GROWING_POINTS 2 /* of velocities and energies a column, while they come */
-#define DELAY_COLUMNS 60 /* of a pane that has room for more than the delay of velocities */
+#define GROWING_POINTS 2 /* points per column of velocities and energies during collection */
+/* columns of a pane that has room for more than the delay of velocities */
+#define DELAY_COLUMNS 60
 
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
 {
@@ -105,7 +106,7 @@ bool drawing_phase_data(struct drawing *d, const struct series *series, struct c
     return true;
 }
 
-/* Of a voltage or a force: where it lies on the axis of the run that it is laid over. */
+/* Scales a voltage or a force to the axis of the run that it is laid over. */
 static bool scale_values(const struct drawing *d, struct series *series)
 {
     const struct session *session = d->session;
@@ -141,7 +142,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
             return false;
         if (series.n == 0)
             return true;
-        bar = NULL; /* of another quantity */
+        bar = NULL; /* the bars are those of another quantity */
     }
     *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
                             .x = series.t,
@@ -166,7 +167,7 @@ void drawing_put_delay(const struct drawing *d, struct buffer *text)
     buffer_put(text, TEXT(" late"));
 }
 
-/* Of what is being collected twice what is drawn of it, however long it is. */
+/* Takes twice what is drawn of a recording that is being collected, however long it is. */
 static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
 {
     struct recording part = *recording; /* its arrays are shared */

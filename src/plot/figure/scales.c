@@ -22,7 +22,7 @@ static bool has_ends(const struct figure_range *range)
     return range && (!isnan(range->end[0]) || !isnan(range->end[1]));
 }
 
-/* What the curves span along an axis, of what can be seen along the other. */
+/* Finds the extent of the curves along an axis, for what can be seen along the other. */
 static struct extent find_extent(const struct drawing *d, bool vertical)
 {
     const struct figure_range *across = vertical ? d->request->x : d->request->y;
@@ -77,7 +77,7 @@ bool drawing_ranges(const struct drawing *d, struct figure *figure, const enum q
 
 /* ---- curves of different size ---- */
 
-/* Of what is inside of the window of time; 0 if nothing is. */
+/* Returns the size of the curve inside of the window of time, or 0 if nothing is there. */
 static double size_of_curve(const struct drawing *d, int i, bool x)
 {
     const struct extent_window window = {
@@ -86,7 +86,7 @@ static double size_of_curve(const struct drawing *d, int i, bool x)
     return extent.low <= extent.high ? fmax(fabs(extent.low), fabs(extent.high)) : 0;
 }
 
-/* Of each curve; of a plane the larger of both. Returns NULL if out of memory. */
+/* Returns the size of each curve; in a plane the larger of both. Returns NULL if out of memory. */
 static const double *curve_sizes(const struct drawing *d, const struct figure *figure)
 {
     double *size = arena_array(d->arena, (size_t)d->curves + 1, sizeof *size);
@@ -106,8 +106,8 @@ static double min_size(const double *size, int n)
     return min;
 }
 
-/* The size between the curves that differ most from their neighbours; 0: all are alike. What rests
- * has no size. */
+/* Returns the size between the curves that differ most from their neighbours, or 0 if all are
+ * alike. A curve at rest has no size. */
 static double parting_size(const double *size, int n)
 {
     double max = 0, widest = 1, parting = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What lies between the rows of an adaptive run, which may be far apart, for the eye. */
+/* Interpolates between the rows of an adaptive run, which may be far apart, for the eye. */
 #include <hooke/method.h>
 #include <hooke/run.h>
 #include <hooke/plot/drawing.h>
@@ -61,7 +61,7 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
     return true;
 }
 
-/* Number of the state variable on an axis; -1: something else is there. */
+/* Returns the index of the state variable on an axis, or -1 if something else is there. */
 static int state_on_axis(const struct drawing *d, int coordinate)
 {
     const enum plot_kind kind = d->request->kind;

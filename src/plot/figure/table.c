@@ -41,7 +41,8 @@ enum quantity column_quantity(const struct table_column *column)
     return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
 }
 
-/* asked: of the user; NULL if there is none. What begins at 0 is not logarithmic. */
+/* Returns the axis of a column. `wanted` is the user's range, or NULL. An axis that begins at 0 is
+ * not logarithmic. */
 static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
                            const struct figure_range *wanted)
 {
@@ -63,7 +64,7 @@ static struct axis axis_of(const struct table_column *column, size_t rows, doubl
 
 /* ---- curves ---- */
 
-/* Which of the values a row's is; added where it is new. -1: too many. */
+/* Returns the index of a row's group, which is added if it is new, or -1 if there are too many. */
 static int group_of(const char *const *value, int *count, const char *group[GROUPS_MAX])
 {
     for (int g = 0; g < *count; g++)
@@ -92,7 +93,8 @@ static const struct table_column *find_groups(const struct table *table, int *co
     return NULL;
 }
 
-/* Of a column that says yes or no, what it asks: fitted, not fitted. */
+/* Returns the label of a group. A column that holds yes or no is labelled by its question: fitted,
+ * not fitted. */
 static const char *group_label(struct drawing *d, const struct table_column *of, const char *group)
 {
     struct buffer label = {0};

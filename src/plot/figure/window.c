@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which part of the time a plot shows. */
+/* Chooses the part of the time that a plot shows. */
 #include <hooke/run.h>
 #include <hooke/data.h>
 #include <hooke/base/unit.h>
@@ -44,7 +44,7 @@ static void span_of(const struct drawing *d, double *from, double *to)
         *from = fmin(*from, fmin(a, b));
         *to = fmax(*to, fmax(a, b));
     }
-    /* What follows a run shows the part of the recording that lies beside it. */
+    /* A plot that follows a run shows the part of the recording that lies beside it. */
     const struct recording *recording = recording_of(d);
     if (recording && !(d->request->follow && d->request->runs)) {
         *from = fmin(*from, recording->window[0]);
@@ -52,8 +52,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
-/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look
- * the same on each page. */
+/* Shortens a length to one whose quarters are short numbers, too: a window that lasts has labels
+ * that look the same on each page. */
 static double short_number(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
@@ -64,7 +64,8 @@ static double short_number(double length)
     return length;
 }
 
-/* [s] the longest window of a view in which every period can be seen at this width; NAN: any. */
+/* Returns the longest window [s] of a view in which every period can be seen at this width, or NAN
+ * if any can be. */
 static double longest_window(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -179,7 +180,7 @@ void drawing_window(struct drawing *d)
                  max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !wanted && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? from : to - trail;
-        if (grows) /* what was drawn stays for as long again */
+        if (grows) /* the drawn part stays for as long again */
             d->window[0] = from + floor((d->window[0] - from) / trail) * trail;
         d->window[1] = grows ? to : d->window[0] + trail;
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
@@ -194,7 +195,7 @@ void drawing_window(struct drawing *d)
     d->shown = d->window[1] - d->window[0];
 }
 
-/* Of a recording without a run the rhythm it has been seen to have. */
+/* Returns the rhythm of the first run, or that seen in the recording if there is no run. */
 static double window_rhythm(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
