@@ -27,7 +27,8 @@ int calibration_values(struct text *rest, double *value, const struct unit **uni
     return n;
 }
 
-/* Of one kind, as the first has it; what has no unit is in that of the other. */
+/* Converts both values to units of one kind, that of the first. A value without a unit takes the
+ * unit of the other. */
 static bool same_unit(const struct unit *const unit[2], double value[2], char name[16],
                       struct error *error)
 {

@@ -26,7 +26,7 @@ static const double least_squares_excess = 2.7;
 /* The stamps of an even grid of which fewer than this many differ do not determine its step. */
 enum { STAMPS_DIFFERENT_MIN = 4, DIGITS_MIN = 2, DIGITS_MAX = 8, NEWTON_MAX = 60 };
 
-/* How stamps were printed: with so many significant digits, or to a number of decimals. */
+/* Rounding of printed stamps: to a number of significant digits, or to a number of decimals. */
 struct stamp_rounding {
     double decimal;  /* [s] the last decimal place; 0 where `digits` holds */
     int digits;      /* significant ones */
@@ -60,8 +60,8 @@ static bool stamps_are_multiples(const struct stamps *s, const struct stamp_roun
     return true;
 }
 
-/* The line by least squares, each stamp weighted by its resolution (NULL: all alike). Returns the
- * variance of the slope that the scatter about the line implies. */
+/* Fits a line by least squares, with each stamp weighted by its resolution; NULL weights all alike.
+ * Returns the variance of the slope that the scatter about the line implies. */
 static double line_through(const struct stamps *s, const struct stamp_rounding *rounding,
                            double *first, double *step)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What commands say, in three forms: lines, JSON objects, CSV rows. */
+/* Writes replies of commands in three forms: lines, JSON objects, CSV rows. */
 #include <hooke/base/number.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
@@ -98,7 +98,8 @@ void reply_data(struct reply *reply, const char *kind, struct text text)
 
 /* ---- records ---- */
 
-/* "fit.halves.gamma": the keys of the open levels and the field's own; arrays share one cell. */
+/* Writes the keys of the open levels and the field's own: "fit.halves.gamma". Arrays share one
+ * cell. */
 static void put_path(struct reply *reply, const char *key)
 {
     if (reply->header.len > 0)
@@ -109,7 +110,7 @@ static void put_path(struct reply *reply, const char *key)
     buffer_put(&reply->header, text_of(key));
 }
 
-/* Of the column that the field is in: "halves.gamma.1", "parameters.k.value". */
+/* Writes the name of the column that the field is in: "halves.gamma.1", "parameters.k.value". */
 static void put_column(struct reply *reply, const char *key, struct buffer *name)
 {
     for (int i = 1; i <= reply->depth; i++) {

@@ -66,7 +66,7 @@ struct parsed_cell {
     bool quoted;
 };
 
-/* Up to the separator or the end of the line, which *last says. */
+/* Reads a cell up to the separator or the end of the line. *last tells which. */
 static bool read_cell(struct table_reading *r, char separator, struct parsed_cell *cell, bool *last)
 {
     struct buffer text = {0};
@@ -90,7 +90,7 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
     r->rest = (struct text){rest.at + used, rest.len - used};
     *last = ends;
     const char *own = ok ? copy(r, &text) : NULL;
-    /* What a spreadsheet would run had a ' put before it. */
+    /* A cell that a spreadsheet would run was written with a ' before it. */
     cell->text =
         own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
     buffer_free(&text);
@@ -233,7 +233,7 @@ static bool read_code(struct table_reading *r, uint32_t *code)
     return true;
 }
 
-/* Behind the backslash. */
+/* Reads the rest of an escape sequence, behind the backslash. */
 static bool read_escape(struct table_reading *r, struct buffer *out)
 {
     static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";

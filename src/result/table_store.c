@@ -16,7 +16,7 @@ struct cells {
 
 struct column_growth {
     struct cells *cells;
-    int columns, column_capacity, next; /* next: the column that most likely comes next */
+    int columns, column_capacity, next; /* next is the column that most likely comes next */
     size_t rows, capacity;
     bool failed;
 };
@@ -43,7 +43,7 @@ void table_store_free(struct table_store *store)
     *store = (struct table_store){0};
 }
 
-/* In the place of the one of that kind; returns false if out of memory. */
+/* Adds the table in place of the one of that kind. Returns false if out of memory. */
 static bool stored_table_add(struct table_store *store, struct stored_table *stored)
 {
     struct stored_table *before = table_store_find(store, text_of(stored->kind));
@@ -145,7 +145,8 @@ static struct cells *stored_column(struct arena *arena, struct column_growth *gr
     return &growth->cells[growth->columns++];
 }
 
-/* The cell's column, with room for the present row; NULL: nothing is collected, or no memory. */
+/* Returns the cell's column, with room for the present row, or NULL if nothing is collected or if
+ * out of memory. */
 static struct cells *cell_of(struct table_store *store, const char *name, const char *unit)
 {
     struct column_growth *growth = store->row ? store->row->growth : NULL;

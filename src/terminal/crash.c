@@ -56,7 +56,8 @@ void crash_end(void)
 static void on_fatal(int number)
 {
     crash_end();
-    raise(number); /* SA_RESETHAND: now it ends the program, with a core where those are wanted */
+    /* SA_RESETHAND makes this end the program, with a core where those are wanted */
+    raise(number);
 }
 
 void crash_signal(int number)

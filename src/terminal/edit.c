@@ -160,7 +160,7 @@ static void enter_modes(int ignored)
     (void)ignored;
 }
 
-/* What can be completed goes into the log, in columns. */
+/* Writes the possible completions to the log, in columns. */
 static void list_matches(char **match, int count, int longest)
 {
     struct panes *panes = panes_active;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the output can show, and where the user's own files are. */
+/* Finds the abilities of the output, and the folders of the user's own files. */
 #include <hooke/base/safe_text.h>
 #include "terminal/terminal.h"
 
@@ -67,8 +67,8 @@ static void make_folders(char *path)
     }
 }
 
-/* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL:
- * no place. Caller frees. */
+/* Returns "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME", and creates the folder if `create`
+ * is set. Returns NULL if no folder can be used. The caller frees the result. */
 static char *user_path(const char *variable, const char *fallback, const char *name, bool create)
 {
     struct buffer path = {0};
@@ -115,8 +115,8 @@ void rc_run(struct session *session, struct reply *reply)
 
 #define OFFER_LABEL "next (Enter): "
 
-/* How many bytes of a line are statements that fit, one after another; of what is quoted a
- * semicolon ends none. */
+/* Returns the number of bytes of a line that hold statements that fit, one after another. A quoted
+ * semicolon ends no statement. */
 static size_t whole_statements(struct text line, int room)
 {
     size_t fits = 0;

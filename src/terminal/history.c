@@ -15,8 +15,9 @@
 #define HISTORY_MAX (HISTORY_LINES + HISTORY_LINES / 2)
 #define HISTORY_BYTES ((size_t)64 << 20)
 
-/* Opens the file and locks it; again if another session replaced it in between. *locked: nobody
- * else replaces it now. -1: no place for it, or it is no file. */
+/* Opens the file and locks it, again if another session replaced it in between. *locked means that
+ * nobody else can replace it meanwhile. Returns -1 if the file has no folder, or is no regular
+ * file. */
 static int open_locked(const char *path, bool *locked, struct error *error)
 {
     static bool waited; /* in vain, once: whoever has the lock keeps it */

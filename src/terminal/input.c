@@ -26,7 +26,7 @@ void input_read(struct input *input, bool gone)
     if (input->bytes.len - input->head < INPUT_MAX) {
         buffer_put(&input->bytes, (struct text){chunk, (size_t)got});
     }
-    if (input->bytes.failed) { /* what was waiting is lost, the keyboard is not */
+    if (input->bytes.failed) { /* the waiting bytes are lost, the keyboard is not */
         input_free(input);
     }
     input->arrived = clock_ns();

@@ -17,11 +17,11 @@
 struct press {
     const struct session *session;
     int count; /* the prefix argument, 1 without one */
-    int arg;   /* of the row */
+    int arg;   /* argument of the row */
 };
 
-/* Appends a command line, or what follows the row's; none: the key has done what it does by itself.
- */
+/* Appends a command line, or the rest of the row's. A function that appends nothing has done its
+ * work by itself. */
 typedef void make(const struct press *press, struct buffer *line);
 
 static void say_help(const struct press *press, struct buffer *line)
@@ -73,7 +73,7 @@ static void say_pan(const struct press *press, struct buffer *line)
     }
 }
 
-/* Beyond the oldest line, where `scroll` may have gone, nothing moves: a page counts from that line
+/* Nothing moves beyond the oldest line, where `scroll` may have gone: a page counts from that line
  * on. */
 static void say_page(const struct press *press, struct buffer *line)
 {
@@ -98,7 +98,7 @@ static void say_pane(const struct press *press, struct buffer *line)
 
 /* ---- on the plot ---- */
 
-/* Behind `cursor left` and the like: so many columns, or rows, of what is shown there. */
+/* Appends the number of columns, or rows, of what is shown, after `cursor left` and the like. */
 static void add_step(double step, struct buffer *line)
 {
     if (step > 0) {
@@ -138,7 +138,7 @@ static void type(const char *text)
     rl_insert_text(text);
 }
 
-/* What was typed goes into a line of its own, and the panes come back. */
+/* Puts the typed text into a line of its own, and brings the panes back. */
 static void leave_reading(const char *text, struct buffer *line)
 {
     type(text);
@@ -167,7 +167,7 @@ static void say_recipe(const struct press *press, struct buffer *line)
 
 #define NEXT_ROW "scroll -1"
 
-/* At the end, where the offer stands, it is taken. */
+/* Takes the offer if the cursor is at the end, where the offer is shown. */
 static void say_enter(const struct press *press, struct buffer *line)
 {
     struct front_program *program = panes_active->program;
@@ -182,16 +182,16 @@ static void say_enter(const struct press *press, struct buffer *line)
 
 /* ---- the table ---- */
 
-/* What a key does: a command that is the same for the session (SAYS) or looks at the screen only,
+/* Action of a key: a command that is the same for the session (SAYS) or looks at the screen only,
  * which is neither shown in the log nor remembered (LOOKS); or the beginning of a line (TYPES). */
 enum key_kind { SAYS, LOOKS, TYPES };
 
 static const struct key {
-    const char *keys[4];    /* what the terminal sends */
-    const char *capability; /* or what terminfo says; NULL: nothing more */
+    const char *keys[4];    /* bytes that the terminal sends */
+    const char *capability; /* name in terminfo of further bytes, or NULL */
     enum key_kind kind;
-    const char *text; /* NULL: made by `make` */
-    make *make;       /* NULL: nothing follows */
+    const char *text; /* NULL if `make` makes it */
+    make *make;       /* NULL if nothing follows */
     int arg;
 } keys[] = {
     {{CTRL_X "h"}, "kf1", SAYS, NULL, say_help, 0},
@@ -253,7 +253,7 @@ static const struct key point_keys[] = {
     {{"q", "\004"}, NULL, SAYS, "cursor off", NULL, 0},
 };
 
-/* On the log while it has the whole screen; any other key begins a command. */
+/* Keys of the log while it has the whole screen; any other key begins a command. */
 static const struct key reading_keys[] = {
     {{" "}, NULL, LOOKS, NULL, say_page, -1},
     {{"\033[A", "\033OA"}, "kcuu1", LOOKS, "scroll 1", NULL, 0},

@@ -99,7 +99,7 @@ static char *word_breaks(void)
 
 /* ---- names of files ---- */
 
-/* What was typed of a name, without its quotes and backslashes. */
+/* Appends the name that was typed, without its quotes and backslashes. */
 static void put_plain(struct text typed, char quote, struct buffer *name)
 {
     for (size_t i = quote ? 1 : 0; i < typed.len; i++) {
@@ -112,7 +112,8 @@ static void put_plain(struct text typed, char quote, struct buffer *name)
     }
 }
 
-/* A name as the line can have it, in the quote that was begun; false: not in that quote. */
+/* Appends a name as the line can hold it, in the quote that was begun. Returns false if that quote
+ * cannot hold it. */
 static bool put_quoted(const char *name, char quote, bool folder, struct buffer *out)
 {
     const struct text all = text_of(name);
@@ -208,7 +209,7 @@ static char **word_complete(const char *word, int begin, int end)
 
 /* ---- where readline 7 to 8.3 crashes or hangs ---- */
 
-/* What was edited cannot be undone any more. */
+/* Drops the undo list, so that editing cannot be undone. */
 static void line_drop_undo(void)
 {
     HIST_ENTRY *entry = current_history();
@@ -272,8 +273,8 @@ void line_mend(void)
     line_drop_undo();
 }
 
-/* Where lines cannot be broken (TERM=dumb, a height of 1) readline divides by a third of the
- * width. */
+/* Readline divides by a third of the width where lines cannot be broken (TERM=dumb, a height of
+ * 1). */
 void line_redisplay(void)
 {
     int rows, columns;
@@ -377,7 +378,7 @@ static struct pointers parts, freed;
 
 void xfree(void *memory); /* as xmalloc() in crash.c, in readline's place */
 
-/* Without memory it is lost. */
+/* Adds a pointer, which is lost if out of memory. */
 static void put_pointer(struct pointers *all, void *pointer)
 {
     if (all->count == all->capacity) {
@@ -417,7 +418,7 @@ void line_over(void)
 {
     HIST_ENTRY **entry = history_list();
     rl_undo_list = NULL;
-    rl_maybe_save_line(); /* without a line that was left for the history readline rings a bell */
+    rl_maybe_save_line(); /* readline rings a bell if no line was left for the history */
     rl_maybe_unsave_line();
     rl_undo_list = NULL;
     for (size_t i = 0; entry && entry[i]; i++)

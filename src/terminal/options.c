@@ -22,8 +22,9 @@ static const struct option_row {
     char letter; /* 0 if there is none */
     const char *name;
     enum value value;
-    const char *shown; /* how --help names the value */
-    size_t offset;     /* of a bool (VALUE_NONE) or a string (VALUE_WORD) in struct options */
+    const char *shown; /* name of the value in --help */
+    /* offset of a bool (VALUE_NONE) or a string (VALUE_WORD) in struct options */
+    size_t offset;
     const char *brief;
     const struct module_option *module; /* VALUE_MODULE */
 } rows[] = {
@@ -207,8 +208,8 @@ static bool refuse_unknown(struct text name, const char *word)
     return false;
 }
 
-/* given: the value in the word itself, or NULL; *next becomes NULL if the next word is the value.
- */
+/* Reads an option. given is the value in the word itself, or NULL; *next becomes NULL if the next
+ * word is the value. */
 static bool read_option(struct options *options, const struct option_row *row, const char *word,
                         const char *given, const char **next)
 {

@@ -94,7 +94,7 @@ static bool say_nothing(void *context, struct text text)
     return true;
 }
 
-/* What only looks at the screen says nothing, unless it could not. */
+/* Executes a line that only looks at the screen; it reports nothing, unless it fails. */
 static void execute_silently(struct panes *panes, struct text line)
 {
     const struct source nobody = {0};
@@ -216,7 +216,7 @@ static void suspend(struct panes *panes)
     take_size(panes);
 }
 
-/* forget: what has been read was typed before a Ctrl-C that is found now. */
+/* Acts on signals. With forget, the bytes that were read before a Ctrl-C found here are dropped. */
 static void heed_signals(struct panes *panes, bool forget)
 {
     signals_drain();
@@ -332,7 +332,7 @@ static void execute_line(struct panes *panes)
         own.quiet = outer->quiet;
         program->reply = &own;
     } else {
-        panes_show(panes, false, INT_MAX); /* what takes long is seen to have begun */
+        panes_show(panes, false, INT_MAX); /* shows that something that takes long has begun */
     }
     buffer_clear(&panes->notice);
     const bool busy = signals_busy(true);
@@ -346,7 +346,7 @@ static void execute_line(struct panes *panes)
     }
     signals_busy(busy);
     if (from != LINE_SILENT) {
-        buffer_clear(&program->offer); /* what is offered is the last thing that was said */
+        buffer_clear(&program->offer); /* the offer is always the last message */
     }
     if (ok && !nested && from == LINE_TYPED) {
         struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
@@ -383,7 +383,7 @@ static void execute_line(struct panes *panes)
 void panes_process(struct panes *panes)
 {
     if (!panes->running) {
-        panes->interrupted = false; /* heeded: the line is cleared */
+        panes->interrupted = false; /* clearing the line answers the Ctrl-C */
     }
     while (!panes_over(panes) && !panes->interrupted) {
         if (panes->line_waits) {
@@ -411,7 +411,7 @@ void panes_process(struct panes *panes)
 
 /* ---- beginning and end ---- */
 
-/* What was typed ahead of `plain` is for the prompt. */
+/* Hands the bytes that were typed ahead of `plain` over to the prompt. */
 static void hand_over(struct panes *panes)
 {
     unsigned char byte;
@@ -426,7 +426,7 @@ static void hand_over(struct panes *panes)
     }
 }
 
-/* What readline draws goes nowhere, also where there is no /dev/null. */
+/* Discards the output of readline, also where there is no /dev/null. */
 static ssize_t ignore_output(void *nowhere, const char *bytes, size_t count)
 {
     (void)nowhere;
@@ -441,7 +441,7 @@ void panes_run(struct front_program *program)
     const struct front before = session->front;
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
     program->next = FRONT_END;
-    line_begin(session); /* before ncurses: both look the terminal up */
+    line_begin(session); /* line_begin() precedes ncurses: both look the terminal up */
     panes.color = before.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
     /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the files of the panes front end share. */
+/* Declarations shared by the files of the panes front end. */
 #ifndef HOOKE_TERMINAL_PANES_H
 #define HOOKE_TERMINAL_PANES_H
 
@@ -14,7 +14,7 @@
  */
 
 #define REPLY_TEXT "\033[0n"
-/* what may be the beginning of such a sequence is held back this long */
+/* time for which the possible beginning of such a sequence is held back */
 #define HELD_NS 100000000
 
 struct input {
@@ -26,12 +26,13 @@ struct input {
 
 enum input_item { INPUT_NONE, INPUT_BYTE, INPUT_PASTE, INPUT_REPLY };
 
-/* Reads what there is; gone: poll() says that the terminal has hung up. */
+/* Reads the available bytes. gone means that poll() has reported that the terminal has hung up. */
 void input_read(struct input *input, bool gone);
 /* The next item; of a paste, `paste` points at its text until the next call. */
 enum input_item input_next(struct input *input, int64_t now, unsigned char *byte,
                            struct text *paste);
-/* When something held back becomes a byte [clock_ns]; INT64_MAX: nothing is held. */
+/* Returns the time [clock_ns] at which something held back becomes a byte, or INT64_MAX if nothing
+ * is held. */
 int64_t input_due(const struct input *input);
 bool input_pending(const struct input *input);
 /* Takes the reply out from wherever it stands; the other bytes stay. */
@@ -73,13 +74,13 @@ void pacing_replied(struct pacing *pacing, int64_t now);
 /* ---- the terminal under ncurses (screen.c) ---- */
 
 struct terminal_screen {
-    void *handle; /* SCREEN of ncurses, NULL: not shown */
+    void *handle; /* SCREEN of ncurses, or NULL if not shown */
     bool color_wanted;
     bool color_begun;
     bool utf8;
     int width, height;    /* [cell] */
-    struct canvas canvas; /* of that size */
-    struct canvas shown;  /* what the terminal shows now */
+    struct canvas canvas; /* canvas of that size */
+    struct canvas shown;  /* present contents of the terminal */
     int next;             /* row to go on with after a part */
     bool stale;           /* the terminal may show something else */
 };
@@ -121,14 +122,14 @@ struct panes {
     struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
-    struct buffer aside; /* what was half typed when a page came to be read */
+    struct buffer aside; /* text that was half typed when a page came to be read */
     int aside_point;     /* [byte] of the cursor in it */
-    /* what a key could not do: shown instead of the numbers until the next line */
+    /* message on what a key could not do, shown instead of the numbers until the next line */
     struct buffer notice;
     bool echo_stale;   /* the prompt has changed */
     bool screen_stale; /* more than that has */
     bool interrupted;  /* Ctrl-C while a run goes on */
-    bool running;      /* inside front.slice: a run goes on */
+    bool running;      /* true inside front.slice, while a run is in progress */
 };
 
 #define PANES_PROMPT "hooke> "
@@ -152,27 +153,28 @@ void panes_process(struct panes *panes);
 void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
 /* The lowest row as it is now; `scratch` holds a text it may need. */
 void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch);
-/* only_prompt: its row alone, so that an echo costs little on a slow link. At most about so many
- * bytes. */
+/* Shows the panes, in at most about `bytes` bytes. With only_prompt it draws the row of the prompt
+ * alone, so that an echo costs little on a slow link. */
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);
 /* Everything is sent again, whatever the terminal shows. */
 void panes_repaint(struct panes *panes);
 
 /* ---- readline (edit.c) ---- */
 
-/* The one that is running; readline's callbacks have no context. NULL: none. */
+/* The panes in use, because readline's callbacks have no context. NULL if there are none. */
 extern struct panes *panes_active;
 
-/* What readline wants to write goes nowhere. Returns false if there is no thread for it. */
+/* Begins to edit, with the output of readline discarded. Returns false if it has no thread for
+ * that. */
 bool edit_begin(FILE *nowhere);
 void edit_end(void);
-void edit_key(struct panes *panes, unsigned char byte); /* typed: to readline */
+void edit_key(struct panes *panes, unsigned char byte); /* a typed key, for readline */
 /* Enqueues the lines that a key has ended, while none waits to be executed; keys are taken only
  * where there are no more. Returns true if there was one. */
 bool edit_take_line(struct panes *panes);
 /* Whatever is being edited: gone, with every state readline may be in. */
 void edit_clear(struct panes *panes);
-/* What is half typed is put aside while a page is read, and comes back with the panes. */
+/* Puts half typed text aside while a page is read. It comes back with the panes. */
 void edit_put_aside(struct panes *panes);
 /* A paste goes into the line as it is and waits for Enter; in the middle of a search it means
  * nothing. */
@@ -180,7 +182,7 @@ void edit_paste(struct panes *panes, struct text paste);
 
 /* ---- what is longer than the log (reading.c) ---- */
 
-/* Where the page is, or the notice, and what the keys do. */
+/* Describes the position of the page, or the notice, and the keys. */
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text);
 /* The command that shows what was said since on the whole screen; none where the log can, or where
  * more was typed already. */

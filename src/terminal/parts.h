@@ -18,13 +18,13 @@ struct session_keeper {
     void (*end)(void);
     int64_t (*due)(
         void); /* [clock_ns] when keep() has something to do; INT64_MAX: it has nothing */
-    /* Writes if that is due; line: one was executed, which makes it due unless writing takes long.
-     * Returns false with what is to be said. */
+    /* Writes if that is due. line means that a line was executed, which makes it due unless writing
+     * takes long. Returns false with an error to report. */
     bool (*keep)(bool line, struct error *error);
     bool (*write)(struct error *error); /* the same at once, whatever is due */
     bool (*is_name)(const char *word);  /* tells names of what was kept from names of files */
-    /* Replaces the session by one that was kept; name NULL: the newest. messages: what was done.
-     * Returns false with the session unchanged. */
+    /* Replaces the session by a stored one, the newest if name is NULL. messages receives a
+     * description of what was done. Returns false with the session unchanged. */
     bool (*resume)(struct session **session, const char *name, struct buffer *messages,
                    struct error *error);
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a long run or study shows while it goes on: how far it is and the time left. */
+/* Shows the progress of a long run or study, and the time left. */
 #include "terminal/terminal.h"
 #include <hooke/run.h>
 #include <hooke/base/cancel.h>
@@ -50,7 +50,7 @@ void progress_text(const struct session *session, const struct run *run, double 
     buffer_put(text, TEXT(" (Ctrl-C stops)"));
 }
 
-/* On standard error, in one line that is erased at the end. */
+/* Writes to standard error, in one line that is erased at the end. */
 void progress_print(void *context, const struct run *run, double fraction)
 {
     struct buffer text = {0};

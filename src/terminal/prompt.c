@@ -192,7 +192,7 @@ static void execute(struct front_program *program, const char *typed)
         return;
     }
     history_keep(typed, program->reply);
-    save_when_due(false); /* what a Ctrl-C has put off: the line may last */
+    save_when_due(false); /* a Ctrl-C may have put this off, and the line may take long */
     struct session *session = program->session;
     program->streams->holding = session->setup.settings.pager == PAGER_ON;
     const bool ok = typed_run(session, text_of(typed), program->reply);
@@ -248,7 +248,7 @@ void prompt_run(struct front_program *program)
     rl_catch_sigwinch = 1;
     rl_getc_function = get_key;
     crash_modes();
-    crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
+    crash_arm(TEXT("\033[?2004l\r\n")); /* ends a mode that readline switches on */
     front_greet(program->reply);
     while (!session->execution.quit && !signals_ending() && program->next == FRONT_END &&
            streams_flush(program->streams)) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is longer than the log, read on the whole screen. */
+/* Pages for reading text that is longer than the log, on the whole screen. */
 #include <hooke/base/safe_text.h>
 #include "terminal/panes.h"
 
 #include <string.h>
 
-/* What is less long is read in the log, or scrolled there; so is all on a lower screen. */
+/* Shorter text is read in the log, or scrolled there; so is all text on a lower screen. */
 #define READING_ROWS 8
 
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text)

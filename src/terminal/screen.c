@@ -37,7 +37,7 @@ static void send(const char *sequence)
     write_all(STDOUT_FILENO, text_of(sequence), &ignored);
 }
 
-/* What gives the terminal back without ncurses, for the fatal handlers. */
+/* Arms the sequences that give the terminal back without ncurses, for the fatal handlers. */
 static void arm_crash(void)
 {
     static const char *const names[] = {"BD", "sgr0", "op", "cnorm", "rmcup"};
@@ -247,7 +247,7 @@ void screen_color(struct terminal_screen *screen, bool wanted)
     screen->color_wanted = wanted;
 }
 
-/* What the C library and we count differently would shift the rest of the row. */
+/* A character whose width the C library counts differently would shift the rest of the row. */
 static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint)
 {
     const wchar_t c = (wchar_t)codepoint;

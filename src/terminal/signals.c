@@ -10,7 +10,8 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#define OVERDUE_SECONDS 10 /* after SIGHUP or SIGTERM everything should be saved by then */
+/* time after SIGHUP or SIGTERM by which everything should be saved */
+#define OVERDUE_SECONDS 10
 
 struct cancel interrupt;
 static volatile sig_atomic_t ending;

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <string.h>
 
-/* What a folder that is given up is emptied of. */
+/* Returns true for names of files that are removed from a folder that is given up. */
 static bool is_part(const char *name)
 {
     const size_t digits = strspn(name, "0123456789"), len = strlen(name);

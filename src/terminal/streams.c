@@ -70,7 +70,8 @@ static bool err(void *context, struct text text)
 {
     struct streams *streams = context;
     shown_text_keep(streams, text);
-    if (streams->holding && isatty(STDERR_FILENO)) { /* in its place among the results */
+    /* messages appear in order among the results */
+    if (streams->holding && isatty(STDERR_FILENO)) {
         buffer_put(&streams->out, text);
         return true;
     }
@@ -91,7 +92,7 @@ void streams_free(struct streams *streams)
 
 /* ---- the pager ---- */
 
-/* $PAGER at its blanks; words: a copy. */
+/* Splits $PAGER at its blanks; words holds a copy. */
 static void pager_command(char **argv, struct buffer *words)
 {
     const char *pager = getenv("PAGER");

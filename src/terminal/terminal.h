@@ -27,13 +27,13 @@ struct options {
     bool resume;
     int width, height;                            /* 0 if not given */
     const char *charset, *color, *format, *split; /* NULL if not given */
-    const char *resume_name;                      /* NULL: the newest */
+    const char *resume_name;                      /* NULL stands for the newest */
     /* option of a module that is all the program does, or NULL */
     const struct module_option *only;
     const char *first; /* first word of that option, or NULL if all of its words are tasks */
 };
 
-/* False: a message has been written to standard error; exit status 2. */
+/* Reads the options. Returns false after a message to standard error, for exit status 2. */
 bool options_read(struct options *options, int argc, char **argv);
 void options_free(struct options *options);
 void options_help(struct buffer *text);
@@ -44,9 +44,9 @@ struct streams {
     struct buffer out;
     bool broken;         /* standard output cannot be written; remembered until exit */
     int failure;         /* errno of that */
-    struct log *log;     /* where what is said is kept for the screen as well; NULL: nowhere */
+    struct log *log;     /* log that keeps messages for the screen as well, or NULL */
     struct split *split; /* takes the tables; NULL if they go to standard output */
-    bool holding;        /* what a line says waits until it is known how long it is */
+    bool holding;        /* output of a line waits until its length is known */
 };
 
 /* --split DIR: each table of results in CSV as a file, DIR/001-run.csv and so on (split.c). */
@@ -64,8 +64,8 @@ void split_part(void *streams, const char *kind); /* another begins */
 bool split_takes(struct split *split, struct text text);
 bool split_end(struct split *split, struct error *error); /* all files appear, or none */
 
-/* Before anything is opened: a standard stream that is closed keeps its number, so that no file of
- * the user gets it and what is said. */
+/* Reserves the numbers of standard streams before anything is opened: a closed stream keeps its
+ * number, so that no file of the user receives messages. */
 void streams_reserve(void);
 /* Results are gathered and written in large pieces, always before a message; messages are written
  * at once. */
@@ -76,13 +76,14 @@ void streams_free(struct streams *streams);
  * a program with arguments between blanks, without a shell; where that fails, and where it is
  * shorter, it is written. */
 void streams_page(struct streams *streams, int width, int height);
-bool write_all(int fd, struct text text, int *failure); /* goes on after signals; failure: errno */
+/* Writes all of the text, continuing after signals. On failure *failure is errno. */
+bool write_all(int fd, struct text text, int *failure);
 
 /* ---- --safe, kept by the kernel (confine/landlock.c) ---- */
 
-int confine_version(void); /* of Landlock; 0 if this kernel has none */
-/* From now on only what is beneath these folders (NULL if there is none) can be written by this
- * program, and no program run; what is open stays open. False: the kernel does not do that. */
+int confine_version(void); /* version of Landlock; 0 if this kernel has none */
+/* Allows this program to write only beneath these folders (NULL if there is none), and to run no
+ * program. Open files stay open. Returns false if the kernel does not support that. */
 bool confine_writing(const char *const *folder, int folders, struct error *error);
 void confine_say(struct buffer *text); /* a line for --version */
 
@@ -94,7 +95,7 @@ void signals_install(void);
 int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0 if there is none */
 void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
 
-/* What else can happen; each is noticed once. */
+/* Other events; each is noticed once. */
 enum signalled {
     HAPPENED_RESIZE,
     HAPPENED_SUSPEND,
@@ -113,9 +114,8 @@ bool signals_busy(bool now);
 /* SIGALRM, which is to be watched, comes after that time; 0 if there is none. Not once the end has
  * begun. */
 void signals_alarm(int64_t ns);
-/* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty
- * is signals_drain().
- */
+/* Returns a descriptor that becomes readable with every signal, or -1 if no pipe could be made.
+ * signals_drain() reads it empty. */
 int signals_pipe(void);
 void signals_drain(void);
 /* Stops the program the way the terminal's own Ctrl-Z does; returns when it is continued. */
@@ -125,29 +125,29 @@ void signals_stop(void);
 
 /* Notes the modes that the terminal has now, to be restored. */
 void crash_modes(void);
-/* From now on an abnormal end writes `text` (escape sequences) and restores those modes. */
+/* Makes an abnormal end write `text` (escape sequences) and restore those modes. */
 void crash_arm(struct text text);
 void crash_disarm(void);
 /* Gives a thread the stack on which its fatal signals are handled, in place of *before, which is to
  * be given back at its end. */
 void crash_stack(stack_t *before);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
-/* A serial line that an abnormal end gives back its modes, too; NULL: none any more. */
+/* Registers a serial line whose modes an abnormal end restores, too. NULL ends this. */
 struct termios;
 void crash_line(int fd, const struct termios *modes);
 void crash_end(void); /* crash_restore() and the line: nothing goes on after it */
 /* Catches a signal that ends the program, so that it restores the modes first. crash_modes() and
  * crash_line() do so for all signals that are neither caught nor ignored. */
 void crash_signal(int number);
-/* What is done when readline finds no memory, before the program ends with status 1. NULL for
- * nothing. */
+/* Sets an action for the case that readline finds no memory, before the program ends with status 1.
+ * NULL for nothing. */
 void crash_last_act(void (*act)(void));
 
 /* ---- front ends ---- */
 
 enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
 
-/* What all front ends of one program share. */
+/* State shared by all front ends of one program. */
 struct front_program {
     struct session *session;
     const struct options *options;
@@ -155,14 +155,15 @@ struct front_program {
     struct reply *reply;
     enum front_kind next; /* set by `plain` and `panes`: who takes over */
     struct buffer offer;  /* the line that an empty Enter takes: it is shown */
-    struct buffer later;  /* what there was no room for, offered when that was taken */
+    struct buffer later;  /* rest that did not fit, offered after the first part was taken */
     struct buffer passed; /* the last offer, as long as it is not taken: it is shown once */
 };
 
 /* Takes the locale of the environment: character widths come from it; numbers, messages and the
  * order of names never do. For programs that talk: others need no tables. */
 void front_load_locale(void);
-/* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
+/* Finds the abilities of this output: charset from the locale, colour, size. `fd` receives
+ * figures. */
 void front_probe(struct front *front, const struct options *options, int fd);
 /* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped.
  */
@@ -204,7 +205,7 @@ void front_greet(struct reply *reply);
 bool progress_due(double fraction, bool *over);
 void progress_text(const struct session *session, const struct run *run, double fraction,
                    struct buffer *text);
-/* front.progress, on standard error; context: the session */
+/* shows front.progress on standard error; context is the session */
 void progress_print(void *context, const struct run *run, double fraction);
 
 /* ---- readline, common to both prompts (line.c) ---- */
@@ -217,20 +218,23 @@ void line_mend(void);
 void line_redisplay(void); /* rl_redisplay_function where readline draws */
 /* Empties the line. */
 void line_drop(void);
-/* Out of a search, of a sequence, or of a paste whose end a Ctrl-C has made the terminal forget:
- * readline jumps to where it reads a new key. Called where it asks for one; does not return. */
+/* Leaves a search, a sequence, or a paste whose end a Ctrl-C has made the terminal forget: readline
+ * jumps to where it reads a new key. Called where it asks for one; does not return. */
 void line_leave(void);
-/* Between two lines: what readline has freed since the last one is free now, and lists of undo. */
+/* Frees, between two lines, memory that readline has given up since the last one, and lists of
+ * undo. */
 void line_over(void);
 
 /* ---- files of the user ---- */
 
-char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.local/state */
+/* path in $XDG_STATE_HOME, else ~/.local/state */
+char *state_path(const char *name, bool create);
 
 #define HISTORY_LINES 5000
 
 void history_load(void); /* readline's history from the file, the last HISTORY_LINES lines */
-/* To readline and, under a lock, to the file. Returns false if it cannot be kept there. */
+/* Adds a line to readline's history and, under a lock, to the file. Returns false if the file
+ * cannot keep it. */
 bool history_append(const char *line, struct error *error);
 void history_keep(const char *line, struct reply *reply); /* the same; a failure is said once */
 

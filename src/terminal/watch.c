@@ -82,7 +82,7 @@ static bool change(void *context, enum front_change change, struct error *error)
     return error_set(error, ERROR_COMMAND, "the panes are shown already");
 }
 
-/* Of a study, where it is said what a key could not do. A run is seen itself. */
+/* Shows the progress of a study in the row for messages on keys. A run is shown by itself. */
 static void show_progress(void *context, const struct run *run, double fraction)
 {
     struct panes *panes = context;

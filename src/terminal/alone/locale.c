@@ -58,7 +58,7 @@ size_t __ctype_get_mb_cur_max(void)
     return utf8 ? 4 : 1;
 }
 
-/* How many bytes begin so; 0: none do. */
+/* Returns the length in bytes of a sequence that begins so, or 0 if none does. */
 static int sequence_length(unsigned char first)
 {
     return first < 0x80                            ? 1
@@ -110,7 +110,7 @@ size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
 size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
 {
     const unsigned c = (unsigned)wide;
-    (void)state; /* of UTF-8 there is none */
+    (void)state; /* UTF-8 has no shift state */
     if (!bytes)
         return 1;
     if (c > (utf8 ? 0x10FFFF : 0x7F) || SURROGATE(c)) {
@@ -209,7 +209,7 @@ int iswprint(wint_t wide)
     return wide != 0 && wcwidth((wchar_t)wide) >= 0;
 }
 
-/* Of what is not ASCII all but signs and blanks: enough to move by words. */
+/* Returns true for all characters beyond ASCII but signs and blanks: enough to move by words. */
 int iswalnum(wint_t wide)
 {
     const unsigned c = wide | 0x20;
