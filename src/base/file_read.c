@@ -21,8 +21,9 @@
 
 struct file_reading {
     const char *path;
-    size_t limit, before; /* before is the number of bytes of content that are not the file's */
-    uintmax_t size;       /* stated; 0 if there is none */
+    /* `before` is the number of bytes of content that are not the file's */
+    size_t limit, before;
+    uintmax_t size; /* stated; 0 if there is none */
     struct read_watch *watch;
     int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0 if it need not */
 };

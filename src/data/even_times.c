@@ -126,9 +126,9 @@ static bool find_rounding(const struct stamps *s, double step, double deviation,
 }
 
 /*
- * By how much the lines of this slope miss being within half a digit of every stamp: the largest
- * lower end above the line less the smallest upper end, a convex function of the slope; negative
- * where there are such lines. *derivative is its slope.
+ * Returns the distance by which the lines of this slope miss being within half a digit of every
+ * stamp: the largest lower end above the line less the smallest upper end. It is a convex function
+ * of the slope, and negative if there are such lines. *derivative is its slope.
  */
 static double slope_miss(const struct stamps *s, const struct stamp_rounding *rounding, double step,
                          double *derivative)

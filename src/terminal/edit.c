@@ -223,7 +223,8 @@ void edit_put_aside(struct panes *panes)
         else
             buffer_free(aside);
     } else if (!reading && aside->len > 0) {
-        char *begun = strndup(rl_line_buffer, (size_t)rl_end); /* with the key that left the page */
+        /* the key that left the page is part of it */
+        char *begun = strndup(rl_line_buffer, (size_t)rl_end);
         rl_replace_line(buffer_view(aside), 1);
         rl_point = panes->aside_point;
         if (begun)

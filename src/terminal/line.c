@@ -226,7 +226,7 @@ __attribute__((weak)) int rl_newline(int count, int key);
 __attribute__((weak)) int rl_insert_text(const char *text);
 
 #define COLUMNS_MIN 12                  /* Columns that a prompt and a part of the line need. */
-#define COUNT_MOST 100                  /* of a key that is repeated, before its last digit */
+#define COUNT_MOST 100                  /* largest count of a repeated key, before its last digit */
 #define REPEATED_MOST ((size_t)1 << 14) /* [byte] of a line, by such keys */
 
 /* A cut that is put often is cut and put again: after three times its length is no int any more. No

@@ -284,7 +284,7 @@ bool panes_read(struct panes *panes, int64_t until)
     const bool typed = any && ready[0].revents;
     if (typed) {
         input_read(&panes->input, (ready[0].revents & POLL_CLOSED) != 0);
-        /* what a Ctrl-C in between has left for us to read was typed after it */
+        /* bytes that a Ctrl-C in between has left for us to read were typed after it */
         heed_signals(panes, false);
     }
     return typed;

@@ -55,7 +55,7 @@ void buffer_json_real(struct buffer *out, double value);     /* null where not f
  * objects and arrays are called by their path, "halves.gamma.1"; of an object in an array its name
  * stands for the number, where "name" is its first field. */
 
-struct column_growth; /* private: columns that grow */
+struct column_growth; /* Columns of a table that grows; private. */
 
 struct stored_table {
     const char *kind; /* "compare"; lives as long as the arena, or longer */
@@ -67,7 +67,8 @@ struct stored_table {
 struct table_store {
     struct stored_table **of; /* [count] allocated */
     int count;
-    struct stored_table *row; /* private: takes the cells of the present record */
+    /* the table that takes the cells of the present record; private */
+    struct stored_table *row;
 };
 
 void table_store_free(struct table_store *store);

@@ -75,7 +75,8 @@ static inline double preset_tol(const struct preset *preset)
 }
 
 extern const struct catalog preset_catalog;
-const struct preset *preset_by_name(struct text name); /* by exact name or alias; NULL if none */
+/* finds it by exact name or alias; NULL if there is none */
+const struct preset *preset_by_name(struct text name);
 const struct preset *preset_at(size_t i);
 const struct preset *preset_from(const struct row *row); /* row has to be one of the catalog's */
 
@@ -90,7 +91,7 @@ const struct param_row *param_at(const struct scene *scene, int index);
 double param_value(const struct scene *scene, const char *name);
 bool param_chosen(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
-bool is_pendulum(const struct scene *scene);   /* with a rigid rod */
+bool is_pendulum(const struct scene *scene);   /* true for one with a rigid rod */
 
 /* Initializes the scene from a preset, or as "spring" with the lab's defaults if it is NULL */
 void scene_init(struct scene *scene, const struct preset *preset);
@@ -105,7 +106,8 @@ void scene_unset(struct scene *scene, int param); /* back to the preset's value 
 struct derived_row {
     struct row row;
     enum quantity quantity;
-    struct measured (*value)(const struct scene *scene); /* with the propagated uncertainty */
+    /* computes the value and its propagated uncertainty */
+    struct measured (*value)(const struct scene *scene);
     /* Returns the value of the target parameter that gives this value (omega0, T0 and f0 set k).
      * NULL if the value cannot be set. */
     double (*inverse)(const struct scene *scene, double value);

@@ -66,7 +66,8 @@ enum typed_kind {
 
 struct typed_line {
     enum typed_kind kind;
-    /* TYPED_VAR: y' for a velocity's initial value. TYPED_FORCE: "" is the first coordinate. */
+    /* For TYPED_VAR, y' means a velocity's initial value. For TYPED_FORCE, "" is the first
+     * coordinate. */
     struct text name;
     int order;        /* TYPED_EQUATION: 1 or 2 */
     struct text expr; /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
@@ -90,9 +91,9 @@ void typed_sweep(struct typed_models *models,
  * keep the name. Returns NULL if an error is set. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
- * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var
- * and equations begin an empty scene, the others add to it. Texts are copied. NULL: error, whose
- * `where` lies in line->expr or line->name.
+ * Returns `from` with one more line, which replaces a line of the same kind and name. On a built-in
+ * model var and equations begin an empty scene, the others add to it. Texts are copied. Returns
+ * NULL on an error, whose `where` lies in line->expr or line->name.
  */
 const struct model *typed_add(struct typed_models *models, const struct model *from,
                               const struct typed_line *line, struct error *error);

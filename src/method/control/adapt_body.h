@@ -126,7 +126,8 @@ INLINE double change(const struct filter *filter, int k, double square, double p
     const double half = -0.5 / k;
     const double history =
         factor_log2(previous) * (half * filter->b2) - factor_log2(ratio) * filter->a;
-    return factor_log2(square) * (half * filter->b1) + history; /* which alone is waited for */
+    /* only the first operand has to be waited for */
+    return factor_log2(square) * (half * filter->b1) + history;
 }
 
 /* rho of a first step and after a rejection. */

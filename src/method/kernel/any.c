@@ -29,7 +29,7 @@ static void any_slope(const void *system, double t, const double *y, double *dyd
 struct whole {
     const struct system *system;
     int positions; /* variables whose slopes are others; -1 if not in one program */
-    bool force;    /* what does not depend on velocity is in one */
+    bool force;    /* one program has all that does not depend on velocity */
     struct typed_forces known;
 };
 

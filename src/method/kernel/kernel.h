@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What kernels share: shapes of scenes, each a list of terms in the order in which its model adds
- * them, whose own functions are used again. A shape is a line below and a line in SHAPES or
- * MODEL_SHAPES.
+ * Declarations shared by kernels: shapes of scenes. A shape is a list of terms in the order in
+ * which its model adds them, and uses their own functions. To add a shape, add a line below and a
+ * line in SHAPES or MODEL_SHAPES.
  */
 #ifndef HOOKE_METHOD_KERNEL_KERNEL_H
 #define HOOKE_METHOD_KERNEL_KERNEL_H

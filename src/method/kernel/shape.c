@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What kernels have of each shape of scene whatever the method: its forces as one function, and
- * steps of any splitting, which wait for the forces rather than for the weights. Rows that people
- * wait for have kernels of their own (kernel.c).
+ * Code of kernels that each shape of scene has, whatever the method: its forces as one function,
+ * and steps of any splitting, which wait for the forces rather than for the weights. Rows that
+ * people wait for have kernels of their own (kernel.c).
  */
 #include "method/kernel/kernel.h"
 #include "method/kernel/typed.h"

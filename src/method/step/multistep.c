@@ -12,8 +12,9 @@
 
 #include <complex.h>
 
-/* work: how many values are there, their h, then the values [steps][n] (f, or y where differences
- * are formed), the newest first; then two states and what the starter or the solver needs. */
+/* The work array holds the number of values, their h, then the values [steps][n] (f, or y where
+ * differences are formed), the newest first; then two states and the memory of the starter or the
+ * solver. */
 enum { COUNT, H, HEAD };
 
 enum { DEGREE_MAX = 6, ITERATIONS = 100 };
@@ -61,9 +62,9 @@ static void take_back(struct step *step, const struct before *before)
 }
 
 /*
- * One step of the starter where that succeeds; else a quarter of it, and so on, and after each
- * success twice as much. Success: the estimated error, relative to the values, is at most `max`,
- * because a step far beyond the limit of stability comes out finite, but as nonsense.
+ * Takes one step of the starter if it succeeds; else a quarter of it, and so on, and after each
+ * success twice as much. A step succeeds if the estimated error, relative to the values, is at most
+ * `max`, because a step far beyond the limit of stability comes out finite, but as nonsense.
  */
 static enum step_status substeps(const struct method *one_step, struct step *one, double t,
                                  double h, double max)
@@ -104,7 +105,7 @@ static enum step_status start(const struct method *method, struct step *step, do
         one.low = NULL;
     history_store(&one, &before);
     enum step_status status = substeps(starter(method), &one, step->t, step->h, SENSIBLE);
-    if (status != STEP_OK) { /* in as many steps there is nothing better */
+    if (status != STEP_OK) { /* no better start exists in as many steps */
         take_back(&one, &before);
         status = substeps(starter(method), &one, step->t, step->h, HUGE_VAL);
     }

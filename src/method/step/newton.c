@@ -103,7 +103,7 @@ static enum step_status approach(const struct newton *equations, struct step *st
                 end *= rate;
             if (end > enough)
                 return STEP_NO_SOLUTION;
-            left = sqrt(left * sqrt(left)); /* with caution */
+            left = sqrt(left * sqrt(left)); /* a cautious estimate */
         }
         if (left * size <= enough)
             return STEP_OK;

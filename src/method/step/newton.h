@@ -33,11 +33,11 @@ struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_func
 newton_rest_function newton_stages;
 
 /*
- * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in
- * steps of method_adapt(), as exact as the tolerance asks for. A linear system takes one solve.
- * work: newton_capacity() doubles that belong to these equations. They keep the factors of the
- * matrix from call to call and step to step, where that changes nothing (linear systems) or little
- * (adaptive steps); newton_forget() begins anew.
+ * Solves the equations. z is a guess, which the solution replaces (undefined unless STEP_OK). The
+ * solution is as exact as rounding allows or, in steps of method_adapt(), as exact as the tolerance
+ * asks for. A linear system takes one solve. work has newton_capacity() doubles that belong to
+ * these equations. They keep the factors of the matrix from call to call and step to step, where
+ * that changes nothing (linear systems) or little (adaptive steps); newton_forget() discards them.
  */
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
                               const double *y, double *z, double *work);
@@ -45,10 +45,10 @@ size_t newton_capacity(int stages, int n);
 void newton_forget(double *work);
 
 /*
- * The solution that is reached from h = 0 in shorter and shorter parts of h, each of which
- * contracts: the one that belongs to y. z: out, unchanged where there is none (the branch turns
- * back before h). weight [n]: 1/size of each variable. Source: Deuflhard 2011, Newton Methods for
- * Nonlinear Problems, 5.1.
+ * Finds the solution that is reached from h = 0 in shorter and shorter parts of h, each of which
+ * contracts: the one that belongs to y. z receives it, and is unchanged if there is none (the
+ * branch turns back before h). weight [n] holds 1/size of each variable. Source: Deuflhard 2011,
+ * Newton Methods for Nonlinear Problems, 5.1.
  */
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
                    const double *y, double *z, const double *weight, double *work);

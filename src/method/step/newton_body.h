@@ -189,10 +189,10 @@ INLINE void newton_halve(int count, double *z, double *move)
 }
 
 /*
- * Until increments stop decreasing: a tolerance would bias the rounding. An increment that does not
- * bring the equations nearer to 0 is halved. near: is the solution the one beside the guess? It is
- * where increments shrink from the first one on, and the determinant is positive, as it is in short
- * steps.
+ * Iterates until increments stop decreasing, because a tolerance would bias the rounding. An
+ * increment that does not bring the equations nearer to 0 is halved. Sets *near if the solution is
+ * the one beside the guess. It is if increments shrink from the first one on, and if the
+ * determinant is positive, as it is in short steps.
  */
 INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n,
                                        double t, double h, const double *y, double *z,
@@ -290,7 +290,7 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
     const double drag = dragged ? o->quadratic * h * fabs(v) : -0.0;
     const double restoring = h * (o->stiffness * h + o->damping) * v,
                  lost = dragged ? drag * v : -0.0;
-    /* Where the factor is small, the increment is computed from the force: the rounding of a would
+    /* The increment is computed from the force if the factor is small: the rounding of a would
      * shift v in the same way at every step. */
     const bool small = fabs(a - 1 + drag) < 1;
     z[0] = h * v;

@@ -279,9 +279,10 @@ static inline double drag_root(double a, double c, double r)
 }
 
 /*
- * y += increment. low: what rounding took from y so far, it goes along and stays behind again
- * (Kahan 1965, Commun. ACM 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does
- * not ask for |increment| <= |y|). NULL: plain.
+ * Adds the increment to *y. *low holds what rounding has taken from *y so far; it is added, too,
+ * and set to the rounding error of this sum (Kahan 1965, Commun. ACM 8:40, with the exact error of
+ * a sum by Knuth, TAOCP 2, 4.2.2, which does not ask for |increment| <= |y|). If low is NULL, the
+ * increment alone is added.
  */
 static inline void step_add(double *y, double *low, double increment)
 {

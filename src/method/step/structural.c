@@ -253,7 +253,7 @@ enum step_status newmark_step(const struct method *method, struct step *step)
                            step);
 }
 
-/* Method with alpha_f = 0.1: beta = (1 + alpha_f)^2/4, gamma = 1/2 + alpha_f */
+/* Takes a step with alpha_f = 0.1, so that beta = (1 + alpha_f)^2/4 and gamma = 1/2 + alpha_f. */
 enum step_status hht_step(const struct method *method, struct step *step)
 {
     (void)method;

@@ -60,10 +60,10 @@ static size_t row_insert(size_t *row, size_t n, size_t next)
 }
 
 /*
- * Of a share of the rows the first, the last, and those where the variables, and q v of the first
- * coordinate, are least and largest: there positions, velocities and the error of the energy have
- * their extremes (the modified energy of a symplectic method differs by terms in q v, q^2, v^2;
- * Hairer, Lubich, Wanner IX.8).
+ * Chooses rows from a share of them: the first, the last, and those where the variables, and q v of
+ * the first coordinate, are least and largest. There positions, velocities and the error of the
+ * energy have their extremes (the modified energy of a symplectic method differs by terms in q v,
+ * q^2, v^2; Hairer, Lubich, Wanner IX.8).
  */
 static size_t choose_of_shared(const struct run *run, size_t from, size_t to, size_t stride,
                                size_t *out)

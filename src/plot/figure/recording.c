@@ -45,8 +45,8 @@ int figure_recording(const struct session *session, enum plot_kind kind)
                : -1;
 }
 
-/* What derivatives of fast samples scatter by is drawn anew all the time: fewer of them are, the
- * same in each frame. The arrays are the figure's own. */
+/* Leaves out some of the derivatives of fast samples, whose scatter is drawn anew all the time;
+ * they are the same in each frame. The arrays are the figure's own. */
 static void thin_out(const struct drawing *d, struct series *series)
 {
     const bool plane = plot_is_plane(d->request->kind);

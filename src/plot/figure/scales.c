@@ -10,7 +10,7 @@
 #include <math.h>
 
 #define SHARED_AXIS_RATIO 10 /* Sizes up to this ratio share an axis. */
-/* of the smallest curve: what falls below is left out of a logarithmic axis */
+/* part of the smallest curve; a logarithmic axis leaves out what falls below */
 #define DECADES_LEFT 1e-6
 #define ENERGY_FLAT_RELATIVE 0.01 /* An energy that varies by less is shown from zero. */
 #define CURVE_MARGIN 0.04         /* Part of a range that is left free beyond the curves. */

@@ -52,8 +52,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
-/* Shortens a length to one whose quarters are short numbers, too: a window that lasts has labels
- * that look the same on each page. */
+/* Shortens a length to one whose quarters are short numbers, too, so that the labels of a long
+ * window look the same on each page. */
 static double short_number(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
@@ -142,8 +142,9 @@ static double short_above(double length)
 }
 
 /*
- * What is being collected fills a window from the left, where one that holds all its periods or
- * goes to its end is known, and then pages; else the window is lengthened now and then.
+ * Chooses the window of a recording that is being collected. It fills from the left, and then
+ * pages, if a window that holds all its periods or goes to its end is known; else it is lengthened
+ * now and then.
  */
 static void growing_window(struct drawing *d, double from, double to, double max)
 {

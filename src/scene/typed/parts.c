@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define FRAME_MAX 16384 /* doubles */
-#define ADDED_FEW 256   /* elements: the Jacobian of 16 variables */
+#define ADDED_FEW 256   /* number of elements of the Jacobian of 16 variables */
 
 /* ---- evaluation ---- */
 
@@ -98,7 +98,7 @@ struct part_making {
     struct error *error;
 };
 
-/* For STEPS, binding computes what depends on parameters only. RARELY has no machine code. */
+/* STEPS have what depends on parameters only computed by binding. RARELY has no machine code. */
 enum use { STEPS, LOOKS, RARELY };
 
 /* The last `count` outputs as a program. */

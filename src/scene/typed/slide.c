@@ -14,7 +14,8 @@
 /* A row that adds less than this part of its square to the rows before depends on them. */
 #define ROW_INDEPENDENCE_MIN 1e-12
 #define DIFFERENCE_STEP 1e-5 /* Step of finite differences as a part of a variable's size. */
-/* Where rates have to be 0, too, corrections continue until the motion can go on at rest. */
+/* Largest number of corrections if rates have to be 0, too, so that the motion can go on at
+ * rest. */
 #define SECOND_CORRECTIONS_MAX 3
 /* Step of differences of arguments, most of which are linear, as a part of all variables' sizes. */
 #define ARGUMENT_STEP 1e-2

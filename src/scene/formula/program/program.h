@@ -191,7 +191,7 @@ struct switches {
     int argument[LIMIT_TYPED_SWITCHES];
     enum switch_kind kind[LIMIT_TYPED_SWITCHES];
     bool full; /* there are more */
-    /* under if(), functions go on beyond the switch that ends their domain, and so might on this
+    /* functions under if() go on beyond the switch that ends their domain, and so might on this
      * side of it */
     bool extended;
 };
@@ -207,7 +207,7 @@ bool expr_switches(const struct expr *expr); /* false for NULL */
 /* One operation: places are doubles in the frame. What an operation writes is none of its operands.
  */
 struct instruction {
-    struct node node; /* operand: places */
+    struct node node; /* the operands are places in the frame */
     int out;
     /* index of the output that this computes in lanes, which no operation reads; -1 if there is
      * none */
