@@ -147,12 +147,13 @@ struct unsound_step {
  * if atol is given.
  */
 #define OPINION_WRONG 100 /* Errors beyond this many tolerances deserve a warning. */
-/* evaluations and Jacobians, over the number of variables: some milliseconds */
+/* First budget of the second solution: this many evaluations and Jacobians, over the number of
+ * variables (some milliseconds), or this share of those of the run, if that is more. */
 #define OPINION_BUDGET 4e5
-#define OPINION_SHARE 0.1 /* Part of the run's own work, if that is more than the budget. */
-/* If the first part shows that the end may be wrong, this part of the run's own work is allowed, */
+#define OPINION_SHARE 0.1
+/* The same, if the first part shows that the end may be wrong: about a tenth of a second. */
 #define OPINION_DOUBT 0.45
-#define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
+#define OPINION_BUDGET_DOUBT 4e6
 
 struct opinion {
     /* Error at the time t, or in the mean up to there if that is larger; NAN if there is no
@@ -335,11 +336,11 @@ void run_diagnose(struct run *run);
  * 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /*
- * Limits of the work on an opinion. BRIEF allows OPINION_BRIEF_SHARE of the run's own work.
- * DEMANDED allows OPINION_BUDGET and OPINION_SHARE of the run's own, and at least that where small
- * values were asked for (atol). WHOLE continues to the end. Those within a budget continue with
- * OPINION_BUDGET_DOUBT and OPINION_DOUBT: BRIEF where the error so far says that no digit may be
- * left at the end, DEMANDED where it may get larger than OPINION_WRONG.
+ * Limits of the work on an opinion. BRIEF allows OPINION_BRIEF_SHARE of the run's own work, but
+ * counts as DEMANDED if small values were asked for (atol). DEMANDED allows the larger one of
+ * OPINION_BUDGET and OPINION_SHARE. WHOLE continues to the end. BRIEF and DEMANDED may go on to the
+ * larger one of OPINION_BUDGET_DOUBT and OPINION_DOUBT: BRIEF where the error so far says that no
+ * digit may be left at the end, DEMANDED where it may get larger than OPINION_WRONG.
  */
 enum opinion_effort { OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
 

@@ -385,8 +385,8 @@ bool undo_matters(const struct session *session, const struct snapshot *before);
 /* The state before that statement of the history. */
 void undo_push(struct session *session, struct snapshot *before, size_t statement);
 void undo_clear(struct session *session);
-/* Returns true if the snapshot needs the model or the events; NULL stands for either that is not
- * asked about. */
+/* Returns true if the set-up or a run of the snapshot uses the model or the events. Either may be
+ * NULL, and is then not looked for. */
 bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
                    const struct events *events);
 /* The scene is one of that model, or of a preset of it. */

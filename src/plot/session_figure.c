@@ -23,8 +23,8 @@ static const struct run *run_of(const struct drawing *d, int i)
     return d->session->runs.slot[d->request->run[i]]->run;
 }
 
-/* Returns the observable that is drawn of runs, or NULL for states. For energies it is one that all
- * runs have. */
+/* Returns the observable that is drawn of runs, or NULL for states. An energy is the kinetic one if
+ * a run has no other. */
 static const struct observable *observable(const struct drawing *d)
 {
     const struct plot_row *row = kind_of(d);
@@ -210,7 +210,8 @@ static double size_of(const struct drawing *d, bool x)
     return size;
 }
 
-/* Returns true if the periods run together. Dots stay apart in a picture, and lines much longer. */
+/* Returns true if so many periods are shown that they run together. In a picture curves of points
+ * never do, and lines only if a period has fewer columns than in text. */
 static bool is_smeared(const struct drawing *d)
 {
     const int width = d->request->width;

@@ -27,7 +27,7 @@ const struct catalog kernel_catalog = CATALOG("kernel", kernels);
 #define NS_TERM 15.0  /* a force evaluation, each term */
 #define NS_SOLVE 20.0 /* implicit, each variable */
 
-#define GROWTH_MARGIN 1e-12 /* spectral radius above 1 that counts as rounding */
+#define GROWTH_MARGIN 1e-12 /* excess of a spectral radius over 1 that counts as rounding */
 
 static double step_ns(const struct system *system, const struct method *method)
 {
@@ -77,8 +77,8 @@ static bool check_grid(double t0, double dt, double span, const struct stretch *
     return true;
 }
 
-/* Finds x = omega0 dt and zeta of the stability tables for a scene that is a linear oscillator;
- * returns false for others. */
+/* Sets omega0 [rad/s] and zeta, with which a scene enters the stability tables (x = omega0 dt).
+ * Returns false, with values of no use, if it is no linear oscillator. */
 static bool oscillation(const struct system *system, double *omega0, double *zeta)
 {
     const struct oscillator *o = &system->oscillator;

@@ -336,8 +336,8 @@ struct walk {
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-/* Has to be called until it returns false: then there are no more rows and nothing is allocated.
- * Earlier, walk_leave() has to be called. */
+/* Returns false after the last row, when nothing is held any longer. A caller that stops before
+ * that has to call walk_leave(). */
 bool walk_next(struct walk *walk);
 void walk_leave(struct walk *walk);
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);

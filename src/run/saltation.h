@@ -9,9 +9,9 @@
 enum { RESPONSE_MOMENT = -1, RESPONSE_MISS = -2 };
 
 /*
- * Response to the state of the moment of an event that stopped the run (RESPONSE_MOMENT), of an
- * event that nearly happened (RESPONSE_MISS), or of the new value of a variable: the derivatives of
- * the event's function, or of the value.
+ * Dependence on the state there: for an event that stopped the run, whose moment moves
+ * (RESPONSE_MOMENT), and one that nearly happened (RESPONSE_MISS), the derivatives of the event's
+ * function; for a jump of a variable those of its new value.
  */
 struct response {
     int64_t step;

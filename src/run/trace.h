@@ -117,9 +117,9 @@ static inline int64_t trace_row_step(const struct trace *trace, size_t i)
                                 : (int64_t)i * trace->every;
 }
 
+void trace_clear_rows(struct trace *trace);
 /* Adds a row that was recorded earlier, with its mark, whatever the rule. Returns false if out of
  * memory. */
-void trace_clear_rows(struct trace *trace);
 bool trace_put_row(struct trace *trace, int64_t step, const double *row,
                    const struct energy_tally *mark);
 /* Adds a row that the rule has asked for; returns false if the trace is full or out of memory. */
@@ -150,9 +150,8 @@ bool trace_reserve_grids(struct trace *trace, size_t more);
 void trace_regrid(struct trace *trace, struct time_grid grid); /* starts a new grid here */
 const struct time_grid *trace_grid(const struct trace *trace); /* the present one */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
-/* Marks hold the balance at each recorded row, and its work only if there is any. The function
- * returns false if out of memory. */
-/* Marks rows recorded later; the existing rows have unknown marks or 0. */
+/* Gives rows marks, which hold the balance at each row, and its work only if `work`. Rows that were
+ * recorded before have unknown marks or 0. Returns false if out of memory. */
 bool trace_mark_rows(struct trace *trace, bool work);
 bool trace_marked(const struct trace *trace);
 void trace_forget_marks(struct trace *trace);

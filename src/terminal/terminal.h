@@ -205,7 +205,7 @@ void front_greet(struct reply *reply);
 bool progress_due(double fraction, bool *over);
 void progress_text(const struct session *session, const struct run *run, double fraction,
                    struct buffer *text);
-/* shows front.progress on standard error; context is the session */
+/* Writes the progress to standard error; meant for front.progress, with the session as context. */
 void progress_print(void *context, const struct run *run, double fraction);
 
 /* ---- readline, common to both prompts (line.c) ---- */

@@ -82,7 +82,8 @@ static bool change(void *context, enum front_change change, struct error *error)
     return error_set(error, ERROR_COMMAND, "the panes are shown already");
 }
 
-/* Shows the progress of a study in the row for messages on keys. A run is shown by itself. */
+/* Shows the progress of a study in the row for messages on keys, and clears that row at its end
+ * (fraction > 1). A run needs none: the panes draw it. */
 static void show_progress(void *context, const struct run *run, double fraction)
 {
     struct panes *panes = context;

@@ -7,7 +7,7 @@
 /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
 #define PLOT_ROWS 8
 #define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
-#define CURVE_ROWS 3   /* smallest number of rows of each curve */
+#define CURVE_ROWS 3   /* smallest number of rows of curves in each of them */
 #define PHASE_MIN 24   /* [cell] */
 #define PHASE_LABELS 7 /* [cell] frame and labels of the phase plot beside its square */
 

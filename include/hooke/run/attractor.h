@@ -33,8 +33,9 @@ struct basin {
  * Returns a number for the attractor that the motion from the scene's own start reaches. 0 stands
  * for an equilibrium and 1 for a closed orbit; with a drive it is the number of drive periods after
  * which the response repeats. ATTRACTOR_IRREGULAR means that it has not repeated within 1000 looks,
- * and NAN that it escapes, that nothing attracts, or that the search was cancelled. Fills *basin
- * with that attractor, except for its count, unless basin is NULL.
+ * and NAN that it escapes, that nothing attracts, that the search was cancelled, or that it could
+ * not begin. Unless basin is NULL, a search that began fills *basin with the attractor, except for
+ * its count, or with BASIN_IRREGULAR and zeros if none was found.
  */
 #define ATTRACTOR_IRREGULAR (-1)
 typedef double find_attractor(const struct scene *scene, const struct cancel *cancel,

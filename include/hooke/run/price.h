@@ -14,11 +14,11 @@ struct cancel;
 /* Work of a run of a scene by a method, as counted or tried. */
 struct run_work {
     double steps;
-    double evals; /* evaluations in the whole run, with those for Jacobians */
-    double force_evals;
-    bool failed;   /* no step could be tried */
-    int64_t tried; /* steps that were tried to find this out; 0 if none were */
-    bool whole;    /* the trial went to the end of the run */
+    double evals;       /* evaluations and Jacobians of the whole run, each counted as one */
+    double force_evals; /* evaluations alone */
+    bool failed;        /* no step could be tried */
+    int64_t tried;      /* steps that were tried to find this out; 0 if none were */
+    bool whole;         /* the trial went to the end of the run */
     /* evaluations of the second solution, and of those that follow variables at rest; 0 if there
      * are none */
     double second_evals, rest_evals;

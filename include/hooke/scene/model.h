@@ -16,7 +16,7 @@ struct catalog;
  * A parameter is known by its row; its place in the table indexes scene.value.
  */
 
-/* Number of switches of typed equations (scene/typed.h), and with that of dry friction. */
+/* Largest number of switches of typed equations (scene/typed.h), and with that of dry friction. */
 #define LIMIT_TYPED_SWITCHES 12
 #define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
 #define PARAM_MAX LIMIT_PARAMETERS

@@ -32,7 +32,8 @@ struct events {
  * NULL on error. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error);
-/* Sets *events to the list without the line of that name. */
+/* Sets *events to the list without the line of that name, or to NULL if it was the only one.
+ * Returns false, with an error, if there is no such line or if out of memory. */
 bool events_without(struct session *session, struct text name, const struct events **events,
                     struct error *error);
 void events_destroy(struct events *events); /* and all older ones */

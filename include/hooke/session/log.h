@@ -66,13 +66,16 @@ bool journal_list(const struct request *last, int first, const struct request **
 int journal_changes(const struct request *last, double *t, int max);
 /* Returns the last REQUEST_GO up to this request, or NULL if there is none. */
 const struct request *journal_last_go(const struct request *last);
-/* Returns the last REQUEST_GO if it was paused and has to be completed, or NULL if nothing is left
- * to do. */
+/* Returns the last REQUEST_GO of the run, complete or not, or NULL if there is none. After a pause
+ * or an event it is the request of which a part is left. */
 const struct request *journal_pending(const struct run_slot *slot);
-/* Returns a copy of the same request that belongs to this run alone, so that it may be changed.
- * Returns NULL if out of memory; there has to be such a request. */
+/* Returns the same request after it was replaced by a copy, if others own it too, so that it may be
+ * changed. There has to be such a request. Returns NULL, with an error and nothing changed, if out
+ * of memory. */
 struct request *journal_edit_pending(struct run_slot *slot, struct error *error);
-/* Adds a request to continue towards the same target after an event has stopped the run. */
+/* Adds a request to continue towards the target of the last REQUEST_GO, after an event has stopped
+ * the run. With `by_event` the event's commands ask for it, else `continue`. Returns false, with an
+ * error, if out of memory or if there are too many requests. */
 bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error);
 /* The run has been taken back by `rows`, from step `before`. */
 bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_t rows,
@@ -121,7 +124,7 @@ void history_free(struct session *session);
  * as many are left. Not while a statement is executed.
  */
 void history_trim(struct session *session);
-/* Returns the entry; `index` counts from history.first on. */
+/* Returns the entry with that index, which is at least history.first. */
 struct entry *history_entry(const struct session *session, size_t index);
 struct text history_text(const struct session *session, const struct entry *entry);
 /* A line of its own that is not empty, as `history` counts them. */

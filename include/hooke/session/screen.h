@@ -52,7 +52,7 @@ struct cursors {
     } at[2];
     enum snap snap;
     double periods; /* number of periods between A and B; NAN if not known */
-    /* name of the data below the cursors, such as "run 2" or "data swing3" */
+    /* name of what the cursors stand on, such as "run 2" or "data swing3" */
     char of[LIMIT_NAME + 16];
     size_t samples;         /* it had then */
     enum quantity quantity; /* quantity of y */

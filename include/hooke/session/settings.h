@@ -64,7 +64,7 @@ struct setting {
     /* concerns only how results look, not the experiment: neither saved nor undone */
     bool display;
     bool typed; /* only at a prompt: no file, no -c and no saved session can set it */
-    /* The field is an int, the index of the choice; NULL if it is a double. */
+    /* Choices, of which the field holds an index as an int; NULL for other types of fields. */
     const struct catalog *choices;
     /* Bounds of a number, min < x <= max; max is 0 if it is not a number. */
     double min, max;

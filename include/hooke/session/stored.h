@@ -15,7 +15,7 @@ struct stored {
     int runs, run_capacity;
     uint64_t recording[LIMIT_RECORDINGS]; /* sums */
     int recordings;
-    uint64_t found_id[STORE_FOUND]; /* identifiers of results found */
+    uint64_t found_id[STORE_FOUND]; /* [found] identifiers of the results that the file has */
     int found;
     uint64_t content;     /* its checksum; 0 if there is none */
     size_t entries, text; /* entries and bytes of session->history */

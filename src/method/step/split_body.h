@@ -88,8 +88,8 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
     } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* evaluated at v' */
         for (int i = 0; i < d; i++)
             z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
-        /* evaluated at (v + v')/2: half a kick from the end, then half a kick from there */
     } else if (way->drag == DRAG_IMPLICIT) {
+        /* evaluated at (v + v')/2: half a kick from the end, then half a kick from there */
         for (int i = 0; i < d; i++) {
             const double v = z[d + i];
             z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;

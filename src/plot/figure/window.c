@@ -52,8 +52,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
-/* Shortens a length to one whose quarters are short numbers, too, so that the labels of a long
- * window look the same on each page. */
+/* Shortens a length to one whose quarters are short numbers, too, so that the labels of a window
+ * look the same on each of its pages. */
 static double short_number(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};

@@ -174,8 +174,8 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
     work->index = index;
 }
 
-/* Computes the work of the steps up to the next change of scene or grid; the balance itself is
- * unchanged. */
+/* Computes the work of the steps up to the next kick or change of scene or grid, at most `max`, and
+ * returns their number. The balance itself is unchanged. */
 static int block_done(const struct run *run, struct balance *balance, const struct epoch *epoch,
                       const double *row, const double *time, size_t stride, int64_t max,
                       struct work_done *done)

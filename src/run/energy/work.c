@@ -65,7 +65,7 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 /* Tolerance of the steps in which a body turns under dry friction. */
 #define TURN_TOLERANCE 1e-11
 #define TURN_STEPS_MAX 64 /* Largest number of such steps. */
-#define STEP_MEMORY 64    /* number of bytes for the memory of a step */
+#define STEP_MEMORY 64    /* number of doubles for the memory of a step */
 /* Part of the step around a turning point; the power there grows with the square or cube of the
  * velocity. */
 #define NEAR_REST 1e-9

@@ -23,9 +23,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Factor of the tolerance; another method may err ten times as much at the same one. */
+/* Factors of the run's tolerance for the second solution. Another method may err ten times as much
+ * at the same one; a stiff one, of fifth order, takes 1.6 times as many steps for a tenth. */
 #define OPINION_TOLERANCE_FACTOR 0.01
-#define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
+#define TIGHTER_STIFF 0.1
 #define TOL_EXPLICIT 2e-14 /* smallest tolerance, because of rounding */
 #define TOL_IMPLICIT 1e-13
 #define OPINION_ROWS_MAX 256 /* Largest number of rows compared in one call. */
@@ -34,19 +35,21 @@
 /* Evaluations for |J| dt = 1 by dop853 at the edge of stability: 12 evaluations over 6. */
 #define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
-/* no step is longer where forces depend on time: there may be pulses; of a brief opinion no longer
- * than the run's own in the mean */
+/* Steps of the second solution are at most this part of the run where forces depend on time, as
+ * there may be pulses; those of a brief opinion may be as long as the run's own in the mean. */
 #define RUN_PARTS 512
 /* A run is lost for certain, and followed no more, after this part of the time until it was
  * lost. */
 #define LOST_CONFIRMATION 0.2
 /* The part of the run's work that rows of the closed form may take. */
 #define CLOSED_FORM_SHARE 0.2
-/* Factor between two steps whose errors are compared; the last but one is about half-way. */
+/* Least ratio of the numbers of two steps whose errors are kept: the earlier one of the last two is
+ * then in the second half of the way, or a little before. */
 #define OPINION_STEP_RATIO 1.4
 /* errors that grow faster than this power of time are taken to grow exponentially */
 #define POWER_MAX 3
-/* Part of a run from which the growth of its error is taken: a beginning says nothing. */
+/* The growth of an error is taken from at least one part in so many of the run: less says nothing.
+ */
 #define BRIEF_TELLS 10
 /* Smallest mean error of a lost run since then; an error that is large only in jumps is no loss. */
 #define LOST_MEAN_MIN 0.1
@@ -74,7 +77,7 @@ struct second {
         int64_t step;
         double error;
     } past[2];
-    int parts;            /* its steps are no longer than that part of the run, see RUN_PARTS */
+    int parts;            /* its steps are no longer than 1/parts of the run, see RUN_PARTS */
     struct system system; /* The last member, because most of it is not used and not cleared. */
 };
 
@@ -317,8 +320,8 @@ static bool is_lost(const struct run *run)
            LOST_CONFIRMATION * fabs(opinion->lost - run->system.t0);
 }
 
-/* Continues to the present state of the run, comparing on the way; with `lost` only up to the time
- * at which it is lost. */
+/* Continues to the present state of the run, comparing on the way. Returns false if the end was not
+ * reached: with `lost` it stops once is_lost(). */
 static bool second_follow(struct run *run, double max, bool lost, const struct cancel *cancel)
 {
     struct second *second = run->private_state->second;
@@ -383,7 +386,7 @@ static double first_budget(const struct run *run, enum opinion_effort effort)
 }
 
 /* Follows the run as far as its budget allows, and again with the other method if the first one
- * fails at once. Sets *max to the work that was allowed. Returns false if the end was not
+ * fails in its first call. Sets *max to the work that was allowed. Returns false if the end was not
  * reached. */
 static bool second_try(struct run *run, enum opinion_effort effort, double *max,
                        const struct cancel *cancel)

@@ -11,7 +11,7 @@
 #define TIME_ROUNDING_ULPS 16
 /* Touches that are nearer to each other, as a part of a step, count as one. */
 #define TOUCH_SEPARATION 1e-7
-/* Touches between which the event's difference is 0 at this many even parts are one, too. */
+/* Touches are one, too, if the value is 0 at all bounds of this many even parts between them. */
 #define TOUCH_LOOKS 4
 /* Factor by which the error of a step may have grown in the run. */
 #define ERROR_GROWTH_FACTOR 100
@@ -124,11 +124,11 @@ struct event_search {
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
     double largest; /* larger of the values at both ends of the interval that is searched */
-    /* Time at which it is so close to 0 that a touch can be neither proved nor excluded; NAN if
-     * there is none. */
+    /* Fraction of the step at which it is so close to 0 that a touch can be neither proved nor
+     * excluded; NAN if there is none. */
     double near;
-    /* Time at which an event that would have stopped the run nearly happened; NAN if there is
-     * none. */
+    /* Fraction of the step at which an event that would have stopped the run nearly happened; NAN
+     * if there is none. */
     double miss;
     const struct root_search *roots; /* that goes on */
 };
@@ -256,11 +256,12 @@ static bool look_found(void *context, double theta, int sign)
 
 /*
  * Finds the sign of the event's function just after a segment has begun at an event, where the
- * value itself is rounding. Looks at the first moment up to which bounds of the slope, or of the
- * second derivative, exclude another event: a ball that has just been thrown up may be back long
- * before the end of the step. Returns that moment as a fraction of the step and sets *value;
- * returns 0 if there is none. If commands that were executed there have changed the state, the
- * value is valid.
+ * value itself is rounding. Takes the sign at the end of the longest part of the step (all of it,
+ * then half of that, and so on) in which bounds of the slope, or of the second derivative, exclude
+ * another event: a ball that has just been thrown up may be back long before the end of the step.
+ * Returns that end as a fraction of the step, and sets *value to the value there. Returns 0 with
+ * *value 0 if there is no such part. Commands that were executed at the event may have changed the
+ * state, so that the value at the beginning is not 0: then it returns 0 with that value.
  */
 static double depart(struct event_search *look, double *value)
 {

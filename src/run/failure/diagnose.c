@@ -99,12 +99,12 @@ static bool steps_shrink(const struct run *run, double way)
 
 bool run_creeps(struct run *run)
 {
-    static const int64_t share = 8; /* one look for this many steps */
+    static const int64_t share = 8; /* a look may take one step for this many of the run */
     struct run_private *p = run->private_state;
     if (run->steps < p->look)
         return false;
     p->look = 2 * run->steps;
-    if (p->original) /* the copy has been diagnosed already */
+    if (p->original) /* the original has looked already */
         return false;
     trace_present(run->trace, run->steps, run->t, run->y);
     const double way = run->t - trace_time(run->trace, run_own_start(run));

@@ -27,7 +27,9 @@ static void put_time(struct buffer *text, double seconds, int digits)
 #define T0_LARGE 1e6    /* times the way: t0 takes its digits from t */
 #define TOL_SMALL 1e-11 /* Step control may see only rounding below this tolerance. */
 
-#define RELIABLE_SIZES 2 /* States above this many natural sizes may come from the method. */
+/* A state is sound up to this many natural sizes, or sizes at the start; the method may have made a
+ * larger one. */
+#define RELIABLE_SIZES 2
 
 /* The last recorded state before it blew up, or the start. What a blown-up state says of rates
  * means nothing. */

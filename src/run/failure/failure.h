@@ -25,7 +25,7 @@ bool run_solve_cheaply(const struct system *system, double t, const double *y, d
 struct followed {
     enum solution_fate fate;
     double t, y[LIMIT_VARIABLES];
-    /* SOLUTION_ENDS although the solution is finite, because its slope is not */
+    /* valid with SOLUTION_ENDS: the solution stays finite, and only its slope does not */
     bool finite;
 };
 

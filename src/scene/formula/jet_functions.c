@@ -2,8 +2,8 @@
 /* Bounds of the functions of one argument, of their first and of their second derivatives. */
 #include "scene/formula/jet.h"
 
-/* Error of elementary functions in units of the last place: 0.9 at an end of a stretch and 0.9 in
- * it. */
+/* Bound of errors of elementary functions, in units of the last place: 0.9 of the value at an end
+ * of the interval and 0.9 of a value inside. */
 static const double function_units = 2;
 
 /* f, f', f'' over an interval. */

@@ -9,7 +9,7 @@
 #include "scene/formula/expr.h"
 #include "scene/typed/typed.h"
 
-#define RATIO_MOST 64   /* largest ratio of two periods, as whole numbers */
+#define RATIO_MOST 64   /* largest whole number in the ratio i:j of two periods */
 #define RATIO_NEAR 1e-9 /* and how near to that */
 
 struct drive_part {

@@ -262,7 +262,8 @@ static void linear_term_add(const struct typed_term *term, const double *c, stru
     o->drag_whole = o->drag_whole && !drag;
 }
 
-/* Adds the drag of several coordinates if it is v_i' = -gamma v_i, with one gamma. */
+/* Adds the drag of several coordinates if it is v_i' = -gamma v_i, with one gamma; else notes that
+ * the oscillator does not have all of the drag. */
 static void add_drag(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const int n = term->typed->model.n, rows = n / 2;

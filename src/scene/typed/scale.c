@@ -76,8 +76,10 @@ static bool grown(int n, const double *early, const double *max)
 }
 
 /*
- * Runs a trial. Returns the time that it reached if its steps became shorter and shorter there, or
- * 0 if it found no pole. Sets *there if it reached the end, or grew beyond limits.
+ * Runs a trial from the start over `span`, and raises max [n] to the largest values on the way. If
+ * the motion grows far beyond its early values, max has only these. Returns the time [s] after the
+ * start at which steps became shorter and shorter, or 0 if there is no such pole. Sets *there to
+ * true if the trial reached the end or grew so, else to false.
  */
 static double try_out(const struct system *system, double span, double *max, bool *there)
 {

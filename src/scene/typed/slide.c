@@ -289,7 +289,8 @@ static void move(const struct sliding *s, const double *by, double (*direction)[
             y[i] += by[j] * direction[j][i];
 }
 
-/* Computes how the field changes each jump in a moment, in 1/s times the unit of the jump. */
+/* Sets direction[j] to the derivative of the field along jump j, which is the Jacobian times the
+ * jump, by central differences over s->near: [1/s] times the unit of the jump. */
 static void follow_jumps(const struct sliding *s, const struct around *around, double t,
                          const double *y, double (*direction)[LIMIT_VARIABLES])
 {

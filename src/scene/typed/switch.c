@@ -107,7 +107,8 @@ static void take_branches(const struct typed_part *part, const double *branch, i
 
 #define NEXT_BRANCH_TRIALS 3
 
-/* Decides by evaluation at arbitrary numbers. */
+/* Returns what typed_turns_only() says of the part. Decides by evaluation at arbitrary numbers: the
+ * argument has to be the velocity, and the force at rest the same on both branches. */
 static bool turns_only(const struct typed_part *part)
 {
     const struct typed *typed = part->frozen.typed;

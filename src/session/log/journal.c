@@ -217,7 +217,7 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
     struct error ignored;
     size_t used;
     struct run_target target = {.t = request->t, .steps = end - run->steps, .scope = &scope};
-    if (target.steps < 0) /* the last bits of t may differ even if no steps are left */
+    if (target.steps < 0) /* if it is 0, the last bits of t may still have to change */
         return;
     if (request->condition &&
         condition_compile(text_of(request->condition), &scope, &arena, &condition, &used, &ignored))

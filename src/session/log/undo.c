@@ -111,7 +111,8 @@ static void release_setup(struct shared_setup *setup)
         free(setup);
 }
 
-/* Returns that of the latest entry if nothing was set since. Returns NULL if out of memory. */
+/* Returns that of the latest entry if nothing was set since, else a new one; NULL if out of memory.
+ */
 static struct shared_setup *share_setup(const struct session *session)
 {
     struct shared_setup *setup =

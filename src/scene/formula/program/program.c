@@ -78,7 +78,8 @@ static void fuse(struct node *node, const struct node *all, struct usage *usage)
     }
 }
 
-/* Frees the slots of values that nothing needs any more. */
+/* Takes the uses by this node off its operands. An operand that has no other use left is the last,
+ * and its slot becomes free, unless it holds a name or a number. */
 static void release(struct schedule *s, const struct node *node, struct instruction *instruction)
 {
     const int constant = s->program->names + s->program->numbers;
