@@ -81,7 +81,8 @@ void dynamics_free(struct dynamics *dynamics)
     free(dynamics);
 }
 
-/* For the present equations; what was of others goes. Returns NULL if out of memory. */
+/* Returns the results of the present equations, empty at first; frees those of other equations.
+ * Returns NULL if out of memory. */
 static struct dynamics *dynamics_for(struct session *session)
 {
     struct dynamics_part *part = session_part(session, &dynamics_module);

@@ -40,7 +40,7 @@ struct kept_branch {
     uint64_t id;
     int number;
     double *value;        /* but for what varies */
-    int params, param[2]; /* `which` has indices into the scene's */
+    int params, param[2]; /* indices of what varies among the scene's */
     double from[2], to[2];
     char of[LIMIT_NAME + 1]; /* "equilibrium 1", "HB1" */
     struct branch branch;    /* its points are owned */

@@ -8,7 +8,7 @@
 
 /* The portrait that was made last, and its request. Nothing of it is the user's. */
 struct stored_portrait {
-    bool known; /* `whole` makes a portrait that was stopped again */
+    bool known; /* complete; a portrait that was stopped is made again */
     struct scene scene;
     struct portrait_request request;
     struct portrait portrait;

@@ -18,7 +18,7 @@
 #define END_DEVIATION_MAX 0.25
 /* Largest movement of the middle between turns, as a part of the swing. */
 #define MIDDLE_JUMP_MAX 0.1
-/* Turns and crossings within this part of half a period without samples are unknown. */
+/* In a longer time without samples, in half periods, turns and crossings are unknown. */
 #define HOLE_HALF_PERIODS 0.5
 
 struct turn {

@@ -184,7 +184,8 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
     return arrival_times(arrivals, arena, collected, own->value);
 }
 
-/* A column that advances at this relative distance from ms or us is a clock. */
+/* A column that counts ms or us to this relative accuracy is a clock; arrivals that differ less
+ * from the stated rate confirm it. */
 #define CLOCK_UNIT_TOLERANCE 0.01
 
 /* Stamps that go back are mended before anybody looks at them: of a column that nobody has named

@@ -115,7 +115,7 @@ static double energy_trend(const struct run *run)
 #define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
 #define ENERGY_ROUNDING 1e-12  /* Energy errors below this are rounding. */
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
-/* A drift makes the trend four times as large; a bounded error leaves it unchanged. */
+/* The trend of a steady drift is 4, that of a bounded error about 1. */
 #define ENERGY_TREND_MAX 1.5
 
 /* Appends "within 0.01 of E0" or "off by 1700 times E0". */

@@ -12,7 +12,7 @@
 
 /* ---- slopes ---- */
 
-#define STARTED_STEPS 32 /* Steps for each step of a starter before the order shows. */
+#define STARTED_STEPS 32 /* Steps times order after which a multistep method shows its order. */
 #define BAND_TOP 0.05    /* errors above are not yet asymptotic */
 #define BAND_BOTTOM 30.0 /* times the accuracy of the reference: below it rounding takes part */
 #define ROUNDING_ERROR_MAX 1e-8

@@ -29,7 +29,7 @@ static const struct candidate {
 
 #define REFERENCE_AGREEMENT 1e-12 /* The search ends when two solutions agree to this. */
 #define REFERENCE_ROUNDING 1e-13  /* A smaller change on halving is taken for rounding. */
-/* A distance that is this many times the one before shows a jump. */
+/* A distance that is this many times the largest before it shows a jump. */
 #define JUMP_FACTOR 1e4
 /* Growth from rounding to REFERENCE_MEANING within this many grid times may be a jump or not. */
 #define JUMP_FREE_TIMES 3

@@ -66,8 +66,8 @@ struct stability {
     enum stability_verdict verdict;
     double doubling; /* steps until the amplitude doubles; HUGE_VAL: never */
     double weak[2];  /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
-    /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it; NAN if there is
-     * none */
+    /* [s], [s], 1: begin and end of a narrow resonance and the largest growth in it, or NAN if
+     * there is none */
     double window[3];
     enum stop stop;          /* of the scene itself, run with dt where it is not linear */
     double reached, largest; /* [s] and amplitude of that run over the natural one */

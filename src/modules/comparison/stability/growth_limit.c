@@ -14,12 +14,13 @@
 /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
 #define ON_AXIS 1e-7
 #define RATE_TOLERANCE 1e-2 /* relative error of the rate of what grows by itself */
-/* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
+/* growth - 1 up to which the amplitude takes 700 steps or more to double, which looks stable for
+ * long */
 #define GROWTH_WEAK 1e-3
 #define STEPS_MOST 16384  /* of a check */
 #define HISTORY_STEPS 8   /* steps: more than any method remembers */
-#define RATE_EXTREME 1e20 /* [1/s] */
-#define HUGE_STEP 100     /* omega dt */
+#define RATE_EXTREME 1e20 /* [1/s] beyond it, or its inverse, omega is the unit */
+#define HUGE_STEP 100     /* omega dt above which NAN means unbounded growth */
 #define LOG_ROOM 600.0    /* a check grows or decays by at most e to this */
 #define LIMIT_OFFSET 1e-2 /* how far from the limit the checks on both sides stand, relative */
 #define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
@@ -65,8 +66,8 @@ void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
     re[0] = re[1] = -zeta * mode->omega;
     if (split <= 0)
         return;
-    /* The larger one first; their product gives the other without cancellation. */
-    /* no -0 */
+    /* The larger one first; their product gives the other without cancellation. Adding 0 makes +0
+     * of -0. */
     const double fast = -copysign(fabs(zeta) + sqrt(split), zeta), slow = product / fast + 0.0;
     re[0] = mode->omega * fmax(fast, slow);
     re[1] = mode->omega * fmin(fast, slow);

@@ -45,7 +45,8 @@ static int cells_of(int n)
     return n <= 2 ? 128 : n == 3 ? 48 : 0;
 }
 
-/* -1 if outside */
+/* Returns the index of the cell that lies by[] cells from that of y (0 if NULL), or -1 if outside.
+ */
 static long cell_at(const struct basin_walk *walk, const double *y, const int *by)
 {
     const int cells = cells_of(walk->n);
@@ -249,7 +250,9 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
 }
 
 /* Follows the orbit until it passes the plane across its start in the same direction, near it.
- * Returns the time, or 0 if it does not; *off is then its distance. */
+ * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_LOOKS_MAX looks or
+ * cannot be followed. *off is the distance from the start at the last passage near it, unchanged if
+ * there was none. */
 static double go_round(struct basin_walk *walk, const double *start, double *off)
 {
     struct field_plane plane;

@@ -87,7 +87,8 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
     }
 }
 
-/* What `steps` leaves off twice as many. Returns false if out of memory. */
+/* Sets off[i] to the change of the end of start i, in sizes, if a look takes twice as many steps.
+ * Returns false if out of memory or if the system cannot go in lanes. */
 static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
                         double *off)
 {

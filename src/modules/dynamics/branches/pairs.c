@@ -72,7 +72,8 @@ static double parabola_vertex(const struct test_minimum *m, double *value)
     return m->middle->along + by;
 }
 
-/* Puts a sample between the others. Returns false if no solution was found there. */
+/* Puts a sample between the others. Returns false if no solution was found there or if the test has
+ * no value. */
 static bool sample_at(const struct test_minimum *m, double along)
 {
     const struct test_sample *a = along < m->middle->along ? m->low : m->middle,

@@ -308,7 +308,7 @@ static bool record(struct special_walk *w, const struct curve_place *at, enum sp
     return branch_append(w->out, &c->base, at, special, &s);
 }
 
-/* Returns false if out of memory or if the curve ends there. */
+/* Returns false if out of memory, if a solution is not found again, or if the curve ends there. */
 static bool record_specials(struct special_walk *w, const struct curve_place *from,
                             const struct curve_place *to)
 {

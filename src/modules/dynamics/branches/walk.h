@@ -70,7 +70,7 @@ struct found_special {
 bool branch_append(struct branch *branch, const struct solution_curve *path,
                    const struct curve_place *at, enum special special,
                    const struct solution *solution);
-/* Finds the special points between the last place and this one that lie in the parameter's range,
+/* Records the special points between the last place and this one that lie in the parameter's range,
  * in their order. `seen` is the solution at `to`. Returns false if out of memory. */
 bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to,
                           const struct solution *seen);

@@ -26,7 +26,7 @@ struct zero_search {
     struct zero_proof *proof;      /* [capacity], of found->of */
     int capacity;
     struct box_queue waiting, singular;
-    struct box_queue undecided; /* part that the search has left */
+    struct box_queue undecided; /* boxes that the search could not decide */
     int boxes;                  /* looked at */
     double done;                /* part of the volume */
 };

@@ -291,7 +291,8 @@ static bool add_equilibria(struct drawing *d, const struct portrait_request *wan
     return true;
 }
 
-/* Draws an arrow of tail, tip, and its head twice. `cell` has the sizes of the box on paper. */
+/* Sets the points [6] of an arrow about `at`: tail, tip, barb, tip, barb, gap. cell is the distance
+ * of neighbouring arrows, so that barbs look alike whatever the units of the axes are. */
 static void put_arrow(double *x, double *y, const double at[2], const double step[2],
                       const double cell[2])
 {

@@ -111,7 +111,8 @@ static bool reverses(const struct plane *plane, const double r[4])
     return same;
 }
 
-/* Returns true if equilibria with imaginary eigenvalues are centres. */
+/* Returns true if a system of two variables keeps areas or is reversible about this state, so that
+ * it is a centre if its eigenvalues are imaginary. */
 static bool has_centres(const struct vector_field *field, const struct system *bounded,
                         const double *about)
 {

@@ -42,7 +42,7 @@ struct surface;
 
 struct surface_kind {
     void (*paint)(struct surface *surface, const struct brush *brush); /* surface->path */
-    /* NULL if there is no more */
+    /* box is left, top, right, bottom; NULL ends the clipping */
     void (*clip)(struct surface *surface, const double box[4]);
     void (*text)(struct surface *surface, const struct surface_text *text);
     double (*text_width)(struct surface *surface, double size, const char *text);

@@ -37,7 +37,7 @@ struct intake {
     const char *shown; /* its name for messages */
     const struct load_options *options;
     enum packing packing;
-    size_t line; /* start of the current line */
+    size_t line; /* [byte] offset at which the current line begins */
     bool sought; /* there is a table in the beginning */
     /* text that was being written: its last line is left out, as it may be half of one */
     bool grew;
@@ -117,8 +117,8 @@ struct xml_reader {
 
 bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
               struct error *error);
-/* Returns NULL if there is no such entry. */
-const char *xml_attribute(const char **attributes, const char *name); /* or NULL */
+/* Returns the value of an attribute, or NULL if the element has no such attribute. */
+const char *xml_attribute(const char **attributes, const char *name);
 
 /* xml_tables.c: Logger Pro (.cmbl) and CASSY Lab 2 (.labx). */
 bool xml_tables(struct text document, const char *shown, struct contents *contents,

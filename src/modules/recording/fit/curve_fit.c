@@ -310,7 +310,7 @@ static void set_units(struct curve_problem *p, const struct curve_options *o, co
 
 /*
  * Takes the start of a fit of very many samples from a fit of a regular selection of them. Returns
- * false after an error that ends everything; a part that has no answer leaves the start unchanged.
+ * false if there is no memory for these; a fit of them that fails leaves the start unchanged.
  */
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)

@@ -40,7 +40,7 @@ bool curve_part(const struct series *series, struct arena *arena, struct series 
 
 /* ---- quality of an answer (judgement.c) ---- */
 
-/* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss;
+/* Fills values, covariance (not widened), what is determined, the two criteria, residual and rss.
  * If `probe` is true, it also evaluates one standard deviation to either side, which takes two
  * evaluations a parameter. */
 void fit_judge(struct curve_problem *problem, const double *x, bool probe, struct curve_fit *fit);

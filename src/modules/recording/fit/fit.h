@@ -235,7 +235,7 @@ struct drag_fit {
         bool converged;
         /* gamma [1/s], b [1/m], f [m/s^2] if y is a length; 0 if the law has no such term */
         struct measured rate[DRAG_RATES];
-        double bic; /* BIC for this number of independent residuals */
+        double bic; /* BIC with that number of `independent` residuals */
         double rms;
     } candidate[DRAG_LAWS];
     int candidates;     /* 0 if the fit was not one of drag */
@@ -325,8 +325,8 @@ const struct fit_model *fit_model_by_name(struct text name);
 const struct fit_model *fit_model_at(size_t i);
 const struct fit_model *fit_model_from(const struct row *row); /* which is one of them */
 
-/* Model value at time t [s] (absolute). */
-/* At n ascending times. */
+/* Computes the model's values [n] at n ascending times t [s], not counted from t0; NAN if the
+ * motion of a law cannot be integrated that far. */
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value);
 /* k = m (omega^2 + gamma^2/4) with the mass's and the fit's uncertainties. */
 struct measured fit_stiffness(const struct fit *fit, struct measured mass);

@@ -91,7 +91,7 @@ struct descent {
     double rss;
     bool converged;
     int iterations;           /* steps, which are counted on */
-    struct triangle triangle; /* point of the latest evaluation, on the way to x */
+    struct triangle triangle; /* triangle of the latest evaluation, before a last step to x */
 };
 
 /* Goes from x to the nearest minimum. Returns false if the model has no value at the start, or if

@@ -41,7 +41,8 @@ static void take(const struct law_samples *whole, size_t to, struct first_sample
     part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
 }
 
-/* Sets the start of the damped sine of the first periods. */
+/* Starts a fit with the damped sine of these samples, the first periods, or with `start` if it is
+ * none or not that of a position. */
 static void begin_law_fit(const struct law_samples *x, const struct equation *start,
                           struct law_fit *fit)
 {

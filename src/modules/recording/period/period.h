@@ -119,7 +119,7 @@ int series_peaks(const struct series *series, struct arena *arena, struct spectr
 
 struct derivative {
     double *value; /* [n] beside the series, from the arena; NAN next to gaps */
-    size_t known;  /* number of them */
+    size_t known;  /* number of values that are not NAN */
     double gain;   /* [1/s] standard deviation for samples with independent noise of 1 */
     double step;   /* [s] median */
     int points;

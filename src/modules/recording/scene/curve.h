@@ -19,7 +19,7 @@ struct scene_curve {
     double *mesh;                 /* [points] times of the steps' ends, ascending; owned */
     size_t points;
     double *work;                /* of the method, for the variation; owned */
-    struct variation *variation; /* the variation to which the scene is bound */
+    struct variation *variation; /* motion and derivatives, bound by each evaluation; not owned */
     const struct cancel *cancel;
 };
 
@@ -40,9 +40,9 @@ bool scene_curve_first(const struct scene_curve *curve, const struct system *sys
 void scene_curve_inside(const struct scene_curve *curve, const struct step *step,
                         const struct sampling *sampling, double from, size_t *i);
 
-/* scene_dry.c: along the mesh through the turning points and rests of dry friction. The variation,
- * whose base is `system` or that of it, is left frozen. False: a step failed, or it was cancelled.
- */
+/* Integrates along the mesh through the turning points and rests of dry friction (dry.c). `system`
+ * is the curve's variation or its base; the base is left frozen. Returns false if a step failed or
+ * if cancelled. */
 bool scene_dry_march(const struct scene_curve *curve, const struct system *system,
                      const struct sampling *sampling);
 

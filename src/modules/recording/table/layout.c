@@ -157,8 +157,8 @@ static bool all_units(struct text line, char separator)
     return units > 0;
 }
 
-/* Returns the separator of the names in this line: that of the numbers, or else one that gives a
- * name for each column, or 0 if there are no names. */
+/* Returns the separator of the names in this line: one that gives a name for each column, or else,
+ * unless `exact`, that of the numbers if it is no blank and gives two or more; else 0. */
 static char names_separator(struct text line, const struct table_layout *layout, bool exact)
 {
     const char separators[] = {layout->separator, '\t', ';', ','};
@@ -250,7 +250,7 @@ static enum commas commas_of(const struct found *found, int above)
     return above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
-/* Sets the layout of what was found. Returns false if it reads as a table but is none. */
+/* Sets the layout of what was found. Returns false if its commas must be decimal marks. */
 static bool fill(const struct table_text *text, size_t from, const struct load_options *options,
                  const struct found *found, struct table_layout *layout)
 {

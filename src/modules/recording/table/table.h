@@ -138,9 +138,6 @@ bool runs_of_columns(struct recording *recording, bool (*part)(struct text name,
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
 /* "Run #1 = taken, Run #2" */
 void run_list(const struct recording *recording, struct buffer *text);
-/* Reads tables below each other. `find` gives the blocks (at most TABLE_BLOCKS_MAX, or 0 for an
- * ordinary table) and what the header says about separators; the one wanted, else the first with a
- * table, is given to `read` as a text of its own. */
 /* Runs below each other without a header between them: the clock goes back to where it began. Keeps
  * the rows of the run that is wanted, else of the first. Needs the times [s]. */
 bool take_run_below(struct recording *recording, const struct load_options *options,
@@ -149,6 +146,9 @@ typedef int table_blocks(const struct table_text *text, struct table_block *bloc
                          struct load_options *options);
 typedef bool table_block_read(const struct table_text *part, const struct table_block *block,
                               struct recording *recording, struct error *error);
+/* Reads tables below each other. `find` gives the blocks (at most TABLE_BLOCKS_MAX, or 0 for an
+ * ordinary table) and what the header says about separators; the one wanted, else the first with a
+ * table, is given to `read` as a text of its own. */
 bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
                     struct recording *recording, table_blocks *find, table_block_read *read,
                     struct error *error);
@@ -173,8 +173,8 @@ bool is_along_line(const double *value, size_t n);
 /* Returns true if a count starts again whenever it is full, as one of 8 bits does: it does not
  * number the rows. */
 bool count_wraps(const double *value, size_t n);
-/* Moves the times behind a clock that was set back on, where the rows before and after are evenly
- * apart, and says so. */
+/* Moves on the times behind a clock that was set back, where the rows before and after are evenly
+ * apart, and adds a warning. */
 void mend_clock_jumps(struct recording *recording);
 /* Lets the counts of a clock continue where it started again because it was full, and says so. A
  * column below 0 is none. */

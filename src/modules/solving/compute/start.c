@@ -16,8 +16,8 @@ void scene_take_value(struct scene *scene, int i, double value)
     scene->value[i] = value;
 }
 
-/* How the start of that variable changes with a parameter that changes nothing else; 0 if it
- * does. */
+/* Returns the derivative of the start of variable i by a parameter, or 0 if the parameter changes
+ * anything else. */
 static double start_slope(const struct scene *scene, const struct system *system, int param, int i)
 {
     struct scene other = *scene;

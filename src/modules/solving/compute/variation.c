@@ -10,8 +10,9 @@
 #include <string.h>
 #include <stdlib.h>
 
-#define DIFFERENCE_STEP 1e-6 /* Step of differences relative to the parameter. */
-/* Smallest size assumed of a parameter (SI), unless it has to be above 0. */
+#define DIFFERENCE_STEP 1e-6 /* Step of differences relative to the size. */
+/* Smallest size assumed of a parameter (SI), unless it has to be above 0, and of a variable, as a
+ * part of its scale. */
 #define PARAMETER_SIZE_MIN 1e-3
 /* Smallest size of a parameter above 0, as a part of its initial value. */
 #define INITIAL_FRACTION_MIN 1e-6

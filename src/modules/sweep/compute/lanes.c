@@ -98,7 +98,7 @@ unsigned lanes_turning_groups(const double *before, const double *row)
 struct stretch_watch {
     int64_t first, count;
     bool alike;                                           /* all lanes step by one clock */
-    double open[LANE_COUNT];                              /* true if the window has begun */
+    double open[LANE_COUNT];                              /* not 0 inside the window */
     double t0[LANE_COUNT], h[LANE_COUNT], to[LANE_COUNT]; /* to: the time after the last step */
 };
 

@@ -245,7 +245,8 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
     p->done = p->alone || p->seen == section->skip + section->keep;
 }
 
-/* Evaluates the steps whose states are in the rows. Returns true if a lane is still under way. */
+/* Looks for crossings in `count` steps from number `first` on, between the count + 1 rows of
+ * states; the last row then becomes the first. Returns true if a lane is still under way. */
 static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
 {
     struct section *s = worker->section;
