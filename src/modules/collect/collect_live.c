@@ -127,7 +127,7 @@ static bool matches(const struct session *session, const struct recording *recor
 /*
  * Position and velocity at t0 [s], and the offset: least squares of a damped sine of the scene's
  * own period and damping to the first period of the recording. Returns false if that is not yet
- * over.
+ * over or has too few samples.
  */
 static bool find_start(const struct scene *scene, const struct recording *recording, double t0,
                        double state[2], double *offset)

@@ -62,8 +62,8 @@ struct clock_mended {
     size_t wrong;         /* stamps that are NAN now */
     bool *after;          /* [n] the first one after a new start */
 };
-/* What goes back goes on instead (only `trusted`), if it is a clock at all; returns false if out of
- * memory. */
+/* Lets stamps v [n] that go back continue instead if they are those of a clock (a sawtooth only if
+ * `trusted`); garbled ones become NAN. Returns false if out of memory. */
 bool clock_mend(const struct arrivals *arrivals, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended);
 /* Lines lost between the times t [n], rising, but not before those `after` (NULL if there is none)

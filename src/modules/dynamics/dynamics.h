@@ -201,7 +201,8 @@ struct branch {
     char ends[2][96]; /* reason of the end there */
 };
 
-/* Returns false if the start is no solution or if out of memory. If cancelled, the branch holds
+/* Returns false with the error if no point was found: the start is no solution, or one of a family
+ * at one value, or it was cancelled or out of memory. Otherwise, a branch that was cancelled holds
  * what was found so far. */
 bool branch_follow(const struct branch_request *request, struct branch *branch,
                    struct error *error);

@@ -78,8 +78,8 @@ bool find_orbit(const struct session *session, const struct dynamics *dynamics,
                 const struct item *number, struct kept_reference *found, struct error *error);
 bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
                 struct kept_reference *found, struct error *error);
-/* Starts the request at the current run if it is one of this scene, unchanged, else at the start.
- * Returns that in words (orbit.c). */
+/* Sets state, t and span of the request: the end of the current run if that is one of the scene's
+ * model and did not fail, else the scene's start. Returns which, in words (orbit.c). */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request);
 /* Names of the solvers of equilibria and flows, which do not depend on the session's method. */

@@ -95,7 +95,7 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
                                          const double *value, struct error *error);
 
-/* The number-th, from 1, by number, or NULL if there is none. */
+/* Returns the orbit of this number, or NULL if there is none. `dynamics` may be NULL. */
 const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number);
 /* Of "HB1", in upper or lower case, on the latest branch that has it, or NULL if there is none. */
 const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,

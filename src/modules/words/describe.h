@@ -76,7 +76,8 @@ struct figure_reading {
     int ordered;
 };
 
-/* Returns false if out of memory. Memory from the arena; the figure has to live as long. */
+/* Returns false if out of memory or if stopped. Memory from the arena; the figure has to live as
+ * long. */
 bool figure_read(const struct figure *figure, struct arena *arena, struct figure_reading *reading);
 
 /* The axis of a curve: of its panel. */

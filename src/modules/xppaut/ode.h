@@ -97,7 +97,8 @@ bool ode_number(int line, struct text name, struct text value, double *number, s
 /* One of `@` or of a set. *note: what is not done, or NULL. */
 bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
                  const char **note, struct error *error);
-/* Method and what it was; returns false if it is a map. */
+/* Sets method, tolerance, times and steps of the scene. Returns false with the error if it is a map
+ * or if time does not go forwards. */
 bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, struct error *error);
 /* `global SIGN {CONDITION} {NAME=FORMULA;…}`, without its first word. */
 bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,

@@ -124,7 +124,7 @@ bool walk_record_pairs(struct branch_walk *walk, const struct curve_place *befor
 
 /* ---- together.c ---- */
 
-/* Returns the number of values that grow for certain, or -1 if one is uncertain. */
+/* Returns the number of values that grow, or -1 if that of one is uncertain or there are none. */
 int walk_grows(struct branch_walk *walk, const struct solution *solution);
 /* Those since the last place of which that is known that the ones found do not explain. */
 void specials_unseen(struct branch_walk *walk, const struct curve_place *to,

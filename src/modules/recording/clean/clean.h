@@ -47,7 +47,7 @@ struct cleaning {
 /*
  * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods
  * about each whole period, robustly; fills local, residual, model and typical. Returns false if out
- * of memory.
+ * of memory or if cancelled.
  */
 bool clean_fit(struct cleaning *cleaning);
 

@@ -24,8 +24,9 @@ bool find_run_period(const struct run *run, struct arena *arena, struct measured
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error);
-/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum, or NAN if it
- * has none. */
+/* Returns the angular frequency of the oscillation [rad/s]: that of the fit, else of the period
+ * read while the recording grows, else of the largest peak of the spectrum, or NAN if it has none.
+ */
 double motion_frequency(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena);
 bool recording_is_fitted(const struct session *session, const struct recording *recording);

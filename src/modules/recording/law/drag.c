@@ -202,7 +202,8 @@ static bool fit_motion_first(struct drag_fitting *f)
     return true;
 }
 
-/* Chooses samples and fits in turn until both agree. Returns false if no law converged. */
+/* Chooses samples and fits in turn until both agree. Returns false if no law converged or if
+ * cancelled. */
 static bool settle_samples(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;

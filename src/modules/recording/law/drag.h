@@ -59,7 +59,8 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
 /*
  * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by
  * BIC and F-test: fills drag->restoring, force, forces_remaining, and best. If `angle`, it may be a
- * pendulum. Returns false if a criterion is no number.
+ * pendulum. Returns false if the residuals of the nearest force cannot be computed, or if
+ * cancelled.
  */
 bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
                       struct law_fit *best);

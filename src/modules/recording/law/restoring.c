@@ -174,7 +174,7 @@ static int simplest(const struct force_fits *all, const struct drag_fit *drag)
 }
 
 /* Computes the BIC of each with the slow changes of the phase in the residuals of the nearest.
- * Returns false if out of memory or if one is no number. */
+ * Returns false if these residuals cannot be computed, or if cancelled. */
 static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;

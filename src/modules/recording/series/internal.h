@@ -56,7 +56,7 @@ struct spectrum {
     size_t bins;       /* from 0 to half the rate of the samples; 0 if there are too few samples */
     double step;       /* [Hz] between them */
 };
-/* Computes the spectrum. Returns false if out of memory. */
+/* Computes the spectrum. Returns false if out of memory or if cancelled. */
 bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
 /* Returns the step to which values are rounded, the smallest between neighbours or a part of it, if
  * nearly all are multiples of it; else 0. */
@@ -91,8 +91,8 @@ struct harmonic {
 /*
  * Fits by least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a
  * and b are 0). residual [n] is set to y - model of all samples unless NULL. Returns false if there
- * are too few samples or if they do not determine the parameters; `harmonic` must then not be used.
- * If it returns true, `converged` must be checked.
+ * are too few samples, if they do not determine the parameters, or if cancelled; `harmonic` must
+ * then not be used. If it returns true, `converged` must be checked.
  */
 bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
                   struct harmonic *harmonic, double *residual);

@@ -83,7 +83,7 @@ extern const struct catalog finding_catalog; /* at the enum's place */
 /*
  * Looks at the whole file, whatever its window is, once; the result belongs to the recording.
  * period [s] is that of the oscillation to a few percent; with NAN only defects that need no period
- * are looked for, and `still` tells why. Returns false if out of memory.
+ * are looked for, and `still` tells why. Returns false if out of memory or if cancelled.
  */
 bool recording_inspect(struct recording *recording, double period, const char *still,
                        struct error *error);

@@ -267,7 +267,7 @@ static struct bytes_place bytes_begin(struct output *out)
     return place;
 }
 
-/* What follows is all of them. Their sum; 0 if there is none. */
+/* Ends a field of bytes. Returns their checksum, or 0 if it is empty or out of memory. */
 static uint64_t bytes_end(struct output *out, struct bytes_place place)
 {
     struct buffer *record = &out->stored->record;

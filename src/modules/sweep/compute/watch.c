@@ -94,7 +94,8 @@ static double column_speed(const struct trace *trace, const double *column, size
                                : 0;
 }
 
-/* What is no state variable, at all rows; NULL if it is one, or there is none of it. */
+/* Sets *column, which the caller frees, to the values at all rows of what is no state variable, or
+ * to NULL if it is one. Returns false if they cannot be computed or if out of memory. */
 static bool make_column(const struct run *run, const struct sweep_measure *measure,
                         const struct scene *scene, double **column)
 {
