@@ -229,7 +229,7 @@ bool parse_sides(struct parser *parser, const char *what, const char *stops, str
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error);
 /* Refuses the remaining text, with the likely reason: decimal comma, unknown unit, word too many.
- * `number` is the last item read, or NULL if it was no number. */
+ * `number` is the last item read, or NULL if it was no number. Returns true if nothing remains. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command,

@@ -326,8 +326,7 @@ bool run_remembers(const struct run *run);
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel);
-/* Returns "goes to infinity" or "ends with an infinite slope", to follow the words "the
- * solution". */
+/* Returns "goes to infinity" or "gets an infinite slope", to follow the words "the solution". */
 const char *singularity_text(const struct singularity *singularity);
 /* Finds out whether a run has failed because its solution ends there, or has stepped over such an
  * end; then stop becomes STOP_SINGULAR. Looks at the rows since the last call. */
@@ -421,7 +420,7 @@ const struct observable *observable_energy(const struct system *system);
  * there is none. */
 bool run_centre(const struct run *run, double *centre);
 /* Fills out [trace_count] with the observable for all rows of the trace. Returns false, with a
- * reason, if it is not defined for this run (no exact solution …). */
+ * reason, if it is not defined for this run (no exact solution …), or if cancelled. */
 bool run_column(const struct run *run, const struct observable *observable, double *out,
                 struct error *error);
 /* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */

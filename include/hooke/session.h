@@ -363,7 +363,7 @@ struct write_policy session_policy(const struct session *session, bool force);
 /* That of a new session, which nobody has chosen. */
 void session_unset_method(struct setup *setup);
 void session_default_settings(struct settings *settings);
-/* Returns true if the user has set it; other settings may follow the scene, see
+/* Returns true if the user has set it, or if it never follows the scene; others may do so, see
  * settings_of_scene(). */
 bool setting_is_chosen(const struct setting *setting, const struct settings *settings);
 void setting_choose(const struct setting *setting, bool chosen, struct settings *settings);

@@ -139,7 +139,7 @@ static enum argument_form form_of(struct text statement, struct text where)
     return rest.len > 0 && rest.at[0] == '=' ? FORM_KEY : FORM_WORD;
 }
 
-/* Returns true if the command takes the name in another form. */
+/* Returns true if the command has an argument of that name, in whatever form. */
 static bool takes_name(const struct command *command, struct text name)
 {
     int i = 0;

@@ -27,8 +27,8 @@ int calibration_values(struct text *rest, double *value, const struct unit **uni
     return n;
 }
 
-/* Converts both values to units of one kind, that of the first. A value without a unit takes the
- * unit of the other. */
+/* Converts the second value to the unit of the first, and sets name to it. A value without a unit
+ * has that of the other. Returns false, with an error, if the units are of different kinds. */
 static bool same_unit(const struct unit *const unit[2], double value[2], char name[16],
                       struct error *error)
 {

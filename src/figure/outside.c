@@ -7,7 +7,8 @@
 /* Part of an axis by which points may lie outside; a live axis is not widened for less. */
 #define FRAME_MARGIN 0.011
 
-/* Returns the distance beyond the ends of an axis, or 0 if the fraction is inside. */
+/* Returns how far a fraction of an axis lies beyond its ends, as a part of its length, or 0 if it
+ * is inside, or outside by FRAME_MARGIN at most. */
 static double beyond(double fraction)
 {
     return fraction < -FRAME_MARGIN ? -fraction : fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;

@@ -176,8 +176,8 @@ struct segment {
 
 /* The next row is the first beyond t on the way that h goes. */
 void trace_aim(struct trace *trace, double t, double h);
-/* Returns true if steps of the present grid end where rows are due: every trace->every, from
- * trace->next on. */
+/* Returns true if steps of the present grid end where rows are due, and sets which: every
+ * trace->every, from trace->next on. */
 bool trace_in_step(struct trace *trace);
 /* As trace_record_many() there. */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
@@ -221,8 +221,8 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
 /* Keeps those up to the present time; ends at one that stops the run, and puts the run there.
  * Returns false if out of memory. */
 bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops);
-/* Returns true if the condition became true in the step, and sets *theta to the first such fraction
- * of it. */
+/* Returns true if the condition became true in the step, and not after another event that stops the
+ * run. *theta is then the first such fraction of the step. */
 bool events_until(const struct run *run, double *theta);
 /* Returns true if another event stops the run in the step. */
 bool events_stop(const struct run *run);

@@ -175,8 +175,8 @@ bool session_add_recording(struct session *session, struct recording *recording,
     return true;
 }
 
-/* Returns the index of the current item after item `dropped` has been removed from a list of
- * `count`. */
+/* Returns the index of the current item after item `dropped` has been removed from a list that has
+ * `count` left: that of the last one if it was the current one itself. */
 static int after_drop(int current, int dropped, int count)
 {
     if (current > dropped)

@@ -113,7 +113,7 @@ int typed_lines(const struct model *model);
 const struct typed_line *typed_line(const struct model *model, int i);
 /* "y'' = -k*y", as one types it */
 void typed_describe(const struct typed_line *line, struct buffer *text);
-/* Returns the built-in model below, or NULL if all is typed. */
+/* Returns the built-in model below, which may be the model itself, or NULL if all is typed. */
 const struct model *typed_base(const struct model *model);
 /* Returns true for a built-in scene with this parameter or variable where only parameters were
  * typed. A parameter of that name then begins an empty scene, with those that were typed. */

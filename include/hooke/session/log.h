@@ -99,7 +99,7 @@ void journal_put_change(const struct run *run, const struct request *request, st
  * for all of it): run, continue, change, back. `number` is the number of the run, or 0 for the next
  * one. With `by_events` also the effects of the run's events are written; events that only stop the
  * run have them again. Returns false, with nothing appended, if a condition needs names that no
- * saved session knows.
+ * saved session knows, or if out of memory (text->failed).
  */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t since, int number, bool by_events, struct buffer *text);

@@ -34,7 +34,7 @@ bool hint_other_model(const struct session *session, struct text name, struct er
 /* Finds a scene of the user's own by its name; returns NULL if there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
 /* Returns the parameter that is the start of a variable, such as y0 of y, or NULL if there is none.
- * `x` stands for y if nothing is called x and y is a variable. */
+ * x, y, z, q and u stand for the first variable if no variable is called so. */
 const char *start_of(const struct session *session, struct text name);
 /* value: what it was to become, as `= 5 cm`, or nothing. False, always. */
 bool unknown_parameter(const struct session *session, struct text name, struct text value,

@@ -64,7 +64,7 @@ struct setting {
     /* concerns only how results look, not the experiment: neither saved nor undone */
     bool display;
     bool typed; /* only at a prompt: no file, no -c and no saved session can set it */
-    /* Choices, of which the field holds an index as an int; NULL for other types of fields. */
+    /* If there are choices and no `parse`, the field is an int, the index of one. */
     const struct catalog *choices;
     /* Bounds of a number, min < x <= max; max is 0 if it is not a number. */
     double min, max;
@@ -92,7 +92,7 @@ extern const struct catalog format_choice_catalog;
 
 /* ---- values of settings ---- */
 
-/* Returns the choice that is set, or NULL if the setting has no choices. */
+/* Returns the choice that is set, or NULL if the value is more than a choice, or none. */
 const struct row *setting_choice(const struct setting *setting, const struct settings *settings);
 void setting_show(const struct setting *setting, const struct settings *settings,
                   struct buffer *text);

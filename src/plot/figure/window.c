@@ -196,7 +196,7 @@ void drawing_window(struct drawing *d)
     d->shown = d->window[1] - d->window[0];
 }
 
-/* Returns the rhythm of the first run, or that seen in the recording if there is no run. */
+/* Returns the period [s] of the first run or, without a run, of the recording; NAN if unknown. */
 static double window_rhythm(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);

@@ -335,7 +335,8 @@ static void drop_line(struct typed *typed, enum typed_kind kind, struct text nam
         typed_line_drop(typed, index);
 }
 
-/* Drops the line; a variable takes its equation and its initial velocity along. */
+/* Drops the line; a variable takes its equation and its initial velocity along, and a force the
+ * potential. */
 static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
 {
     char primed[LIMIT_SYMBOL + 2];

@@ -14,8 +14,8 @@
 
 /* ---- writing ---- */
 
-/* Doubles the capacity, so that an entry costs the same however many there are. Returns NULL if out
- * of memory. */
+/* Adds an entry. Doubles the capacity where it is used up, so that an entry costs the same however
+ * many there are. Returns NULL if out of memory. */
 static struct entry *new_entry(struct history *log)
 {
     if (log->count - log->first == log->capacity) {

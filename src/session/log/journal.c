@@ -176,7 +176,7 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
     return true;
 }
 
-/* The last change of each parameter is valid: in any order each is a value that the scene had. */
+/* Takes the last change of each parameter: in any order each is a value that the scene had. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
     bool is_known[PARAM_MAX] = {false};

@@ -195,7 +195,7 @@ bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
     return uses;
 }
 
-/* The run is unchanged if there is no memory for its journal. */
+/* Takes a run back to its mark; only its name goes back if there is no memory for its journal. */
 static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
     struct run *run = slot->run;

@@ -209,7 +209,8 @@ int iswprint(wint_t wide)
     return wide != 0 && wcwidth((wchar_t)wide) >= 0;
 }
 
-/* Returns true for all characters beyond ASCII but signs and blanks: enough to move by words. */
+/* Returns true for ASCII letters and digits, and for all characters beyond ASCII but signs and
+ * blanks: enough to move by words. */
 int iswalnum(wint_t wide)
 {
     const unsigned c = wide | 0x20;
