@@ -56,7 +56,7 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
                 struct error *error)
 {
     struct sweep shard;
-    struct cost_sample sample;
+    struct cost_sample sample = {0};
     struct buffer seal = {0};
     int64_t each = study_sweep_batch(request);
     study_sweep_stretch(request, &shard);
