@@ -7,26 +7,27 @@
 
 struct unit;
 
-/* What a sensor reads, and what is true: the straight line through two points. Compared and kept
- * byte by byte: what is not used is 0. */
+/* Calibration of a sensor: the straight line through two pairs of a reading and its true value.
+ * It is compared and stored byte by byte, so that unused members must be 0. */
 struct calibration {
-    double read[2], truth[2]; /* numbers in these units: */
-    char unit[2][16];         /* of both readings and of both truths; "": none */
-    bool known;               /* else values are as they come */
-    bool decided;             /* somebody has said so */
+    double read[2], truth[2];
+    char unit[2][16]; /* unit of both readings, unit of both true values; "" if they have none */
+    bool known;       /* false if values are used as the sensor sends them */
+    bool decided;     /* true if the user has chosen, be it a calibration or none */
 };
 
-/* Numbers with or without a unit, NULL, at the beginning of *rest, which then begins behind them;
- * how many, `max` at most. */
+/* Reads at most `max` numbers from the beginning of *rest and removes them from it. unit[i] is NULL
+ * for a number without a unit. Returns how many were read. */
 int calibration_values(struct text *rest, double *value, const struct unit **unit, int max);
-/* From READ1 TRUE1 READ2 TRUE2. Error: units of different kinds, no two points. */
+/* Makes a calibration of READ1 TRUE1 READ2 TRUE2. Returns false with an error if units are of
+ * different kinds or if the two points are the same. */
 bool calibration_make(const double value[4], const struct unit *const unit[4],
                       struct calibration *calibration, struct error *error);
-/* "19.6 cm 20 cm 39.1 cm 40 cm", "off" */
+/* Appends the calibration as text: "19.6 cm 20 cm 39.1 cm 40 cm", or "off". */
 void calibration_put(const struct calibration *calibration, struct buffer *text);
-/* From what that wrote; anything else: off. */
+/* Reads the text that calibration_put() wrote; any other text sets the calibration to off. */
 void calibration_take_line(struct text line, struct calibration *calibration);
-/* Truth for each reading, in their units. */
+/* Returns the change of the true value per change of the reading, in their units. */
 double calibration_gain(const struct calibration *calibration);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Series: what is known over time, whether measured or simulated. */
+/* Series of values over time, measured or simulated. */
 #ifndef HOOKE_DATA_SERIES_H
 #define HOOKE_DATA_SERIES_H
 
@@ -12,12 +12,12 @@ struct series {
     const double *t; /* [s] increasing */
     const double *y; /* SI; no NaN */
     size_t n;
-    enum quantity quantity;      /* of y */
-    const struct cancel *cancel; /* ends what is done with it; NULL if nobody can */
-    double pace; /* relative uncertainty that all its times have in common; 0: none is known */
+    enum quantity quantity;      /* quantity of y */
+    const struct cancel *cancel; /* ends calculations with it; NULL if nobody can */
+    double pace; /* relative uncertainty that all its times have in common, or 0 if unknown */
 };
 
-/* The part [from, to] of a series; shares memory. */
+/* Returns the part [from, to] of a series, which shares the memory of the whole. */
 struct series series_window(struct series series, double from, double to);
 /* Standard deviation of the noise of a smooth motion, from sixth differences; NAN if there are too
  * few samples, or if out of memory. */
@@ -25,15 +25,15 @@ double series_noise(const struct series *series, struct arena *arena);
 
 /* ---- what is found in one ---- */
 
-/* What the series looks like before any model: NaN-free, robust. */
+/* Robust description of a series before any model is fitted. */
 struct overview {
     /* offset (mid of the robust extremes, or mean over whole periods), extremes */
     double mean, low, high;
     double noise;   /* standard deviation of the noise, from differences */
-    double period;  /* [s] first estimate from the spectrum, refined; NAN: does not oscillate */
-    double periods; /* how many of them the series holds */
+    double period;  /* [s] refined estimate from the spectrum, or NAN without an oscillation */
+    double periods; /* number of periods in the series, or NAN */
     bool oscillates;
-    char reason[160]; /* why not */
+    char reason[160]; /* why it does not oscillate */
 };
 
 struct crossing {
@@ -46,8 +46,8 @@ struct period {
     double periods;         /* whole periods between first and last crossing used */
     double first, last;     /* [s] */
     double level;
-    const char *how;   /* what it was read from, for messages */
-    char warning[160]; /* what makes one number for the whole doubtful; "": nothing */
+    const char *how;   /* method of the reading, for messages */
+    char warning[160]; /* reason to doubt one period for the whole series, or "" */
 };
 
 struct spectrum_peak {
@@ -55,11 +55,11 @@ struct spectrum_peak {
     struct measured amplitude; /* as y */
 };
 
-/* Of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all 0: of
- * a simulation. */
+/* Noise of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all
+ * members are 0 for a simulation. */
 struct energy_noise {
-    double floor; /* [J] what the noise adds on average: sigma^2 (k + m gain^2)/2 */
-    /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
+    double floor; /* [J] mean energy that the noise adds: sigma^2 (k + m gain^2)/2 */
+    /* [J^1/2] samples of an energy E scatter by spread sqrt(E): 2 sigma sqrt(k) */
     double spread;
 };
 
@@ -71,7 +71,7 @@ struct samples {
     double t0, dt; /* [s] where uniform: t = t0 + i dt */
     bool uniform;
     double pace;                 /* relative standard uncertainty that all times have in common */
-    unsigned char *use;          /* [n] 1: takes part in fits, 0: rejected */
+    unsigned char *use;          /* [n] 1 for samples that are fitted, 0 for rejected ones */
     bool resampled;              /* made of a very uneven series, which no sensor sends */
     const struct cancel *cancel; /* ends fits; NULL if nobody can */
 };

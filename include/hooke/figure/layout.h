@@ -54,13 +54,13 @@ struct extent {
     size_t hidden;    /* number of values that a logarithmic axis cannot show */
 };
 
-/* Which samples count towards an extent. Zeros: all that are finite. */
+/* Choice of the samples that an extent is taken over. All zeros choose every finite sample. */
 struct extent_window {
-    bool vertical;        /* their y count, else their x */
-    const double *across; /* [2] those that lie there along the other axis; NULL: all */
-    double min;           /* above 0: smaller values do not count */
-    int panel;            /* from 1: of its curves; 0: of all */
-    bool bands, bars;     /* with half the width of the band, or of the error bar */
+    bool vertical;        /* extent of y instead of x */
+    const double *across; /* [2] range on the other axis to which samples belong, or NULL */
+    double min;           /* smallest value that counts, if it is positive */
+    int panel;            /* panel whose curves are taken, from 1, or 0 for all panels */
+    bool bands, bars;     /* whether bands and error bars extend it */
 };
 
 /* Returns what curves hold. An end of `across` that is NAN is open. */
@@ -82,7 +82,7 @@ static inline bool curve_drawn(const struct figure *figure, int curve)
     return !figure->part || figure->curve[curve].panel == figure->panel;
 }
 
-/* Where a curve first leaves through each side of the plot: left, right, bottom, top. */
+/* First exit of a curve through one side of the plot (left, right, bottom, top). */
 struct curve_exit {
     bool left;
     double x, y; /* fractions */
@@ -93,7 +93,7 @@ struct curve_exit {
 bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int curve,
                  struct curve_exit exits[4]);
 
-/* The panels of a figure as figures of their own. Returns how many. */
+/* Makes a figure of each panel of a figure. Returns how many. */
 int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX]);
 /* Returns true if two planes have more room side by side than one below the other. */
 bool planes_across(const struct figure *figure, int width, int height);
