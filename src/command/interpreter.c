@@ -191,7 +191,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     arguments->word = (struct text){statement.at, (size_t)(parser.rest.at - statement.at)};
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
-        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on",
+        error_set(error, ERROR_COMMAND, "%s has to wait: run %d is still in progress",
                   arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }

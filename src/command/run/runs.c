@@ -98,7 +98,7 @@ HANDLER(drop)
         for (int r = 0; r < session->runs.count; r++)
             gone[r] |= which->item[i].index < 0 || which->item[i].index == r;
     if (session->live.state == LIVE_RUNNING && gone[session->runs.current]) {
-        error_at(error, which->where, "run %d goes on: it cannot be dropped now",
+        error_at(error, which->where, "run %d is still in progress and cannot be dropped",
                  session->runs.slot[session->runs.current]->run->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }

@@ -225,7 +225,7 @@ static void refuses_what_would_disturb(void **state)
         at(&w, 2, "pause");
         type_ok(&w.bench, ENDLESS);
         assert_true(w.failed);
-        assert_says(&w.bench.err, "run 1 goes on");
+        assert_says(&w.bench.err, "run 1 is still in progress");
         assert_int_equal(w.bench.session->runs.count, 1);
         bench_close(&w.bench);
     }
