@@ -97,7 +97,9 @@ struct curve {
     bool plain;   /* has no colour in text, because its mark is enough */
     bool arrows;  /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
     bool cloud;   /* points, so many that each is the smallest dot there is */
+    bool joined;  /* of points: a line joins them; in pictures each has a shape, never a letter */
     char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
+    int look;     /* colour and shape are those of the curve at this place, from 1; 0: its own */
     int panel;    /* 0, or 1 where the figure has a second one */
     bool thinned; /* a choice of the samples that looks the same: they are not counted */
     const double *t;      /* [n] [s] of a plane, where it is known; NULL: not */
@@ -107,6 +109,19 @@ struct curve {
        has one. Text figures have no room for them. */
     const double *bar;
     const struct cancel *cancel; /* ends every loop over its samples; NULL if nobody can */
+};
+
+/* A thin grey line between two points, or a grey area whose corners they are: below all curves, in
+ * no range, in no legend. */
+struct figure_guide {
+    double x[2], y[2];
+    bool area;
+};
+
+/* Words that end left of a point. A text figure leaves out those that would cover something. */
+struct figure_label {
+    double x, y;
+    const char *text;
 };
 
 struct figure {
@@ -133,6 +148,10 @@ struct figure {
     const char *caption;
     /* what there is to say about it, where its curves do not say it; NULL if they do */
     const char *words;
+    const struct figure_guide *guide; /* [guides] */
+    int guides;
+    const struct figure_label *label; /* [labels] */
+    int labels;
 };
 
 /* The factor of an axis that numbers shown are divided by; of a unit, so that nothing overflows. */

@@ -105,6 +105,30 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     return ok;
 }
 
+/* Draws what the statement has found into the redirect's file, by the plot of that name. */
+static bool draw_redirected(struct session *session, const struct arguments *arguments,
+                            const struct redirect *redirect, struct reply *reply,
+                            struct error *error)
+{
+    struct buffer statement = {0};
+    redirect_put_plot(redirect, &statement);
+    const char *line = arena_text(arguments->arena, buffer_text(&statement));
+    struct arguments *plot = arena_alloc(arguments->arena, sizeof *plot);
+    buffer_free(&statement);
+    if (!line || !plot)
+        return error_memory(error);
+    struct parser parser = {session, arguments->scope, arguments->arena, text_of(line)};
+    plot->scope = arguments->scope;
+    plot->arena = arguments->arena;
+    plot->where = arguments->where;
+    if (find_command(session, &parser, &plot->command, error) &&
+        parse_arguments(&parser, plot->command, plot, error) &&
+        plot->command->handler(session, plot, reply, error))
+        return true;
+    error->where = redirect->file;
+    return false;
+}
+
 /* Runs a command whose results are kept, and writes them to the file if there is one. */
 static bool run_collected(struct session *session, const struct arguments *arguments, size_t entry,
                           struct redirect *redirect, struct reply *reply, struct error *error)
@@ -125,11 +149,14 @@ static bool run_collected(struct session *session, const struct arguments *argum
     const struct row *of = session_keep_results(session, &said, arguments->command->row.name);
     if (!redirected)
         return ok;
-    if (!ok) {
+    if (!ok || redirect->plot)
         writer_abandon(&redirect->writer);
+    if (!ok)
         return false;
-    }
     buffer_clear(&reply->lines);
+    reply->recorded &= !redirect->plot; /* what the study says is not shown */
+    if (redirect->plot)
+        return draw_redirected(session, arguments, redirect, reply, error);
     return redirect_finish(session, redirect, of, reply, error);
 }
 

@@ -2,6 +2,7 @@
 #include <hooke/base/file.h>
 #include <hooke/base/statement.h>
 #include <hooke/module.h>
+#include <hooke/plot.h>
 #include <hooke/report.h>
 #include "command/redirect.h"
 
@@ -39,14 +40,28 @@ bool refuse_ending(struct text file, struct error *error)
     return false;
 }
 
-static const struct row *format_of(struct text file)
+/* Returns the row that the ending of the file names, or NULL. */
+static const struct row *ending_row(const struct catalog *catalog, struct text file)
 {
     size_t dot = file.len;
     while (dot > 0 && file.at[dot - 1] != '.' && file.at[dot - 1] != '/')
         dot--;
     if (dot < 2 || file.at[dot - 1] != '.')
         return NULL;
-    return catalog_find(&table_format_catalog, (struct text){file.at + dot, file.len - dot});
+    return catalog_find(catalog, (struct text){file.at + dot, file.len - dot});
+}
+
+/* Chooses what goes into the file by its ending. Returns false for an ending that says nothing. */
+static bool choose_content(const struct command *command, struct redirect *redirect)
+{
+    const struct row *format = ending_row(&table_format_catalog, redirect->file);
+    const struct picture_writer *writer = module_pictures();
+    if (format)
+        redirect->format = format_of_kind(format);
+    else if (writer && ending_row(writer->kinds, redirect->file) &&
+             catalog_find(&plot_catalog, text_of(command->row.name)))
+        redirect->plot = command->row.name;
+    return format || redirect->plot;
 }
 
 /* Reads the name of the file and an optional --force behind it; returns false if there is anything
@@ -73,12 +88,10 @@ void redirect_take(const struct command *command, struct text *statement, struct
         redirect->file = (struct text){NULL, 0};
         return;
     }
-    const struct row *format = format_of(redirect->file);
-    if (!format) {
+    if (!choose_content(command, redirect)) {
         redirect->file = (struct text){NULL, 0};
         return;
     }
-    redirect->format = format_of_kind(format);
     statement->len = (size_t)(rest.at - 1 - statement->at);
 }
 
@@ -104,6 +117,13 @@ bool redirect_open(const struct session *session, struct redirect *redirect, str
         return true;
     error->where = redirect->file;
     return false;
+}
+
+void redirect_put_plot(const struct redirect *redirect, struct buffer *statement)
+{
+    const char *quote = memchr(redirect->file.at, '\'', redirect->file.len) ? "\"" : "'";
+    buffer_format(statement, "plot %s > %s%.*s%s%s", redirect->plot, quote, (int)redirect->file.len,
+                  redirect->file.at, quote, redirect->force ? " --force" : "");
 }
 
 bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,

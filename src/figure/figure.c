@@ -48,9 +48,10 @@ char figure_mark(const struct figure *figure, int i)
     return before ? lines[(before - 1) % (sizeof lines - 1)] : 0;
 }
 
-static enum style style_of(int i)
+static enum style style_of(const struct figure *figure, int i)
 {
-    return (enum style)(STYLE_CURVE_1 + i % 4);
+    const int look = figure->curve[i].look;
+    return (enum style)(STYLE_CURVE_1 + (look ? look - 1 : i) % 4);
 }
 
 static void draw_frame(const struct text_sheet *sheet)
@@ -174,7 +175,7 @@ static void draw_legend(const struct text_sheet *sheet, int from)
         if (!has_entry(figure, i))
             continue;
         x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"),
-                        style_of(i));
+                        style_of(figure, i));
         x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
     }
     if (band) {
@@ -267,6 +268,38 @@ static bool alone_in_panel(const struct figure *figure, int curve)
     return true;
 }
 
+/* Returns true if `width` cells of row y are blank from column x on. */
+static bool cells_are_blank(const struct canvas *canvas, int x, int y, int width)
+{
+    for (int i = x; i < x + width; i++)
+        if (i < 0 || i >= canvas->width || y < 0 || y >= canvas->height ||
+            canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)i].codepoint != ' ')
+            return false;
+    return true;
+}
+
+/* Draws labels left of their points, where they cover nothing. */
+static void draw_labels(const struct text_sheet *sheet)
+{
+    enum { GAPS = 6 /* [cell] that a label may end left of its point */ };
+    const struct figure_layout *layout = sheet->layout;
+    int column, row;
+    for (int i = 0; i < sheet->figure->labels; i++) {
+        const struct figure_label *label = &sheet->figure->label[i];
+        const int width = text_width(text_of(label->text));
+        if (!figure_cell(layout, label->x, label->y, &column, &row))
+            continue;
+        int start = column - width - 1;
+        for (int gap = 0; gap < GAPS && start >= 0; gap++, start--)
+            if (cells_are_blank(sheet->canvas, sheet->x + layout->left + start,
+                                sheet->y + layout->top + row, width + 1)) {
+                canvas_text(sheet->canvas, sheet->x + layout->left + start,
+                            sheet->y + layout->top + row, text_of(label->text), STYLE_BOLD);
+                break;
+            }
+    }
+}
+
 static void draw_curves(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
@@ -275,6 +308,8 @@ static void draw_curves(const struct text_sheet *sheet)
                             STYLE_DIM,     0,      sheet->strokes->band};
     int column, row, lines = 0;
 
+    for (int i = 0; i < figure->guides; i++)
+        raster_guide(&raster, &figure->guide[i]);
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i) && figure->curve[i].spread)
             raster_band(&raster, &figure->curve[i]);
@@ -288,6 +323,11 @@ static void draw_curves(const struct text_sheet *sheet)
             raster.style = figure->curve[i].plain ? STYLE_PLAIN : STYLE_DIM;
             raster_arrows(&raster, &figure->curve[i]);
         }
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].joined) {
+            raster.style = style_of(figure, i);
+            raster_line(&raster, &figure->curve[i]);
+        }
     for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
@@ -296,7 +336,7 @@ static void draw_curves(const struct text_sheet *sheet)
                                   alone_in_panel(figure, i)
                               ? 0
                               : figure_mark(figure, i);
-            raster.style = curve->plain ? STYLE_PLAIN : style_of(i);
+            raster.style = curve->plain ? STYLE_PLAIN : style_of(figure, i);
             if (!curve_drawn(figure, i) || curve->arrows ||
                 pass != (curve->points ? 2 : !raster.mark))
                 continue;
@@ -311,10 +351,11 @@ static void draw_curves(const struct text_sheet *sheet)
         }
     }
     for (int i = 0; i < figure->curves; i++) {
-        raster.style = style_of(i);
+        raster.style = style_of(figure, i);
         if (curve_drawn(figure, i) && !figure->curve[i].arrows)
             raster_exits(&raster, figure, i);
     }
+    draw_labels(sheet);
     raster.style = STYLE_BOLD;
     if (figure->has_point && figure_cell(layout, figure->point[0], figure->point[1], &column, &row))
         raster_put(&raster, column, row, sheet->strokes->point);

@@ -29,6 +29,8 @@ struct raster {
 };
 
 void raster_line(const struct raster *raster, const struct curve *curve);
+/* A line of dots, or a filled area. */
+void raster_guide(const struct raster *raster, const struct figure_guide *guide);
 /* Arrows of one cell, by their directions on the paper. */
 void raster_arrows(const struct raster *raster, const struct curve *curve);
 /* Fills the cells of the curve's band; where it is thinner than a dot there is only the line. */

@@ -213,6 +213,23 @@ void raster_band(const struct raster *raster, const struct curve *curve)
     }
 }
 
+void raster_guide(const struct raster *raster, const struct figure_guide *guide)
+{
+    const struct figure_layout *layout = raster->layout;
+    const struct curve line = {.x = guide->x, .y = guide->y, .n = 2};
+    int column[2], row[2];
+    if (!guide->area) {
+        raster_line(raster, &line);
+        return;
+    }
+    for (int i = 0; i < 2; i++)
+        if (!figure_cell(layout, guide->x[i], guide->y[i], &column[i], &row[i]))
+            return;
+    for (int y = row[0] < row[1] ? row[0] : row[1]; y <= (row[0] < row[1] ? row[1] : row[0]); y++)
+        for (int x = column[0]; x <= column[1]; x++)
+            raster_put(raster, x, y, raster->fill);
+}
+
 void raster_points(const struct raster *raster, const struct curve *curve, int apart)
 {
     int seen = 0, last_column = 0, last_row = 0, column, row;

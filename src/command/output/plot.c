@@ -110,6 +110,24 @@ static void report_band(const struct figure *figure, enum plot_kind kind, struct
     reply_end(reply);
 }
 
+/* A label that ends in a unit of the axis, as "time (s)" or "y [cm]", chooses that unit, which is
+ * printed once. Returns the label without it. */
+static struct text take_unit(struct text label, struct axis *axis)
+{
+    const struct unit *present = axis->unit ? unit_find(text_of(axis->unit)) : NULL;
+    size_t open = label.len;
+    while (open > 0 && label.at[open - 1] != '(' && label.at[open - 1] != '[')
+        open--;
+    if (!present || open == 0 || !strchr(")]", label.at[label.len - 1]))
+        return label;
+    const struct unit *unit = unit_find((struct text){label.at + open, label.len - open - 1});
+    if (!unit || unit->quantity != present->quantity)
+        return label;
+    axis->unit = unit->row.name;
+    axis->factor = unit->factor;
+    return text_trim((struct text){label.at, open - 1});
+}
+
 /* Words of the user's in place of those that the figure has. */
 static bool choose_words(const struct arguments *args, struct figure *figure, struct error *error)
 {
@@ -135,17 +153,20 @@ static bool choose_words(const struct arguments *args, struct figure *figure, st
     bool ok = true;
     const struct {
         const struct argument_value *value;
-        const char **to, **also;
-    } words[] = {{title, &figure->title, NULL},
-                 {x, &figure->x.label, &second[0].label},
-                 {y, &figure->y.label, &second[1].label}};
-    for (size_t i = 0; i < COUNT_OF(words); i++) {
-        if (!words[i].value->count)
+        struct axis *axis, *also;
+    } labels[] = {{x, &figure->x, &second[0]}, {y, &figure->y, &second[1]}};
+    for (size_t i = 0; i < COUNT_OF(labels); i++) {
+        struct axis *axis = labels[i].axis, *also = labels[i].also;
+        if (!labels[i].value->count)
             continue;
-        *words[i].to = arena_text(args->arena, words[i].value->item->text);
-        if (words[i].also)
-            *words[i].also = *words[i].to;
-        ok &= *words[i].to != NULL;
+        const struct text typed = labels[i].value->item->text;
+        axis->label = arena_text(args->arena, take_unit(typed, axis));
+        also->label = arena_text(args->arena, take_unit(typed, also));
+        ok &= axis->label && also->label;
+    }
+    if (title->count) {
+        figure->title = arena_text(args->arena, title->item->text);
+        ok &= figure->title != NULL;
     }
     for (int i = 0; i < label->count; i++) {
         curve[i].label = arena_text(args->arena, label->item[i].text);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A precision study for the eye: the log-log figure. */
+/* A precision study for the eye: error against work, both logarithmic. */
+#include <hooke/base/safe_text.h>
 #include <hooke/plot/drawing.h>
 #include "modules/comparison/comparison.h"
 #include "modules/comparison/plots.h"
@@ -9,12 +10,59 @@
 
 #define MIN_ERROR 1.1102230246251565e-16 /* where an error of 0 is drawn: half an ulp of 1 */
 
+enum { LETTERS = 26, LEVEL_STEP = 3 /* [decade] between errors whose fastest method is named */ };
+
 char precision_letter(int curve)
 {
-    return (char)(curve < 26 ? 'a' + curve : curve < 52 ? 'A' + curve - 26 : '?');
+    return (char)(curve < LETTERS       ? 'a' + curve
+                  : curve < 2 * LETTERS ? 'A' + curve - LETTERS
+                                        : '?');
 }
 
-/* Where failed runs stand: above everything else. */
+/* Returns the letter of the settings of a method that failed: its capital, if that names no other.
+ */
+static char failure_letter(const struct precision *precision, int curve)
+{
+    return precision->curves > LETTERS ? '!' : (char)('A' + curve);
+}
+
+/* ---- where the marks are ---- */
+
+static bool is_over_time(const struct precision *precision)
+{
+    for (int i = 0; i < precision->points && !precision->by_evals; i++)
+        if (isfinite(precision->point[i].time.minimum))
+            return true;
+    return false;
+}
+
+/* Returns the shortest time of an evaluation of the method in its timed points [s], or NAN. */
+static double evaluation_seconds(const struct precision *precision, int curve)
+{
+    double least = NAN;
+    for (int i = 0; i < precision->points; i++)
+        if (precision->point[i].curve == curve)
+            least = fmin(least,
+                         precision->point[i].time.minimum / (double)precision->point[i].cost.evals);
+    return least;
+}
+
+/* Returns what the point took [s or evaluations]; of a solve that was given up what all of it would
+ * have taken. NAN if nobody knows. */
+static double work_of(const struct precision *precision, const struct precision_point *point,
+                      bool timed)
+{
+    const double evals = (double)point->cost.evals / point->part;
+    double work = evals;
+    if (timed && precision_meaningful(point))
+        work = point->time.minimum;
+    else if (timed)
+        work = point->seconds > 0 ? point->seconds / point->part
+                                  : evals * evaluation_seconds(precision, point->curve);
+    return work > 0 && isfinite(work) ? work : NAN;
+}
+
+/* The height at which failed settings are drawn: above everything else. */
 static double top_of(const struct precision *precision)
 {
     double top = 0;
@@ -24,55 +72,265 @@ static double top_of(const struct precision *precision)
     return top > 0 ? pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0)) : 1;
 }
 
+/* What a diagram is built of. */
+struct diagram {
+    const struct precision *precision;
+    struct arena *arena;
+    bool timed;
+    double top;
+    double work[2], error[2]; /* the least and the largest that is drawn */
+    struct curve *curve;      /* [2 * curves] of each method, then of its failures */
+    struct figure_guide *guide;
+    struct figure_label *label;
+    int guides, labels;
+};
+
+static void widen(double range[2], double value)
+{
+    range[0] = fmin(range[0], value);
+    range[1] = fmax(range[1], value);
+}
+
+/* Makes the two curves of a method. */
+static bool add_method(struct diagram *d, int c)
+{
+    const struct precision *precision = d->precision;
+    const struct precision_curve *from = &precision->curve[c];
+    const size_t n = (size_t)from->count + 1;
+    double *x = arena_array(d->arena, 4 * n, sizeof *x), *y = x + n, *failed_x = x + 2 * n,
+           *failed_y = x + 3 * n;
+    if (!x)
+        return false;
+    struct curve *curve = &d->curve[c], *failed = &d->curve[precision->curves + c];
+    *curve =
+        (struct curve){.x = x, .y = y, .points = true, .joined = true, .mark = precision_letter(c)};
+    *failed = (struct curve){.x = failed_x,
+                             .y = failed_y,
+                             .points = true,
+                             .mark = failure_letter(precision, c),
+                             .look = c + 1};
+    for (int i = from->first; i < from->first + from->count; i++) {
+        const struct precision_point *point = &precision->point[i];
+        const double work = work_of(precision, point, d->timed);
+        if (isnan(work))
+            continue;
+        widen(d->work, work);
+        if (precision_meaningful(point)) {
+            x[curve->n] = work;
+            y[curve->n] = fmax(point->errors.max, MIN_ERROR);
+            widen(d->error, y[curve->n++]);
+        } else {
+            failed_x[failed->n] = work;
+            failed_y[failed->n++] = d->top;
+        }
+    }
+    return true;
+}
+
+/* ---- guides and labels ---- */
+
+/* Adds the line that the order of a method predicts, through the middle of its fitted points. */
+static void add_slope(struct diagram *d, int c)
+{
+    const struct precision_curve *from = &d->precision->curve[c];
+    const double order = from->by.method->order, beyond = 1.6;
+    double x = 0, y = 0, range[2] = {HUGE_VAL, 0};
+    int n = 0;
+    for (int i = from->first; i < from->first + from->count; i++) {
+        const struct precision_point *point = &d->precision->point[i];
+        const double work = work_of(d->precision, point, d->timed);
+        if (!point->asymptotic || isnan(work))
+            continue;
+        x += log(work);
+        y += log(point->errors.max);
+        widen(range, work);
+        n++;
+    }
+    if (n == 0 || !(order > 0) || isnan(from->expected))
+        return;
+    struct figure_guide *guide = &d->guide[d->guides++];
+    for (int end = 0; end < 2; end++) {
+        guide->x[end] = end ? range[1] * beyond : range[0] / beyond;
+        guide->y[end] = exp(y / n - order * (log(guide->x[end]) - x / n));
+    }
+}
+
+/* Names the fastest method for an error, with those that tie, and joins their times by a line. */
+static bool add_fastest(struct diagram *d, double error, bool named)
+{
+    const struct precision *precision = d->precision;
+    const int shown_max = named ? 2 : 3; /* the table below has the others */
+    struct precision_cost *cost =
+        arena_array(d->arena, (size_t)precision->curves + 1, sizeof *cost);
+    struct buffer text = {0};
+    if (!cost)
+        return false;
+    const int ranked = precision_fastest(precision, error, cost, NULL);
+    int tied = 1;
+    while (d->timed && tied < ranked && cost[tied].tied)
+        tied++;
+    const double first = d->timed ? cost[0].minimum : cost[0].evals;
+    if (ranked == 0 || !(first > 0) || (!d->timed && precision->by_evals && isnan(first)))
+        return true;
+    for (int i = 0; i < tied && i < shown_max; i++) {
+        const char letter[2] = {precision_letter(cost[i].curve), '\0'};
+        buffer_format(&text, "%s%s", i ? named ? " = " : "=" : "",
+                      named ? precision->curve[cost[i].curve].by.method->row.name : letter);
+    }
+    if (tied > shown_max && named)
+        buffer_format(&text, " = %d more", tied - shown_max);
+    else if (tied > shown_max)
+        buffer_char(&text, '+');
+    d->label[d->labels++] =
+        (struct figure_label){first, error, arena_text(d->arena, buffer_text(&text))};
+    buffer_free(&text);
+    if (tied > 1)
+        d->guide[d->guides++] =
+            (struct figure_guide){{first, cost[tied - 1].minimum}, {error, error}, false};
+    return d->label[d->labels - 1].text != NULL;
+}
+
+static bool add_labels(struct diagram *d, bool named)
+{
+    const int levels = 16 / LEVEL_STEP + 1;
+    d->guide = arena_array(d->arena, (size_t)(d->precision->curves + levels + 1), sizeof *d->guide);
+    d->label = arena_array(d->arena, (size_t)levels, sizeof *d->label);
+    bool ok = d->guide && d->label;
+    for (int level = LEVEL_STEP; level < 16 && ok; level += LEVEL_STEP)
+        ok = add_fastest(d, pow(10, -level), named);
+    return ok;
+}
+
+/* Moves the left end so far that every label has room: in a picture of the usual size, or on 80
+ * columns. */
+static void make_room(struct diagram *d, bool named)
+{
+    const double letter = named ? 0.0105 : 1.0 / 66, beside = named ? 2.5 : 2, part_max = 0.6;
+    const double to = log10(d->work[1]);
+    double from = log10(d->work[0]);
+    for (int i = 0; i < d->labels; i++) {
+        const double part =
+            fmin(letter * (text_width(text_of(d->label[i].text)) + beside), part_max);
+        from = fmin(from, (log10(d->label[i].x) - part * to) / (1 - part));
+    }
+    d->work[0] = pow(10, from);
+}
+
+/* Shades what the reference does not resolve, and draws the slopes of the orders. */
+static void add_guides(struct diagram *d, bool named)
+{
+    const struct precision *precision = d->precision;
+    enum { SLOPES_MAX = 4 /* methods whose slopes a text figure has room for */ };
+    if (precision->reference.accuracy > d->error[0])
+        d->guide[d->guides++] = (struct figure_guide){
+            {d->work[0], d->work[1]}, {d->error[0], precision->reference.accuracy}, true};
+    for (int c = 0; c < precision->curves && (named || precision->curves <= SLOPES_MAX); c++)
+        add_slope(d, c);
+}
+
+/* Says what the shade and the marks at the top mean, in the words of the tables. */
+static const char *note_of(const struct diagram *d, bool named)
+{
+    const struct precision *precision = d->precision;
+    const char *where = named ? "at the top: " : "capitals: ", *seen[8];
+    struct buffer text = {0};
+    int count = 0;
+    for (int i = 0; i < precision->points; i++) {
+        const char *why = precision_failure(precision, &precision->point[i]);
+        int k = 0;
+        while (k < count && strcmp(seen[k], why) != 0)
+            k++;
+        if (*why && k == count && count < (int)COUNT_OF(seen))
+            seen[count++] = why;
+    }
+    for (int i = 0; i < count; i++)
+        buffer_format(&text, "%s%s", i ? ", " : where, seen[i]);
+    if (precision->reference.accuracy > d->error[0])
+        buffer_format(&text, "%sshaded: %s", text.len ? "; " : "",
+                      precision->reference.exact ? "rounding" : "below the reference");
+    if (named)
+        buffer_format(&text, "%sthin: slopes of the orders", text.len ? "; " : "");
+    const char *note = arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return note;
+}
+
+/* Says what the diagram shows: the fastest method for each error that is named in it. */
+static const char *words_of(const struct diagram *d)
+{
+    const struct precision *precision = d->precision;
+    struct buffer text = {0};
+    buffer_format(&text,
+                  "error from %.2g to %.2g against %s from %.2g to %.2g%s, both logarithmic,",
+                  d->error[0], d->top, d->timed ? "the time of a solve" : "evaluations", d->work[0],
+                  d->work[1], d->timed ? " s" : "");
+    for (int c = 0; c < precision->curves; c++)
+        buffer_format(&text, "%s %s", c ? "," : " of", precision->curve[c].by.method->row.name);
+    buffer_char(&text, '.');
+    for (int i = 0; i < d->labels; i++)
+        buffer_format(&text, " For an error of %.0e %s: %s, %.3g%s.", d->label[i].y,
+                      d->timed ? "fastest" : "fewest evaluations", d->label[i].text, d->label[i].x,
+                      d->timed ? " s" : "");
+    const char *words = arena_text(d->arena, buffer_text(&text));
+    buffer_free(&text);
+    return words;
+}
+
+/* ---- the figure ---- */
+
+/* named: labels have names instead of letters, for pictures. */
+static bool make_diagram(const struct precision *precision, bool named, struct arena *arena,
+                         struct figure *figure, struct error *error)
+{
+    const size_t curves = 2 * (size_t)precision->curves;
+    struct diagram d = {.precision = precision,
+                        .arena = arena,
+                        .timed = is_over_time(precision),
+                        .top = top_of(precision),
+                        .work = {HUGE_VAL, 0},
+                        .error = {HUGE_VAL, 0},
+                        .curve = arena_array(arena, curves + 1, sizeof *d.curve)};
+    bool ok = d.curve != NULL;
+    for (int c = 0; c < precision->curves && ok; c++)
+        ok = add_method(&d, c);
+    if (d.work[1] == 0)
+        d.work[0] = d.work[1] = 1;
+    if (d.error[1] == 0)
+        d.error[0] = d.error[1] = d.top / 10;
+    const double air = fmax(log10(d.work[1] / d.work[0]), 1);
+    d.work[0] /= pow(10, 0.03 * air);
+    d.work[1] *= pow(10, 0.03 * air);
+    d.error[0] = pow(10, floor(log10(d.error[0] * 1.001)));
+    if (!ok || !add_labels(&d, named))
+        return error_memory(error);
+    make_room(&d, named);
+    add_guides(&d, named);
+    *figure = (struct figure){
+        .title = "precision",
+        .curve = d.curve,
+        .curves = (int)curves,
+        .x = {.label = d.timed ? "time of a solve" : "evaluations",
+              .unit = d.timed ? "s" : "",
+              .log = true,
+              .fixed = true,
+              .from = d.work[0],
+              .to = d.work[1]},
+        .y = {.label = "error", .log = true, .fixed = true, .from = d.error[0], .to = 1.8 * d.top},
+        .plane = true,
+        .note = note_of(&d, named),
+        .words = words_of(&d),
+        .caption = precision->reference.exact ? "against the closed form" : "against two methods",
+        .guide = d.guide,
+        .guides = d.guides,
+        .label = d.label,
+        .labels = d.labels};
+    return true;
+}
+
 bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
                       struct error *error)
 {
-    const size_t n = (size_t)precision->points, curves = (size_t)precision->curves + 1;
-    struct curve *curve = arena_array(arena, curves, sizeof *curve);
-    double *x = arena_array(arena, 2 * n + 1, sizeof *x),
-           *y = arena_array(arena, 2 * n + 1, sizeof *y);
-    if (!curve || !x || !y)
-        return error_memory(error);
-    const double top = top_of(precision);
-    bool timed = false;
-    for (size_t i = 0; i < n; i++)
-        timed |= isfinite(precision->point[i].time.minimum);
-    struct curve *failed = &curve[0];
-    *failed =
-        (struct curve){.x = x + n, .y = y + n, .points = true, .mark = 'X', .label = "failed"};
-    for (int c = 0; c < precision->curves; c++) {
-        const struct precision_curve *from = &precision->curve[c];
-        struct curve *to = &curve[c + 1];
-        *to = (struct curve){.x = x + from->first,
-                             .y = y + from->first,
-                             .n = (size_t)from->count,
-                             .points = true,
-                             .mark = precision_letter(c)};
-        for (int i = from->first; i < from->first + from->count; i++) {
-            const struct precision_point *point = &precision->point[i];
-            const bool good = precision_meaningful(point);
-            const double cost =
-                timed ? good ? point->time.minimum : point->seconds : (double)point->cost.evals;
-            x[i] = good && cost > 0 ? cost : NAN;
-            y[i] = fmax(point->errors.max, MIN_ERROR);
-            if (!good && cost > 0) {
-                x[n + failed->n] = cost;
-                y[n + failed->n++] = top;
-            }
-        }
-    }
-    if (failed->n == 0)
-        failed->label = NULL;
-    *figure = (struct figure){.title = "precision",
-                              .curve = curve,
-                              .curves = (int)curves,
-                              .x = {.label = timed ? "time of a solve" : "evaluations",
-                                    .unit = timed ? "s" : "",
-                                    .log = true},
-                              .y = {.label = "error", .log = true},
-                              .note = precision->reference.exact ? "against the closed form"
-                                                                 : "against two methods"};
-    return true;
+    return make_diagram(precision, false, arena, figure, error);
 }
 
 bool precision_known(const struct session *session)
@@ -99,14 +357,23 @@ bool precision_name_curves(const struct session *session, struct arena *arena,
                            struct figure *figure, struct error *error)
 {
     const struct precision *precision = session_precision(session);
+    struct figure named;
     struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
-    if (!curve)
+    if (!curve || !make_diagram(precision, true, arena, &named, error))
         return error_memory(error);
     memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
-    for (int i = 0; i < precision->curves; i++)
-        for (int c = 0; c < figure->curves; c++)
-            if (curve[c].points && curve[c].mark == precision_letter(i))
-                curve[c].label = precision->curve[i].by.method->row.name;
+    for (int i = 0; i < precision->curves; i++) {
+        if (!curve[i].label)
+            curve[i].label = precision->curve[i].by.method->row.name;
+        curve[precision->curves + i].mark = '*'; /* a picture has the method's mark, no letter */
+    }
     figure->curve = curve;
+    figure->x.from = named.x.from;
+    figure->note = named.note;
+    figure->words = named.words;
+    figure->guide = named.guide;
+    figure->guides = named.guides;
+    figure->label = named.label;
+    figure->labels = named.labels;
     return true;
 }

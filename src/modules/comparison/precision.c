@@ -2,6 +2,7 @@
 /* precision */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
+#include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include <hooke/report.h>
 #include "modules/comparison/comparison.h"
@@ -49,7 +50,7 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         {false, "*  in the fit of the slope\n"},
         {false, "<  below the accuracy of the reference: no better than the others there\n"},
         {false, "~  the shortest times differ by more than 10 %: not ranked\n"},
-        {false, "!  fewer samples than of the others, at least 3\n"},
+        {false, "!  fewer samples than of the others\n"},
         {false, resolved ? "lost: the error is as large as the motion\n"
                          : "apart: as far from the reference as the motion is large; which is "
                            "right is not resolved\n"},
@@ -73,34 +74,97 @@ static void put_marks(struct buffer *text, const struct precision *precision, bo
         timing_put_machine(others, text);
 }
 
-/* With its legend. */
 static void put_figure(const struct session *session, const struct precision *precision, int width,
                        int height, struct arena *arena, struct buffer *text)
 {
     struct figure figure;
     struct error ignored;
-    if (precision_figure(precision, arena, &figure, &ignored) &&
-        figure_print(&figure, width, height, session_charset(session), false, text))
-        precision_legend(precision, width, text);
+    if (precision_figure(precision, arena, &figure, &ignored))
+        figure_print(&figure, width, height, session_charset(session), false, text);
 }
 
-/* The diagram, as high as the rest of the answer leaves room for. */
-static void put_short(const struct session *session, const struct precision *precision, int width,
-                      struct arena *arena, struct buffer *text)
+/* What was studied, how long it took, and what errors are measured against. */
+static void put_subject(const struct session *session, const struct precision *precision,
+                        double seconds, struct buffer *text)
 {
-    enum { FIGURE_ROWS_MIN = 10 };
-    struct buffer rest = {0};
-    precision_legend(precision, width, &rest);
-    const size_t legend = rest.len;
+    buffer_format(text, "%d method%s, %d setting%s, %s of the scene", precision->curves,
+                  plural_s(precision->curves), precision->points, plural_s(precision->points),
+                  SHOWN_QUANTITY(precision->duration, QUANTITY_TIME, 4));
+    if (session->setup.settings.timing != TIMING_OFF)
+        buffer_format(text, ", in %.2g s", seconds);
+    buffer_put(text, TEXT("; errors against "));
+    reference_describe(&precision->reference, text);
+    buffer_put(text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
+}
+
+/* Returns true if some setting of the method is right. */
+static bool has_result(const struct precision *precision, const struct precision_curve *curve)
+{
+    for (int i = curve->first; i < curve->first + curve->count; i++)
+        if (precision_meaningful(&precision->point[i]))
+            return true;
+    return false;
+}
+
+/* Names methods of which no setting is right, why, and what a solve would take. */
+static void put_without_result(const struct precision *precision, struct buffer *text)
+{
+    const size_t begin = text->len;
+    for (int c = 0; c < precision->curves; c++) {
+        const struct precision_curve *curve = &precision->curve[c];
+        const struct precision_point *last = &precision->point[curve->first + curve->count - 1];
+        if (curve->count == 0 || has_result(precision, curve))
+            continue;
+        buffer_format(text, "%s%s %s",
+                      text->len > begin ? ", " : "without a result: ", curve->by.method->row.name,
+                      precision_failure(precision, last));
+        if (last->part < 1 && last->part > 0 && last->seconds > 0)
+            buffer_format(text, " (about %s a solve)",
+                          SHOWN_QUANTITY(last->seconds / last->part, QUANTITY_TIME, 2));
+    }
+    if (text->len > begin)
+        buffer_char(text, '\n');
+}
+
+static void put_folded(struct buffer *paragraph, int width, struct buffer *text)
+{
+    struct buffer folded = {0};
+    buffer_folded(&folded, buffer_text(paragraph), width);
+    buffer_put(text, buffer_text(&folded));
+    buffer_free(&folded);
+    buffer_clear(paragraph);
+}
+
+/* Puts the diagram, as high as the rest of the answer leaves room for, then the winners. Where
+ * there is little room the letters are explained by the winners alone. */
+static void put_short(const struct session *session, const struct precision *precision, int width,
+                      double seconds, struct arena *arena, struct buffer *text)
+{
+    enum { FIGURE_ROWS_MIN = 8 };
+    struct buffer rest = {0}, legend = {0}, paragraph = {0};
     precision_winners(precision, 3, false, width, arena, &rest);
-    buffer_put(&rest, TEXT("'precision table [METHOD]': slopes, the values of one; --full: all\n"));
+    const int winners = text_rows(buffer_text(&rest), width);
+    precision_legend(precision, width, &legend);
+    if (text_rows(buffer_text(&legend), width) + winners + FIGURE_ROWS_MIN + 1 >
+        answer_rows(session))
+        buffer_clear(&legend);
+    put_without_result(precision, &paragraph);
+    put_folded(&paragraph, width, &rest);
+    put_subject(session, precision, seconds, &paragraph);
+    put_folded(&paragraph, width, &rest);
+    buffer_put(&rest, width < 60
+                          ? TEXT("letters, values: 'precision table'\n")
+                          : TEXT("'precision table [METHOD]': slopes, values; --full: all\n"));
     const int room = answer_rows(session) - text_rows(buffer_text(&rest), width) -
-                     text_rows(buffer_text(text), width);
+                     text_rows(buffer_text(&legend), width);
     put_figure(session, precision, width, room > FIGURE_ROWS_MIN ? room : FIGURE_ROWS_MIN, arena,
                text);
-    buffer_put(text, (struct text){rest.data + legend, rest.len - legend});
+    buffer_put(text, buffer_text(&legend));
+    buffer_put(text, buffer_text(&rest));
     text->failed |= rest.failed;
     buffer_free(&rest);
+    buffer_free(&legend);
+    buffer_free(&paragraph);
 }
 
 static void reply_study(const struct session *session, const struct arguments *args,
@@ -112,24 +176,18 @@ static void reply_study(const struct session *session, const struct arguments *a
     struct buffer *text = reply_buffer(reply);
     int width, height;
     session_size(session, &width, &height);
-    buffer_format(text, "%d method%s, %d setting%s, %s of the scene", precision->curves,
-                  precision->curves == 1 ? "" : "s", precision->points,
-                  precision->points == 1 ? "" : "s",
-                  SHOWN_QUANTITY(precision->duration, QUANTITY_TIME, 4));
-    if (session->setup.settings.timing != TIMING_OFF)
-        buffer_format(text, ", computed in %.2g s", seconds);
-    buffer_put(text, TEXT("; errors against "));
-    reference_describe(&precision->reference, text);
-    buffer_put(text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
-    if (asks_full(args)) {
-        buffer_put(text, buffer_text(absent));
-        precision_tables(precision, NULL, width, args->arena, text);
-        put_marks(text, precision, false);
-        put_figure(session, precision, width, height, args->arena, text);
-        precision_winners(precision, 1, true, width, args->arena, text);
-    } else {
-        put_short(session, precision, width, args->arena, text);
+    if (!asks_full(args)) {
+        put_short(session, precision, width, seconds, args->arena, text);
+        return;
     }
+    put_figure(session, precision, width, height, args->arena, text);
+    precision_legend(precision, width, text);
+    precision_winners(precision, 1, true, width, args->arena, text);
+    put_without_result(precision, text);
+    put_subject(session, precision, seconds, text);
+    buffer_put(text, buffer_text(absent));
+    precision_tables(precision, NULL, width, args->arena, text);
+    put_marks(text, precision, false);
 }
 
 /* The session takes it over; without memory the one before stays. */
@@ -222,6 +280,7 @@ HANDLER(precision)
     reply_assumed(session, false, true, reply);
     reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
+    precision.by_evals = has_argument(args, "evaluations");
     if (precision.curves > 0) {
         reply_study(session, args, &precision, &absent, clock_seconds(begin), reply);
         reply_precision(session, &precision, args->arena, reply);
@@ -234,7 +293,7 @@ HANDLER(precision)
 #endif
 
 COMMAND(precision, .group = "STUDY", .flags = COMMAND_TABLES,
-        ARGUMENTS(WORD("table", TYPE_NONE),
+        ARGUMENTS(WORD("table", TYPE_NONE), WORD("evaluations", TYPE_NONE),
                   PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),

@@ -176,10 +176,11 @@ static void best_cell(struct text_table *table, const void *of)
     struct buffer text = {0};
     int shown = 0, used = 0;
     for (; shown < row->tied; shown++) {
-        used += text_width(text_of(precision_name_of(row, shown))) + 3;
+        used += text_width(text_of(precision_name_of(row, shown))) + 5;
         if (shown > 0 && used > row->width)
             break;
-        buffer_format(&text, "%s%s", shown ? " = " : "", precision_name_of(row, shown));
+        buffer_format(&text, "%s%c %s", shown ? " = " : "",
+                      precision_letter(row->cost[shown].curve), precision_name_of(row, shown));
     }
     if (shown < row->tied)
         buffer_format(&text, " = %d more", row->tied - shown);
@@ -267,7 +268,7 @@ static void put_left_out(const struct precision *precision, const struct fastest
         bool is_left_out = false;
         for (size_t i = 0; i < count; i++)
             for (int k = row[i].ranked; k < row[i].ranked + row[i].others; k++)
-                is_left_out |= row[i].cost[k].curve == c;
+                is_left_out |= row[i].cost[k].curve == c && row[i].cost[k].path == KERNEL_GENERAL;
         if (is_left_out)
             buffer_format(&names, "%s%s", names.len ? ", " : "",
                           precision->curve[c].by.method->row.name);

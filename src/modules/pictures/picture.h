@@ -83,6 +83,10 @@ double page_fit(const struct page *page, struct buffer *text, const char *end, d
                 double room);
 
 void page_curves(struct page *page);
+/* Draws areas and thin lines, which lie below all curves. */
+void page_guides(const struct page *page);
+/* Draws words on paper, so that they can be read above curves. */
+void page_labels(struct page *page);
 /* What stands for a curve in the legend, its middle at height y. Returns its width; only that
  * unless `draw`. */
 double page_sample(struct page *page, int curve, double x, double y, bool draw);

@@ -6,20 +6,31 @@
 #define SHAPED_POINTS_MAX 150 /* Largest number of points that still get a shape. */
 #define LINE_MARKS 9          /* Number of marks along a line. */
 
-/* Corners on the unit circle; the circle itself has none. */
+/* Corners on the unit circle, which has none itself; of a cross the ends of its strokes. */
 static const struct {
     int corners;
+    bool cross;
     double corner[4][2];
-} shapes[] = {{0, {{0}}},
-              {4, {{-0.85, -0.85}, {0.85, -0.85}, {0.85, 0.85}, {-0.85, 0.85}}},
-              {3, {{0, -1.15}, {1.1, 0.8}, {-1.1, 0.8}}},
-              {4, {{0, -1.25}, {1.25, 0}, {0, 1.25}, {-1.25, 0}}},
-              {3, {{0, 1.15}, {1.1, -0.8}, {-1.1, -0.8}}}};
+} shapes[] = {{0, false, {{0}}},
+              {4, false, {{-0.85, -0.85}, {0.85, -0.85}, {0.85, 0.85}, {-0.85, 0.85}}},
+              {3, false, {{0, -1.15}, {1.1, 0.8}, {-1.1, 0.8}}},
+              {4, false, {{0, -1.25}, {1.25, 0}, {0, 1.25}, {-1.25, 0}}},
+              {3, false, {{0, 1.15}, {1.1, -0.8}, {-1.1, -0.8}}},
+              {4, true, {{-1, -1}, {1, 1}, {-1, 1}, {1, -1}}},
+              {4, true, {{-1.3, 0}, {1.3, 0}, {0, -1.3}, {0, 1.3}}}};
 
-/* Place of a curve among those of its kind. */
+/*
+ * Twelve marks: five shapes, full on lines and empty without, then the same the other way round,
+ * then two crosses. With the colours and dashes, whose numbers have no common divisor, no two of
+ * the first 42 curves look the same, and twelve differ by their marks alone.
+ */
+enum { SOLID_SHAPES = 5, MARKS = 12 };
+
+/* Place of a curve, or of the one that it looks like, among those of its kind. */
 static size_t kind_of(const struct figure *figure, int curve)
 {
     size_t before = 0;
+    curve = figure->curve[curve].look ? figure->curve[curve].look - 1 : curve;
     for (int i = 0; i < curve; i++)
         before += figure->curve[i].points == figure->curve[curve].points;
     return before;
@@ -33,15 +44,22 @@ static int line_count(const struct figure *figure)
     return lines;
 }
 
-static const double *color_of(int curve)
+/* Place of the curve whose colour and shape it has. */
+static int look_of(const struct page *page, int curve)
 {
-    return style_palette[(size_t)curve % style_palette_count];
+    const int look = page->figure->curve[curve].look;
+    return look ? look - 1 : curve;
+}
+
+static const double *color_of(const struct page *page, int curve)
+{
+    return style_palette[(size_t)look_of(page, curve) % style_palette_count];
 }
 
 static struct brush line_ink(const struct page *page, int curve, double width)
 {
     const size_t dashes = kind_of(page->figure, curve) % style_dashes_count;
-    return (struct brush){.color = color_of(curve),
+    return (struct brush){.color = color_of(page, curve),
                           .width = width,
                           .dashes = &style_dashes[dashes],
                           .dash = page->style.dash};
@@ -52,32 +70,50 @@ static struct brush line_ink(const struct page *page, int curve, double width)
 static bool has_letter(const struct curve *curve)
 {
     char c = curve->mark;
-    return curve->points &&
+    return curve->points && !curve->joined &&
            ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '?');
 }
 
-static void add_shape(const struct page *page, size_t shape, double x, double y)
+/* Returns true if a line passes through the marks of the curve. */
+static bool on_line(const struct curve *curve)
 {
+    return !curve->points || curve->joined;
+}
+
+static void add_mark(const struct page *page, int curve, double x, double y)
+{
+    const size_t mark = kind_of(page->figure, curve) % MARKS,
+                 shape = mark < 2 * SOLID_SHAPES ? mark % SOLID_SHAPES : mark - SOLID_SHAPES;
     const double radius = page->style.mark;
-    int corners = shapes[shape % COUNT_OF(shapes)].corners;
-    const double(*corner)[2] = shapes[shape % COUNT_OF(shapes)].corner;
+    const int corners = shapes[shape].corners;
 
     if (!corners)
         surface_circle(page->surface, x, y, radius);
-    for (int i = 0; i < corners; i++)
-        (i ? surface_line : surface_move)(page->surface, x + radius * corner[i][0],
-                                          y + radius * corner[i][1]);
-    if (corners)
+    for (int i = 0; i < corners; i++) {
+        const bool begins = i == 0 || (shapes[shape].cross && i == 2);
+        (begins ? surface_move : surface_line)(page->surface,
+                                               x + radius * shapes[shape].corner[i][0],
+                                               y + radius * shapes[shape].corner[i][1]);
+    }
+    if (corners && !shapes[shape].cross)
         surface_close(page->surface);
 }
 
-/* Paints the marks that were added: those of a line are full. */
+/* Returns true if the marks of the curve are filled. */
+static bool has_full_marks(const struct page *page, int curve)
+{
+    const size_t mark = kind_of(page->figure, curve) % MARKS;
+    const bool inverted = mark >= SOLID_SHAPES;
+    return mark < 2 * SOLID_SHAPES && on_line(&page->figure->curve[curve]) != inverted;
+}
+
+/* Paints the marks that were added. */
 static void paint_points(const struct page *page, int index, bool dense)
 {
-    const double width = dense ? page_dot(page) : page->style.mark_line;
-    surface_paint(page->surface, &(struct brush){.color = color_of(index),
-                                                 .width = width,
-                                                 .fill = !page->figure->curve[index].points});
+    surface_paint(page->surface,
+                  &(struct brush){.color = color_of(page, index),
+                                  .width = dense ? page_dot(page) : page->style.mark_line,
+                                  .fill = !dense && has_full_marks(page, index)});
 }
 
 /* ---- paths ---- */
@@ -143,6 +179,23 @@ static int places_inside(const struct page *page, int index, struct mark_place *
     return n;
 }
 
+/* Draws marks; with paper below those that are empty, or that reaches halo [pt] beyond them. */
+static void put_marks(const struct page *page, int curve, const struct mark_place *place, int marks,
+                      double halo)
+{
+    const bool covers =
+        halo > 0 || (on_line(&page->figure->curve[curve]) && !has_full_marks(page, curve));
+    for (int paper = covers; paper >= 0; paper--) {
+        for (int i = 0; i < marks; i++)
+            add_mark(page, curve, place[i].x, place[i].y);
+        if (paper)
+            surface_paint(page->surface,
+                          &(struct brush){.color = style_white, .width = halo, .fill = true});
+        else
+            paint_points(page, curve, false);
+    }
+}
+
 static void draw_line(struct page *page, int curve, bool marked)
 {
     const struct path *path = &page->path[curve];
@@ -152,9 +205,8 @@ static void draw_line(struct page *page, int curve, bool marked)
     const bool many = path->length > 40 * (page->right - page->left);
     const double width = fmax(many ? style->thin_line : style->curve_line, path->width);
     const struct brush line = path->width > 0
-                                  ? (struct brush){.color = color_of(curve), .width = width}
-                                  : line_ink(page, curve, width),
-                       halo = {.color = style_white, .width = 3 * style->mark_line, .fill = true};
+                                  ? (struct brush){.color = color_of(page, curve), .width = width}
+                                  : line_ink(page, curve, width);
     const bool arrows = page->figure->curve[curve].arrows;
     const struct brush thin = {.color = style_gray, .width = style->thin_line};
     const int marks =
@@ -166,14 +218,7 @@ static void draw_line(struct page *page, int curve, bool marked)
     add_path(page, path);
     surface_paint(page->surface, arrows ? &thin : &line);
     surface_unclip(page->surface);
-    for (int around = path->width > 0; around >= 0; around--) {
-        for (int i = 0; i < marks; i++)
-            add_shape(page, kind_of(page->figure, curve), place[i].x, place[i].y);
-        if (around)
-            surface_paint(page->surface, &halo);
-        else
-            paint_points(page, curve, false);
-    }
+    put_marks(page, curve, place, marks, path->width > 0 ? 3 * style->mark_line : 0);
 }
 
 /* ---- bands ---- */
@@ -182,8 +227,9 @@ static void draw_line(struct page *page, int curve, bool marked)
 
 static void paint_band(const struct page *page, int curve)
 {
-    surface_paint(page->surface,
-                  &(struct brush){.color = color_of(curve), .opacity = STYLE_BAND, .fill = true});
+    surface_paint(
+        page->surface,
+        &(struct brush){.color = color_of(page, curve), .opacity = STYLE_BAND, .fill = true});
 }
 
 /* One edge of the band, forwards (side 1, the upper one) or backwards. */
@@ -248,12 +294,13 @@ static bool is_dense(const struct page *page, const struct curve *curve)
     for (size_t i = 0; curve_goes_on(curve, i) && inside <= SHAPED_POINTS_MAX && !has_letter(curve);
          i++)
         inside += point_position(page, curve, i, &x, &y);
-    return inside > SHAPED_POINTS_MAX;
+    return inside > SHAPED_POINTS_MAX && !curve->joined;
 }
 
 static void put_letter(const struct page *page, int curve, double x, double y)
 {
-    page_text(page, x, y, 0.5, color_of(curve), (char[]){page->figure->curve[curve].mark, '\0'});
+    page_text(page, x, y, 0.5, color_of(page, curve),
+              (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
 /* Bars, with caps where there are few, and paper in the marks that will stand on them. */
@@ -262,7 +309,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     const struct curve *curve = &page->figure->curve[index];
     const struct picture_style *style = &page->style;
     const struct path *path = &page->path[page->figure->curves + index];
-    const struct brush line = {.color = color_of(index),
+    const struct brush line = {.color = color_of(page, index),
                                .width =
                                    fmax(dense ? style->thin_line : style->mark_line, path->width)},
                        paper = {.color = style_white, .fill = true};
@@ -283,7 +330,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     surface_unclip(page->surface);
     for (size_t i = 0; !dense && !has_letter(curve) && curve_goes_on(curve, i); i++)
         if (point_position(page, curve, i, &x, &y))
-            add_shape(page, kind_of(page->figure, index), x, y);
+            add_mark(page, index, x, y);
     surface_paint(page->surface, &paper);
 }
 
@@ -307,8 +354,10 @@ static void draw_points(struct page *page, int index, bool dense)
             continue;
         if (has_letter(curve))
             put_letter(page, index, x, y);
+        else if (curve->joined)
+            put_marks(page, index, &(struct mark_place){x, y}, 1, 0);
         else
-            add_shape(page, kind_of(page->figure, index), x, y);
+            add_mark(page, index, x, y);
     }
     paint_points(page, index, dense);
 }
@@ -317,7 +366,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const struct picture_style *style = &page->style;
     const struct curve *curve = &page->figure->curve[index];
-    const double width = !curve->points      ? style->sample
+    const double width = on_line(curve)      ? style->sample
                          : has_letter(curve) ? 0.7 * style->font
                                              : style->mark_sample,
                  middle = x + width / 2;
@@ -329,7 +378,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
         put_letter(page, index, middle, y);
         return width;
     }
-    if (!curve->points) {
+    if (on_line(curve)) {
         const struct brush brush = line_ink(page, index, style->curve_line);
         surface_move(page->surface, x, y);
         surface_line(page->surface, x + width, y);
@@ -341,7 +390,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
         surface_line(page->surface, at, height);
     }
     if (!dense && (curve->points || line_count(page->figure) > 1))
-        add_shape(page, kind_of(page->figure, index), middle, y);
+        put_marks(page, index, &(struct mark_place){middle, y}, 1, 0);
     paint_points(page, index, dense);
     return width;
 }
@@ -365,8 +414,18 @@ static void draw_exits(struct page *page, int index)
         surface_line(page->surface, x - length * dx + half * dy, y - length * dy + half * dx);
         surface_line(page->surface, x - length * dx - half * dy, y - length * dy - half * dx);
         surface_close(page->surface);
-        surface_paint(page->surface, &(struct brush){.color = color_of(index), .fill = true});
+        surface_paint(page->surface, &(struct brush){.color = color_of(page, index), .fill = true});
     }
+}
+
+/* Draws the lines that join the points of a curve. */
+static void draw_joins(const struct page *page, int index)
+{
+    const struct brush ink = line_ink(page, index, page->style.curve_line);
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    add_path(page, &page->path[index]);
+    surface_paint(page->surface, &ink);
+    surface_unclip(page->surface);
 }
 
 /* Draws the lines that fill the plot below the others, from the last to the first. */
@@ -385,9 +444,13 @@ void page_curves(struct page *page)
 {
     const struct figure *figure = page->figure;
 
+    page_guides(page);
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i) && figure->curve[i].spread)
             draw_band(page, i);
+    for (int i = figure->curves - 1; i >= 0; i--)
+        if (curve_drawn(figure, i) && figure->curve[i].joined)
+            draw_joins(page, i);
     /* Dense data, lines with the first above, data that lines can be seen through. */
     for (int dense = 1; dense >= 0; dense--) {
         for (int i = figure->curves - 1; i >= 0; i--)
@@ -400,4 +463,5 @@ void page_curves(struct page *page)
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i) && !figure->curve[i].arrows)
             draw_exits(page, i);
+    page_labels(page);
 }

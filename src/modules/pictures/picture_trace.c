@@ -48,7 +48,8 @@ static bool trace(const struct page *page, int index, size_t corners)
     path_free(path);
     path_free(bar);
     *path = *bar = (struct path){0};
-    bool ok = (curve->points ? path_of_dots : path_of_line)(curve, &area, &limit, path);
+    const bool dots = curve->points && !curve->joined;
+    bool ok = (dots ? path_of_dots : path_of_line)(curve, &area, &limit, path);
     if (ok && curve->bar)
         ok = bar_curve(page, curve, &arena, &bars) && path_of_line(&bars, &area, &limit, bar);
     arena_reset(&arena);

@@ -20,7 +20,7 @@ const double style_palette[][3] = {{0, 0.447, 0.698},  {0.1, 0.1, 0.1},       {0
 const size_t style_palette_count = COUNT_OF(style_palette);
 
 const struct style_dashes style_dashes[] = {
-    {{0}, 0}, {{6, 4}, 2}, {{0, 2.6}, 2}, {{7, 3.5, 0, 3.5}, 4}, {{3, 4}, 2}};
+    {{0}, 0}, {{6, 4}, 2}, {{0, 2.6}, 2}, {{7, 3.5, 0, 3.5}, 4}, {{3, 4}, 2}, {{12, 4}, 2}};
 const size_t style_dashes_count = COUNT_OF(style_dashes);
 
 #define SCALE_MIN 0.6 /* 6 pt of text: less is not read on paper */

@@ -174,6 +174,8 @@ struct precision_point {
     bool probed;
     /* [s] of the processor, for the one solve that was measured, sampling included */
     double seconds;
+    double part; /* of the duration that it covers: less than 1 where it was given up or probed */
+    bool costly; /* so long that this one solve is its time: it is not repeated */
     /* the time is that of so many, scaled to all of them; 0: of whole solves */
     int64_t timed_steps;
     double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
@@ -210,7 +212,8 @@ struct precision {
     struct precision_point *point;
     int points;
     struct precision_curve *curve;
-    int curves; /* finished */
+    int curves;    /* finished */
+    bool by_evals; /* its diagram is over evaluations, whatever was timed */
 };
 
 /*
@@ -241,6 +244,10 @@ extern const struct result_columns precision_columns; /* of struct precision_row
 
 /* A point that says something: it reached the end, with an error below 1. */
 bool precision_meaningful(const struct precision_point *point);
+/* Returns why a point says nothing ("lost", "too long", "diverged", ..), or "" if it says
+ * something: the same word in tables, records and the diagram. */
+const char *precision_failure(const struct precision *precision,
+                              const struct precision_point *point);
 
 /* What an error costs, read off a curve between its points (straight lines in logarithms); false:
  * not reached. */

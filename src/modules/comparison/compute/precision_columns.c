@@ -43,12 +43,30 @@ static double step_ns(const void *row)
     return timing_step_ns(&point_of(row)->time, point_of(row)->steps);
 }
 
+const char *precision_failure(const struct precision *precision,
+                              const struct precision_point *point)
+{
+    if (point->refused)
+        return "refused";
+    if (point->stop == STOP_FULL)
+        return "too long";
+    if (point->stop != STOP_END)
+        return stop_name(point->stop);
+    if (precision_meaningful(point))
+        return "";
+    return precision->reference.against[0] ? "apart" : "lost";
+}
+
+static const char *failure_of(const void *row)
+{
+    return precision_failure(((const struct precision_row *)row)->precision, point_of(row));
+}
+
 static const char *status_of(const void *row)
 {
-    const struct precision_point *point = point_of(row);
-    return point->refused             ? "refused"
-           : point->stop == STOP_FULL ? "too-long"
-                                      : stop_name(point->stop);
+    return point_of(row)->stop == STOP_FULL && !point_of(row)->refused ? "too-long"
+           : *failure_of(row)                                          ? failure_of(row)
+                                                                       : stop_name(STOP_END);
 }
 
 static double predicted_of(const void *row)
@@ -109,15 +127,8 @@ static void step_time_cell(struct text_table *table, double ns)
 static void marks_cell(struct text_table *table, const void *row)
 {
     const struct precision_point *point = point_of(row);
-    const bool is_lost = point->stop == STOP_END && !precision_meaningful(point);
-    const char *state = point->refused                                  ? "refused"
-                        : point->stop == STOP_FULL                      ? "too long"
-                        : point->stop != STOP_END                       ? stop_name(point->stop)
-                        : !is_lost                                      ? ""
-                        : ((const struct precision_row *)row)->resolved ? "lost"
-                                                                        : "apart";
     const bool is_noisy = point->time.spread > TIMING_SPREAD || point->time.others > TIMING_OTHERS;
-    cell_format(table, "%s%s%s%s%s%s%s", state, point->asymptotic ? "*" : "",
+    cell_format(table, "%s%s%s%s%s%s%s", failure_of(row), point->asymptotic ? "*" : "",
                 point->below ? "<" : "", is_noisy ? "~" : "", point->time.few ? "!" : "",
                 point->timed_steps > 0 ? "+" : "", point->probed ? " probe" : "");
 }

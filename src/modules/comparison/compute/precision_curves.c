@@ -17,9 +17,12 @@
 #define TOL_LAST 1e-14
 /* a solve's evaluations, Jacobians and solves, once a curve has POINTS_ENOUGH points */
 #define COST_USUAL 2.1e6
-#define COST_MAX 6e6   /* before that */
+#define COST_MAX 6e6 /* before that */
+/* before it has POINTS_FIRST: what explicit methods take in stiff scenes is of interest, too */
+#define COST_FIRST 2.4e7
 #define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
 #define POINTS_ENOUGH 4
+#define POINTS_FIRST 1
 /* errors that stop falling are rounding only below this, or near the reference's accuracy */
 #define FLOOR_ERROR 1e-9
 #define ERROR_SETTLED 0.05 /* After an error this small, failures end a sweep. */
@@ -106,14 +109,26 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     *memory = solver_init(&solver, &system, sweep->curve->by.method, &settings, interval);
     if (!*memory)
         return false;
+    const int64_t begin = clock_cpu_ns();
     point->stop = solver_run(&solver, NULL, sweep->request->cancel);
+    point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     if (point->stop == STOP_END)
         point->errors.max = grid_distance(reference, solver.y, from + reference->n);
     solver_free(&solver);
     point->probed = !precision_meaningful(point);
+    point->part = 1.0 / (STUDY_TIMES - 1);
     return point->probed;
+}
+
+/* Returns what the next solve of the sweep may cost. */
+static double cost_max(const struct sweeping *sweep)
+{
+    if (sweep->meaningful >= POINTS_ENOUGH)
+        return COST_USUAL;
+    const bool implicit = sweep->curve->by.method->flags & METHOD_IMPLICIT;
+    return sweep->meaningful >= POINTS_FIRST || implicit ? COST_MAX : COST_FIRST;
 }
 
 /* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
@@ -125,11 +140,12 @@ static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver
         solver->max = (int64_t)COST_TRIAL;
         const enum stop stop = solver_run(solver, sweep->grid, cancel);
         const double part = (solver->step.t - solver->system->t0) / solver->span;
-        if (stop != STOP_FULL || solve_work(&solver->step.cost, solver->steps) > part * COST_MAX)
+        if (stop != STOP_FULL ||
+            solve_work(&solver->step.cost, solver->steps) > part * fmax(cost_max(sweep), COST_MAX))
             return stop;
         solver_start(solver);
     }
-    solver->max = (int64_t)(4 * COST_MAX);
+    solver->max = (int64_t)COST_FIRST;
     return solver_run(solver, sweep->grid, cancel);
 }
 
@@ -162,6 +178,10 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;
+    const double reached =
+        point->tol > 0 ? solver.step.t - precision->system.t0 : (double)solver.steps * point->dt;
+    point->part = point->stop == STOP_END ? 1 : fmin(reached / precision->duration, 1);
+    point->costly = !wanted && solve_work(&point->cost, point->steps) > COST_MAX;
     solver_free(&solver);
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
@@ -183,7 +203,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     if (!precision_meaningful(point)) {
         curve->cut = clock_seconds(sweep->begin) > 2 * fraction;
         sweep->failures++;
-        return curve->cut || next > COST_MAX ||
+        return curve->cut || next > cost_max(sweep) ||
                (sweep->best < ERROR_SETTLED && sweep->failures == FAILURES_MAX) ||
                point->stop == STOP_FULL;
     }
@@ -195,7 +215,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     sweep->best = fmin(sweep->best, error);
     if (sweep->stale == FLOOR_POINTS || error == 0)
         return true;
-    if (next > (sweep->meaningful >= POINTS_ENOUGH ? COST_USUAL : COST_MAX))
+    if (next > cost_max(sweep))
         return true;
     curve->cut = clock_seconds(sweep->begin) > fraction;
     return curve->cut;

@@ -111,6 +111,18 @@ static void check_parts(struct precision *precision, const struct timed_points *
     }
 }
 
+/* Takes the one solve of a costly point for its time, which then is not ranked. */
+static bool take_costly(struct precision_point *point)
+{
+    if (point->costly)
+        point->time = (struct timing_result){.minimum = point->seconds,
+                                             .median = point->seconds,
+                                             .spread = NAN,
+                                             .samples = 1,
+                                             .few = true};
+    return point->costly;
+}
+
 bool precision_time(const struct precision_request *request, struct precision *precision,
                     double seconds, struct error *error)
 {
@@ -123,7 +135,8 @@ bool precision_time(const struct precision_request *request, struct precision *p
     for (int i = 0; ok && i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         const struct run_settings settings = precision_settings(precision, point);
-        if (!precision_meaningful(point))
+        if (!precision_meaningful(point) ||
+            (request->timing == TIMING_QUICK && take_costly(&precision->point[i])))
             continue;
         ok = solver_init(&timed.solver[timed.count], &precision->system,
                          precision->curve[point->curve].by.method, &settings, precision->duration);
