@@ -74,6 +74,35 @@ extern const struct charset charset_ascii, charset_block, charset_braille;
 /* Columns enough for a figure in words: no oscillation is drawn as its envelope. */
 #define WORDS_COLUMNS 4000
 
+/* ---- heat map: a value over two axes, as shades ----
+ *
+ * One cell or more for each point; where there are more points than cells a cell shows the largest
+ * of its own. Columns follow the places on the axes, whatever their values: they are labelled.
+ */
+struct heat_axis {
+    const char *label, *unit;
+    double factor;       /* number shown = value / factor */
+    const double *value; /* [count] */
+    int count;
+    bool log; /* the places are evenly spaced on a logarithmic axis */
+};
+
+/* The edge between place i - 1 of an axis and place i: half way; the outer ones as far beyond the
+ * first and the last place as the next edge is inside. */
+double heat_edge(const struct heat_axis *axis, int i);
+
+struct heat {
+    const char *title, *unit;
+    double factor;
+    struct heat_axis x, y; /* y points up */
+    const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
+    const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
+};
+
+/* The smallest and the largest value of a map that are shown: from[0] > from[1] if there is none.
+ */
+void heat_range(const struct heat *heat, double range[2]);
+
 /* ---- figures ---- */
 
 struct axis {
@@ -136,7 +165,8 @@ struct figure {
     bool plane; /* x is no independent variable: curves leave the plot through all four sides */
     const struct curve *curve;
     int curves;
-    bool equal; /* same length for a unit on both axes (phase plot) */
+    const struct heat *heat; /* shades below the curves, whose axes are fixed; NULL: none */
+    bool equal;              /* same length for a unit on both axes (phase plot) */
     bool zero_line;
     bool grid;      /* pictures have lines at the labels of both axes */
     bool has_point; /* the current point is marked */
@@ -243,26 +273,6 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
 /* The whole figure as text lines; returns false if out of memory or stopped. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *out);
-
-/* ---- heat map: a value over two axes, as shades ----
- *
- * One cell or more for each point; where there are more points than cells a cell shows the largest
- * of its own. Columns follow the places on the axes, whatever their values: they are labelled.
- */
-struct heat_axis {
-    const char *label, *unit;
-    double factor;       /* number shown = value / factor */
-    const double *value; /* [count] */
-    int count;
-};
-
-struct heat {
-    const char *title, *unit;
-    double factor;
-    struct heat_axis x, y; /* y points up */
-    const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
-    const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
-};
 
 /* ---- pictures, which modules make ---- */
 

@@ -53,6 +53,31 @@ struct plane_row {
     void (*say)(const struct session *session, const struct plot_plane *plane, struct buffer *text);
 };
 
+/* One kind of curves in the figure of a study. */
+struct study_layer {
+    const char *y;     /* column on the vertical axis, or NULL behind the last layer */
+    const char *part;  /* word in column `part` of its rows, or NULL if all rows are */
+    const char *value; /* column whose value stands behind a curve's name, or NULL */
+    const char *named; /* what that value is called: "slope" */
+    double max;        /* larger values are left out, unless it is 0 */
+    bool line;         /* a line with a gap at each row without numbers; otherwise points */
+    bool guide;        /* a thin straight line from the first to the last row with numbers */
+};
+
+/* How the table of a study is drawn. */
+enum { STUDY_LAYERS_MAX = 4 };
+struct study_picture {
+    const char *table, *made_by; /* kind of the table, and what makes one */
+    const char *x;               /* column on the horizontal axis */
+    const char *by;              /* column of names that tell curves apart, or NULL */
+    struct study_layer layer[STUDY_LAYERS_MAX];
+    const char *shade;             /* column shown as shades over x and the first layer's y */
+    const char *x_label, *y_label; /* names of the axes, or NULL for those of the columns */
+    const char *note;              /* what the lines mean, or NULL */
+    bool log;                      /* both axes are logarithmic */
+    bool equal;                    /* one length for a unit on both axes */
+};
+
 /* A plot, which is a pane of the screen, too: all about it stands here (src/plot/plots.c). */
 struct plot_row {
     struct row row;
@@ -74,6 +99,14 @@ struct plot_row {
     /* draws what is left of a recording beside a fit or a run; NULL if it is no such plot */
     bool (*residual)(struct drawing *d, const struct recording *recording);
     bool of_study; /* of what a study has found, not of runs; its figure fails without one */
+    /* Command whose `> FILE.svg` writes it, or NULL for the one of its own name, if any. */
+    const char *command;
+    /* How the table of its study is drawn, in place of `figure`, or NULL. */
+    const struct study_picture *picture;
+    /* Makes that table, for methods (rows of the catalog; none: those that were studied last, or
+     * the present one), as records of the reply; NULL if no words may follow the plot's name. */
+    bool (*study)(struct session *session, const struct row *const *method, int methods,
+                  struct reply *reply, struct error *error);
     bool whole;    /* its axes hold all points: ranges are refused */
     bool of_scene; /* of the scene, and of its run where there is one */
     /* Its curves; NULL: columns of the trace. Of the whole figure nothing else is done then. */
@@ -162,7 +195,9 @@ struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
     int runs;
-    int recording; /* place, -1 if there is none */
+    int recording;                   /* place, -1 if there is none */
+    const struct row *const *method; /* [methods] of a study's plot: rows of the catalog */
+    int methods;
     /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;

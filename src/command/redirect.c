@@ -51,6 +51,17 @@ static const struct row *ending_row(const struct catalog *catalog, struct text f
     return catalog_find(catalog, (struct text){file.at + dot, file.len - dot});
 }
 
+/* Returns the name of the plot that shows what the command finds, or NULL if there is none. */
+static const char *plot_of_command(const struct command *command)
+{
+    for (size_t i = 0; i < plot_catalog.count; i++) {
+        const struct plot_row *row = plot_row((enum plot_kind)i);
+        if (strcmp(row->command ? row->command : row->row.name, command->row.name) == 0)
+            return row->row.name;
+    }
+    return NULL;
+}
+
 /* Chooses what goes into the file by its ending. Returns false for an ending that says nothing. */
 static bool choose_content(const struct command *command, struct redirect *redirect)
 {
@@ -58,9 +69,8 @@ static bool choose_content(const struct command *command, struct redirect *redir
     const struct picture_writer *writer = module_pictures();
     if (format)
         redirect->format = format_of_kind(format);
-    else if (writer && ending_row(writer->kinds, redirect->file) &&
-             catalog_find(&plot_catalog, text_of(command->row.name)))
-        redirect->plot = command->row.name;
+    else if (writer && ending_row(writer->kinds, redirect->file))
+        redirect->plot = plot_of_command(command);
     return format || redirect->plot;
 }
 
@@ -104,7 +114,12 @@ void redirect_explain(const struct command *command, struct text statement, stru
         return;
     *error = (struct error){.code = ERROR_NONE};
     refuse_ending(redirect.file, error);
-    error_hint(error, "%s .. > FILE.csv", command->row.name);
+    if (plot_of_command(command) && module_pictures())
+        error_hint(error, "%s .. > FILE.csv; a picture of it goes to %s", command->row.name,
+                   module_pictures()->files);
+    else
+        error_hint(error, "%s .. > FILE.csv; 'plot COLUMN against COLUMN of %s' draws its columns",
+                   command->row.name, command->row.name);
 }
 
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,

@@ -48,7 +48,7 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
     if (!choice_is_in(argument->choices, item->text, error))
         return false;
     catalog_unknown(argument->choices, item->text, error);
-    if (!error->hint[0] && argument->choices->count <= 20) {
+    if (!error->hint[0] && argument->choices->count <= 24) {
         struct buffer all = {0};
         for (size_t i = 0; i < argument->choices->count; i++)
             buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(argument->choices, i)->name);
@@ -199,6 +199,11 @@ READ_ITEM(read_column)
             return true;
     if (typed_column(parser->session, item->text))
         return true;
+    if (argument->flags & ARG_OF && argument->choices) { /* METHOD of a study's plot */
+        item->row = catalog_find(&method_catalog, item->text);
+        if (item->row)
+            return true;
+    }
     if (argument->choices)
         return choose_row(parser, argument, item, error);
     return catalog_unknown(&observable_catalog, item->text, error);

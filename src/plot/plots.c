@@ -130,7 +130,7 @@ bool plot_is_plane(enum plot_kind kind)
 bool plot_shows_state(enum plot_kind kind)
 {
     const struct plot_row *row = &rows[kind];
-    return !row->observable && !row->residual && !row->run_curve && !row->figure;
+    return !row->observable && !row->residual && !row->run_curve && !row->figure && !row->picture;
 }
 
 bool plot_fits(enum plot_kind kind, const struct model *model)
@@ -148,6 +148,8 @@ bool plot_offered(const struct session *session, enum plot_kind kind)
     const struct run *run = session_run(session);
     if (rows[kind].offered)
         return rows[kind].offered(session);
+    if (rows[kind].picture)
+        return drawing_stored(session, rows[kind].picture->table) != NULL;
     return run ? plot_fits(kind, run->system.model) : figure_recording(session, kind) >= 0;
 }
 

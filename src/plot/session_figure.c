@@ -451,6 +451,8 @@ bool session_figure(const struct session *session, const struct figure_request *
         return error_memory(error);
     if (request->table)
         return drawing_table(&d, figure);
+    if (row->picture)
+        return drawing_study(&d, row->picture, figure);
     if (row->figure)
         return row->figure(&d, figure);
     if (!gather_curves(&d, row))

@@ -167,7 +167,7 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
     struct error error = {0};
 
     request.shared = time->known ? &time->window : NULL;
-    if (!row->of_scene && !request.runs && request.recording < 0) {
+    if (!row->of_scene && !row->of_study && !request.runs && request.recording < 0) {
         empty_figure(screen, placed, figure);
     } else if (!session_figure(screen->session, &request, &screen->arena, figure, &error)) {
         empty_figure(screen, placed, figure);

@@ -12,9 +12,11 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
                    struct error *error);
 
 /* The figure of the runs, recordings, window and ranges that were named; kind, width and charset
- * are chosen before. Memory from the arena of the statement. */
+ * are chosen before. Methods behind the name of a study's plot are studied first, which adds notes
+ * to the reply. Memory from the arena of the statement. */
 bool make_figure(struct session *session, const struct arguments *args,
-                 struct figure_request *request, struct figure *figure, struct error *error);
+                 struct figure_request *request, struct figure *figure, struct reply *reply,
+                 struct error *error);
 
 /* Puts the legend below a text figure into the figure itself, where there is room for it. */
 bool label_curves(const struct session *session, const struct figure_request *request,

@@ -81,6 +81,10 @@ void axis_suit(struct axis *axis, enum quantity quantity, double size);
 const char *drawing_y_label(const struct drawing *d, int panel);
 /* Of columns of the request's table (table.c). */
 bool drawing_table(struct drawing *d, struct figure *figure);
+/* Draws the last table of a study (study.c). */
+bool drawing_study(struct drawing *d, const struct study_picture *picture, struct figure *figure);
+/* The last table of that kind; NULL if there is none. */
+const struct table *drawing_stored(const struct session *session, const char *kind);
 /* QUANTITY_NUMBER: no unit of its own. */
 enum quantity column_quantity(const struct table_column *column);
 /* Ranges that were asked for; quantities of x and y. */

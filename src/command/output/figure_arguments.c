@@ -49,6 +49,47 @@ static bool choose_runs(struct session *session, const struct arguments *args,
     return error_hint(error, "type: run, or: load FILE");
 }
 
+static bool is_method(const struct item *item)
+{
+    return item->row && item->row == catalog_find(&method_catalog, item->text);
+}
+
+/* Chooses the methods behind the name of a study's plot: rows of the catalog. */
+static bool choose_methods(const struct arguments *args, struct figure_request *request,
+                           struct error *error)
+{
+    const struct argument_value *what = argument_value(args, "WHAT");
+    const struct row **method = arena_array(args->arena, (size_t)what->count, sizeof *method);
+    if (!method)
+        return error_memory(error);
+    for (int i = 1; i < what->count; i++) {
+        if (!is_method(&what->item[i]))
+            return error_at(error, what->item[i].text, "'%.*s' is no method",
+                            (int)what->item[i].text.len, what->item[i].text.at);
+        method[request->methods++] = what->item[i].row;
+    }
+    request->kind = (enum plot_kind)what->item->index;
+    request->method = method;
+    return true;
+}
+
+/* Makes the table of the study whose figure is drawn. What it says is dropped, except for notes. */
+static bool make_study(struct session *session, const struct figure_request *request,
+                       struct reply *reply, struct error *error)
+{
+    const struct plot_row *row = plot_row(request->kind);
+    struct table_store said = {0}, *outer = reply->store;
+    const bool muted = reply->muted;
+    reply->store = &said;
+    reply->muted = true;
+    const bool ok = row->study(session, request->method, request->methods, reply, error);
+    reply_flush(reply);
+    reply->store = outer;
+    reply->muted = muted;
+    session_keep_results(session, &said, row->row.name);
+    return ok;
+}
+
 /* A kind of plot, or columns of runs: over time, or against another. */
 bool choose_figure(const struct arguments *args, struct figure_request *request,
                    struct error *error)
@@ -61,6 +102,15 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         error_at(error, of->where, "of a table one column is drawn against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
+    if (what->count && what->item->index >= 0 && !against->count && !at->count &&
+        plot_row((enum plot_kind)what->item->index)->study)
+        return choose_methods(args, request, error);
+    for (int i = 0; i < what->count; i++)
+        if (is_method(&what->item[i]) && !of->count) {
+            error_at(error, what->item[i].text, "'%s' is a method, not a column",
+                     what->item[i].row->name);
+            return error_hint(error, "plot order %s", what->item[i].row->name);
+        }
     /* a variable or a column of what is drawn may follow its name */
     const bool branches = what->count == 2 && what->item->index >= 0 &&
                           plot_row((enum plot_kind)what->item->index)->takes_column;
@@ -182,7 +232,8 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
 }
 
 bool make_figure(struct session *session, const struct arguments *args,
-                 struct figure_request *request, struct figure *figure, struct error *error)
+                 struct figure_request *request, struct figure *figure, struct reply *reply,
+                 struct error *error)
 {
     const struct argument_value *window = argument_value(args, "window"),
                                 *of = argument_value(args, "of");
@@ -199,6 +250,7 @@ bool make_figure(struct session *session, const struct arguments *args,
         (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
     if (of->count                           ? !export_result(session, of->item->row, &export, error)
+        : plot_row(request->kind)->study    ? !make_study(session, request, reply, error)
         : plot_row(request->kind)->of_study ? false
         : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
                                             : !choose_runs(session, args, request, error))

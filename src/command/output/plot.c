@@ -241,18 +241,57 @@ static bool into_file(const struct session *session, const struct arguments *arg
     return ok;
 }
 
+/* Moves the legend of a study's figure below it where the frame has no room for all of it. Appends
+ * its lines, and returns how many; the curves have no names then. */
+static int move_legend(struct figure *figure, int width, struct arena *arena, struct buffer *lines)
+{
+    enum { BESIDE = 14 /* [cell] of the frame: blanks, brackets, corners */, GAP = 3 };
+    const int title = text_width(text_of(figure->title)) + text_width(text_of(figure->y.label)) +
+                      text_width(text_of(figure->y.unit));
+    struct curve *curve = arena_array(arena, (size_t)figure->curves + 1, sizeof *curve);
+    int used = 0, count = 1;
+    for (int i = 0; i < figure->curves; i++)
+        used += text_width(text_of(figure->curve[i].label)) + GAP + 1;
+    if (!curve || used <= width - BESIDE - title)
+        return 0;
+    used = 0;
+    for (int i = 0; i < figure->curves; i++) {
+        const char mark[] = {figure_mark(figure, i), '\0'};
+        const struct text label = text_of(figure->curve[i].label);
+        const int cells = text_width(label) + 3;
+        curve[i] = figure->curve[i];
+        curve[i].label = NULL;
+        if (!label.len)
+            continue;
+        if (used && used + GAP + cells > width) {
+            buffer_char(lines, '\n');
+            used = 0;
+            count++;
+        }
+        buffer_format(lines, "%*s%s %s", used ? GAP : 0, "", *mark ? mark : "--", label.at);
+        used += GAP + cells;
+    }
+    buffer_char(lines, '\n');
+    figure->curve = curve;
+    return count;
+}
+
 static bool as_text(const struct session *session, const struct figure_request *request,
-                    const struct figure *figure, int width, int height, struct reply *reply,
-                    struct error *error)
+                    struct figure *figure, int width, int height, struct arena *arena,
+                    struct reply *reply, struct error *error)
 {
     const struct front *front = &session->front;
     const enum color_choice choice = (enum color_choice)session->setup.settings.color;
     const bool color =
         choice == COLOR_ALWAYS || (choice == COLOR_AUTO && front->color && !front->watched);
-    struct buffer *text = reply_buffer(reply);
+    struct buffer *text = reply_buffer(reply), legend = {0};
+    if (plot_row(request->kind)->picture && !request->charset->words)
+        height -= move_legend(figure, width, arena, &legend);
     if (!figure_print(figure, width, height, request->charset,
                       color && reply->format == FORMAT_TEXT, text))
         return error_memory(error);
+    buffer_put(text, buffer_text(&legend));
+    buffer_free(&legend);
     if (plot_row(request->kind)->legend && !request->charset->words)
         plot_row(request->kind)->legend(session, width, text);
     return true;
@@ -278,7 +317,7 @@ HANDLER(plot)
                drawn = chosen.writer || pixels;
     request.charset = drawn ? &charset_braille : session_charset(session);
     request.width = drawn ? PICTURE_COLUMNS : request.charset->words ? WORDS_COLUMNS : width;
-    if (!make_figure(session, args, &request, &figure, error) ||
+    if (!make_figure(session, args, &request, &figure, reply, error) ||
         !choose_words(args, &figure, error))
         return false;
     if (file->count)
@@ -287,7 +326,7 @@ HANDLER(plot)
         !label_curves(session, &request, args->arena, &figure, error))
         return false;
     if (pixels ? !session->front.pixels(&session->front, &figure, width, height, error)
-               : !as_text(session, &request, &figure, width, height, reply, error))
+               : !as_text(session, &request, &figure, width, height, args->arena, reply, error))
         return false;
     reply_numbers(session, &request, &figure, reply);
     if (in_log)

@@ -22,7 +22,7 @@ void help_commands(struct buffer *text);
 void help_all(struct buffer *text);
 
 /* Largest number of choices shown; longer lists are printed by commands of their own. */
-#define HELP_CHOICES 20
+#define HELP_CHOICES 24
 
 /* Returns the word behind the command, with *command set, if a statement such as `set opinion` or
  * `compare dt=5ms` was typed; otherwise all of it, with NULL. */

@@ -38,6 +38,17 @@ bool choose_methods(const struct arguments *args, enum drag usual, struct method
     return true;
 }
 
+struct method_choice *methods_choice(const struct session *session, const struct row *const *method,
+                                     int *count, struct arena *arena)
+{
+    struct method_choice *choice = arena_array(arena, (size_t)*count + 1, sizeof *choice);
+    for (int i = 0; choice && i < *count; i++)
+        choice[i] = (struct method_choice){method_from(method[i]), DRAG_DEFAULT};
+    if (choice && *count == 0)
+        choice[(*count)++] = (struct method_choice){session->setup.method, session->setup.drag};
+    return choice;
+}
+
 static void free_part(void *state)
 {
     struct comparison_part *part = state;

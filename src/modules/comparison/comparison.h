@@ -29,6 +29,10 @@ const struct precision *session_precision(const struct session *session);
  */
 bool choose_methods(const struct arguments *args, enum drag usual, struct method_choice *choice,
                     int *count, struct error *error);
+/* The same for a plot, where rows of methods are given, or with *count 0 the present one is taken.
+ * Returns NULL if out of memory. */
+struct method_choice *methods_choice(const struct session *session, const struct row *const *method,
+                                     int *count, struct arena *arena);
 
 /* ---- a precision study in text (precision_text.c, figure.c) ---- */
 

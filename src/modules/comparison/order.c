@@ -4,8 +4,10 @@
 #include <hooke/base/cancel.h>
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
+#include <hooke/plot/drawing.h>
 #include <hooke/report.h>
 #include "modules/comparison/comparison.h"
+#include "modules/comparison/plots.h"
 
 #include <math.h>
 
@@ -45,36 +47,109 @@ static void put_order(const struct session *session, const struct order *order, 
         buffer_format(out, "%s\n", order->words);
 }
 
-HANDLER(order)
+/* Measures each method in turn. Of several those that do not apply are left out with the reason;
+ * what is measured before a failure is in orders [*count]. */
+static bool measure_orders(struct session *session, const struct method_choice *choice, int choices,
+                           const double dt[2], struct order *orders, int *count,
+                           struct buffer *absent, struct error *error)
 {
-    const struct argument_value *dt = argument_value(args, "dt");
-    int count = 1;
     struct order_request request = {.scene = &session->setup.scene,
-                                    .by = {session->setup.method, session->setup.drag},
-                                    .dt = {NAN, NAN},
+                                    .dt = {dt[0], dt[1]},
                                     .duration = session->setup.settings.duration,
                                     .references = session_references(session),
                                     .cancel = session->front.cancel};
+    for (int i = 0; i < choices; i++) {
+        struct order *order = &orders[*count];
+        request.by = choice[i];
+        const bool ok = study_order(&request, order, error);
+        *count += ok || order->points > 0;
+        if (!ok && (choices == 1 || error->code != ERROR_COMMAND))
+            return false;
+        if (!ok)
+            buffer_format(absent, "left out: %s\n", error->text);
+    }
+    return *count > 0;
+}
+
+static bool reply_orders(const struct session *session, const struct order *orders, int count,
+                         struct arena *arena, struct reply *reply, struct error *error)
+{
+    struct order_row *rows = arena_array(arena, (size_t)count * ORDER_POINTS, sizeof *rows);
+    size_t n = 0;
+    if (!rows)
+        return error_memory(error);
+    for (int i = 0; i < count; i++)
+        n += order_rows(&orders[i], rows + n);
+    reply_result(session, reply, "order", &order_row_columns, rows, n,
+                 count == 1 ? orders->by.method->row.name : NULL, NULL);
+    reply_records(reply, "order", &order_columns, orders, (size_t)count);
+    return true;
+}
+
+static void put_orders(const struct order *orders, int count, const struct buffer *absent,
+                       struct arena *arena, struct buffer *text)
+{
+    struct text_table table = {.arena = arena, .gap = 2};
+    columns_text(&order_columns, orders, (size_t)count, true, &table);
+    text_table_put(&table, text);
+    buffer_put(text, buffer_text(absent));
+    for (int i = 0; i < count; i++)
+        if (orders[i].words[0])
+            buffer_format(text, "%s: %s\n", orders[i].by.method->row.name, orders[i].words);
+    buffer_put(text, TEXT("'plot order' draws the errors; 'order METHOD' lists those of one\n"));
+}
+
+bool order_study(struct session *session, const struct row *const *method, int methods,
+                 struct reply *reply, struct error *error)
+{
+    if (methods == 0 && drawing_stored(session, "order"))
+        return true;
+    struct arena arena = {0};
+    struct buffer absent = {0};
+    struct method_choice *choice = methods_choice(session, method, &methods, &arena);
+    struct order *orders = arena_array(&arena, (size_t)methods + 1, sizeof *orders);
+    int count = 0;
+    const bool ok = choice && orders
+                        ? measure_orders(session, choice, methods, (double[]){NAN, NAN}, orders,
+                                         &count, &absent, error) &&
+                              reply_orders(session, orders, count, &arena, reply, error)
+                        : error_memory(error);
+    if (absent.len > 0)
+        reply_note(reply, "%.*s", (int)absent.len - 1, buffer_view(&absent));
+    buffer_free(&absent);
+    arena_reset(&arena);
+    return ok;
+}
+
+HANDLER(order)
+{
+    const struct argument_value *dt = argument_value(args, "dt");
+    int wanted = 1, count = 0;
+    double range[2] = {NAN, NAN};
+    const size_t capacity = (size_t)argument_value(args, "METHOD")->count + 1;
+    struct method_choice *choice = arena_array(args->arena, capacity, sizeof *choice);
+    struct order *orders = arena_array(args->arena, capacity, sizeof *orders);
+    struct buffer absent = {0};
+    if (!choice || !orders)
+        return error_memory(error);
+    choice[0] = (struct method_choice){session->setup.method, session->setup.drag};
     if (!has_argument(args, "METHOD"))
         reply_unchosen(session, reply);
-    if (!choose_methods(args, DRAG_DEFAULT, &request.by, &count, error))
+    if (!choose_methods(args, DRAG_DEFAULT, choice, &wanted, error))
         return false;
     for (int i = 0; i < 2 && dt->count; i++) {
-        request.dt[i] = dt->item->range[i];
-        if (!(request.dt[i] > 0))
+        range[i] = dt->item->range[i];
+        if (!(range[i] > 0))
             return error_at(error, dt->where, "a sweep needs two ends above 0, as in dt=1ms:100ms");
     }
-    struct order order;
     reply_assumed(session, false, true, reply);
-    const bool ok = study_order(&request, &order, error);
-    if (ok || order.points > 0) {
-        if (reply_wants_text(reply))
-            put_order(session, &order, args->arena, reply_buffer(reply));
-        reply_result(session, reply, "order", &order_point_columns, order.point,
-                     (size_t)order.points, order.by.method->row.name, NULL);
-        reply_records(reply, "order", &order_columns, &order, 1);
-    }
-    return ok;
+    const bool ok = measure_orders(session, choice, wanted, range, orders, &count, &absent, error);
+    if (count > 0 && reply_wants_text(reply) && wanted == 1)
+        put_order(session, orders, args->arena, reply_buffer(reply));
+    else if (count > 0 && reply_wants_text(reply))
+        put_orders(orders, count, &absent, args->arena, reply_buffer(reply));
+    buffer_free(&absent);
+    return (count == 0 || reply_orders(session, orders, count, args->arena, reply, error)) && ok;
 }
 
 /* ---- selftest ---- */
@@ -178,7 +253,7 @@ HANDLER(selftest)
 #endif
 
 COMMAND(order, .group = "STUDY", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .choices = &method_catalog),
+        ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("full", TYPE_NONE)))
 

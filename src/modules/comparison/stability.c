@@ -2,9 +2,12 @@
 /* stability */
 #ifndef COMMAND_ROWS
 #include <hooke/base/unit.h>
+#include <hooke/plot/drawing.h>
 #include <hooke/report.h>
 #include "modules/comparison/compute/stability.h"
 #include "modules/comparison/comparison.h"
+#include "modules/comparison/plots.h"
+#include "modules/comparison/stability/regions.h"
 
 #include <math.h>
 #include <string.h>
@@ -236,6 +239,81 @@ static bool study_each(const struct session *session, const struct arguments *ar
     }
     return *count > 0;
 }
+
+/* ---- its plots ---- */
+
+/* Chooses what a plot without methods shows: those that were studied last, with their step, or the
+ * present one. Returns NULL if out of memory. */
+static struct method_choice *last_studied(const struct session *session, int *count, double *dt,
+                                          struct arena *arena)
+{
+    const struct table *last = drawing_stored(session, "stability");
+    const struct row **method = arena_array(arena, last ? last->rows + 1 : 1, sizeof *method);
+    for (size_t i = 0; method && last && i < last->rows; i++) {
+        const struct method *known = method_find(last->column[0].text[i]);
+        if (known)
+            method[(*count)++] = &known->row;
+        for (int c = 0; c < last->columns; c++)
+            if (strcmp(last->column[c].name, "dt") == 0)
+                *dt = last->column[c].value[i];
+    }
+    return method ? methods_choice(session, method, count, arena) : NULL;
+}
+
+/* Studies each method, then traces the boundaries. */
+static bool trace_regions(struct session *session, enum region_plane plane,
+                          const struct method_choice *choice, int choices, double dt,
+                          struct stability *studied, struct reply *reply, struct error *error)
+{
+    struct stability_request request = {.scene = &session->setup.scene,
+                                        .dt = dt,
+                                        .duration = session->setup.settings.duration,
+                                        .cancel = session->front.cancel};
+    struct region region = {0};
+    int count = 0;
+    for (int i = 0; i < choices; i++) {
+        request.by = choice[i];
+        if (study_stability(&request, &studied[count], error))
+            count++;
+        else if (choices == 1 || error->code != ERROR_COMMAND)
+            return false;
+        else
+            reply_note(reply, "left out: %s", error->text);
+    }
+    const bool ok =
+        count > 0 && region_trace(plane, studied, count, request.cancel, &region, error);
+    if (ok)
+        reply_result(session, reply, catalog_row(&region_catalog, plane)->name,
+                     region_columns(plane), region.row, region.rows, NULL, NULL);
+    region_free(&region);
+    return ok;
+}
+
+static bool study_plane(struct session *session, enum region_plane plane,
+                        const struct row *const *method, int methods, struct reply *reply,
+                        struct error *error)
+{
+    struct arena arena = {0};
+    double dt = session->setup.settings.dt;
+    struct method_choice *choice = methods ? methods_choice(session, method, &methods, &arena)
+                                           : last_studied(session, &methods, &dt, &arena);
+    struct stability *studied = arena_array(&arena, (size_t)methods + 1, sizeof *studied);
+    const bool ok = choice && studied
+                        ? trace_regions(session, plane, choice, methods, dt, studied, reply, error)
+                        : error_memory(error);
+    arena_reset(&arena);
+    return ok;
+}
+
+#define PLANE_STUDY(name, plane)                                                                   \
+    bool name(struct session *session, const struct row *const *method, int methods,               \
+              struct reply *reply, struct error *error)                                            \
+    {                                                                                              \
+        return study_plane(session, plane, method, methods, reply, error);                         \
+    }
+PLANE_STUDY(boundary_study, REGION_Z)
+PLANE_STUDY(stars_study, REGION_STARS)
+PLANE_STUDY(region_study, REGION_DAMPED)
 
 /* Several are put without a picture. */
 static void put_study(const struct session *session, const struct arguments *args,

@@ -60,9 +60,11 @@ static void put_density(const struct session *session, const struct swept *swept
                               .unit = "",
                               .factor = 1,
                               .x = x,
-                              .y = {sweep_measure_name(&swept->measure[0]),
-                                    swept_unit_name(unit, quantity), unit ? unit->factor : 1, y,
-                                    d.rows},
+                              .y = {.label = sweep_measure_name(&swept->measure[0]),
+                                    .unit = swept_unit_name(unit, quantity),
+                                    .factor = unit ? unit->factor : 1,
+                                    .value = y,
+                                    .count = d.rows},
                               .value = d.value};
     heat_print(&heat, width, d.rows + 5, session_charset(session), text);
 }

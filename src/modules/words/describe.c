@@ -16,7 +16,7 @@ HANDLER(describe)
         request.kind = view_focus(&session->view);
     else if (!choose_figure(args, &request, error))
         return false;
-    if (!make_figure(session, args, &request, &figure, error) ||
+    if (!make_figure(session, args, &request, &figure, reply, error) ||
         !label_curves(session, &request, args->arena, &figure, error))
         return false;
     const bool ok = describe_figure(&figure, &text) || error_memory(error);

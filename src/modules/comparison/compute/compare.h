@@ -424,8 +424,19 @@ struct order {
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
 
-/* of struct order, struct order_point */
-extern const struct result_columns order_columns, order_point_columns;
+/* A point with what it belongs to: a row of the study's table. */
+struct order_row {
+    struct order_point point; /* comes first: columns of a point are those of a row, too */
+    const struct method *method;
+    double order; /* slope of the fitted line; NAN if no line was fitted */
+    double line;  /* error on that line at dt; NAN beside the fitted points */
+};
+
+/* Fills in a row for each point; returns how many. */
+size_t order_rows(const struct order *order, struct order_row *rows);
+
+/* Columns of struct order, struct order_point and struct order_row. */
+extern const struct result_columns order_columns, order_point_columns, order_row_columns;
 
 /* False: the method does not apply, there is no reference, or cancelled (what is finished is kept:
  * points > 0). */

@@ -12,6 +12,11 @@ const char *contender_drag(const struct method_choice *by)
 
 /* ---- the whole ---- */
 
+static void order_cell(struct text_table *table, double order)
+{
+    cell_format(table, isfinite(order) ? "%.3f" : "-", order);
+}
+
 #define AT(member) .at = offsetof(struct order, member)
 
 static const void *list_points(const void *row, size_t *count)
@@ -21,18 +26,23 @@ static const void *list_points(const void *row, size_t *count)
 }
 
 static const struct result_column of_order[] = {
-    {.name = "method", .kind = COLUMN_ROW, AT(by.method)},
+    {.name = "method", .kind = COLUMN_ROW, AT(by.method), .index = 1, .heading = "method"},
     {.name = "drag",
      .kind = COLUMN_CHOICE,
      AT(by.drag),
      .choices = &drag_catalog,
      .choice_first = DRAG_EXACT},
-    {.name = "order_claimed", .kind = COLUMN_INT, AT(claimed)},
-    {.name = "order_measured", AT(slope)},
-    {.name = "guard", AT(guard)},
+    {.name = "order_claimed", .kind = COLUMN_INT, AT(claimed), .index = 2, .heading = "claimed"},
+    {.name = "order_measured", AT(slope), .index = 3, .heading = "measured", .look = order_cell},
+    {.name = "guard", AT(guard), .index = 4, .heading = "+-", .digits = 2},
     {.name = "r2", AT(r2)},
-    {.name = "points", .kind = COLUMN_INT, AT(fitted)},
-    {.name = "verdict", .kind = COLUMN_CHOICE, AT(verdict), .choices = &order_verdict_catalog},
+    {.name = "points", .kind = COLUMN_INT, AT(fitted), .index = 5, .heading = "points"},
+    {.name = "verdict",
+     .kind = COLUMN_CHOICE,
+     AT(verdict),
+     .choices = &order_verdict_catalog,
+     .index = 6,
+     .heading = ""},
     {.name = "floor", AT(floor)},
     {.name = "reference_kept", .kind = COLUMN_BOOL, AT(reference_stored)},
     {.name = "note", .kind = COLUMN_CHARS, AT(words)},
@@ -62,16 +72,46 @@ static void state_cell(struct text_table *table, const void *row)
 #define IN(member) .at = offsetof(struct order_point, member)
 
 /* clang-format off */
-static const struct result_column of_point[] = {
-    {.name = "dt", IN(dt), .quantity = QUANTITY_TIME, .index = 1, .heading = "dt", .digits = 4},
-    {.name = "steps", .kind = COLUMN_COUNT, IN(steps), .index = 2, .heading = "steps"},
-    {.name = "turning_steps", .kind = COLUMN_COUNT, IN(turns)},
-    {.name = "error", IN(error), .index = 3, .heading = "error", .look = cell_error},
-    {.name = "slope", IN(slope), .index = 4, .heading = "slope", .digits = 4},
-    {.name = "fitted", .kind = COLUMN_BOOL, IN(fitted)},
-    {.name = "status", .kind = COLUMN_NAME, .text = status_of,
-     .index = 5, .heading = "", .cell = state_cell},
+#define POINT_COLUMNS \
+    {.name = "dt", IN(dt), .quantity = QUANTITY_TIME, .index = 1, .heading = "dt", .digits = 4}, \
+    {.name = "steps", .kind = COLUMN_COUNT, IN(steps), .index = 2, .heading = "steps"}, \
+    {.name = "turning_steps", .kind = COLUMN_COUNT, IN(turns)}, \
+    {.name = "error", IN(error), .index = 3, .heading = "error", .look = cell_error}, \
+    {.name = "slope", IN(slope), .index = 4, .heading = "slope", .digits = 4}, \
+    {.name = "fitted", .kind = COLUMN_BOOL, IN(fitted)}, \
+    {.name = "status", .kind = COLUMN_NAME, .text = status_of, \
+     .index = 5, .heading = "", .cell = state_cell}
+
+static const struct result_column of_point[] = {POINT_COLUMNS};
+
+#define ROW(member) .at = offsetof(struct order_row, member)
+
+static const struct result_column of_row[] = {
+    {.name = "method", .kind = COLUMN_ROW, ROW(method)},
+    POINT_COLUMNS,
+    {.name = "order", ROW(order)},
+    {.name = "line", ROW(line)},
 };
 /* clang-format on */
 
 const struct result_columns order_point_columns = RESULT_COLUMNS(of_point, struct order_point);
+const struct result_columns order_row_columns = RESULT_COLUMNS(of_row, struct order_row);
+
+size_t order_rows(const struct order *order, struct order_row *rows)
+{
+    double dt = 0, error = 0; /* means of the logarithms of what the line is fitted to */
+    for (int i = 0; i < order->points; i++)
+        if (order->point[i].fitted) {
+            dt += log(order->point[i].dt) / order->fitted;
+            error += log(order->point[i].error) / order->fitted;
+        }
+    for (int i = 0; i < order->points; i++) {
+        const struct order_point *point = &order->point[i];
+        rows[i] = (struct order_row){
+            .point = *point,
+            .method = order->by.method,
+            .order = order->slope,
+            .line = point->fitted ? exp(error + order->slope * (log(point->dt) - dt)) : NAN};
+    }
+    return (size_t)order->points;
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Boundaries of stability: in the plane of z = lambda dt, as order stars, over damping. */
+#include "modules/comparison/stability/regions.h"
+#include "modules/comparison/stability/contour.h"
+
+#include <hooke/base/catalog.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A growth so little above 1 is none: at a double eigenvalue it is known to the root of rounding
+ * only. */
+static const double growth_rounding = 1e-8;
+/* [1] Half the width of the plane for methods that are stable at every step. */
+static const double unbounded_width = 6;
+/* Beyond this a region is not looked at: the right half plane of backward differentiation. */
+static const double widest_plane = 40;
+static const double zeta_max = 1.5;
+enum { PLANE_CELLS = 110, DAMPED_CELLS = 120 };
+
+static const struct row planes[] = {
+    [REGION_Z] = {"boundary", "", "where a step does not grow, in the plane of lambda dt", "",
+                  NULL},
+    [REGION_STARS] = {"star-boundary", "", "order stars, in the plane of lambda dt", "", NULL},
+    [REGION_DAMPED] = {"region-boundary", "",
+                       "stability of a damped oscillator, by zeta and omega dt", "", NULL},
+};
+const struct catalog region_catalog = CATALOG("plane", planes);
+
+/* ---- the columns ---- */
+
+#define AT(member) .at = offsetof(struct region_row, member)
+/* clang-format off */
+#define REGION_COLUMNS(across, up) \
+    {.name = "part", .kind = COLUMN_NAME, AT(part)}, \
+    {.name = "curve", .kind = COLUMN_NAME, AT(curve)}, \
+    {.name = across, AT(x)}, \
+    {.name = up, AT(y)}, \
+    {.name = "dt_max", .quantity = QUANTITY_TIME, AT(dt_max)}
+/* clang-format on */
+
+static const struct result_column of_plane[] = {REGION_COLUMNS("re", "im")};
+static const struct result_column of_damped[] = {REGION_COLUMNS("zeta", "omega_dt")};
+static const struct result_columns plane_columns = RESULT_COLUMNS(of_plane, struct region_row),
+                                   damped_columns = RESULT_COLUMNS(of_damped, struct region_row);
+
+const struct result_columns *region_columns(enum region_plane plane)
+{
+    return plane == REGION_DAMPED ? &damped_columns : &plane_columns;
+}
+
+/* ---- the fields ---- */
+
+static double growth_in_z(const void *by, double re, double im)
+{
+    return stability_growth(by, re, im) - 1 - growth_rounding;
+}
+
+static double growth_in_star(const void *by, double re, double im)
+{
+    return stability_growth(by, re, im) * exp(-re) - 1 - growth_rounding;
+}
+
+static double growth_in_damped(const void *by, double zeta, double x)
+{
+    const struct method_choice *choice = by;
+    return x > 0 ? method_growth(choice->method, choice->drag, x, zeta) - 1 - growth_rounding : -1;
+}
+
+/* ---- how far the plane reaches ---- */
+
+static double finite_or(double value, double otherwise)
+{
+    return isfinite(value) && value > 0 ? value : otherwise;
+}
+
+/* Returns the largest Re z at which a step of a method that is stable far to the left grows, or 0
+ * if there is none. */
+static double unstable_reach(const struct method_choice *by)
+{
+    enum { PLACES = 54 };
+    double reach = 0;
+    for (int i = 0; i < PLACES; i++) {
+        const double re = widest_plane * pow(1.1, i - PLACES);
+        if (stability_growth(by, re, 0) > 1)
+            reach = re;
+    }
+    return reach;
+}
+
+/* Widens the box, {left, right, top}, so that it holds the boundary of a method. */
+static void include_method(const struct method_choice *by, double box[3])
+{
+    const double real = method_stable_limit(by->method, by->drag, 1),
+                 high = finite_or(method_stable_limit(by->method, by->drag, 0), 0),
+                 middle = finite_or(method_stable_limit(by->method, by->drag, 0.3), 0);
+    if (isinf(real)) {
+        double reach = unstable_reach(by);
+        reach = reach < widest_plane / 1.2 ? reach : 0;
+        box[0] = fmin(box[0], reach > 0 ? -0.5 * reach : -unbounded_width);
+        box[1] = fmax(box[1], reach > 0 ? 1.25 * reach : unbounded_width);
+        box[2] = fmax(box[2], reach > 0 ? 0.9 * reach : unbounded_width);
+        return;
+    }
+    box[0] = fmin(box[0], -1.25 * finite_or(real, 1));
+    box[1] = fmax(box[1], 0.45 * finite_or(real, 1));
+    box[2] = fmax(box[2], 1.25 * fmax(fmax(high, middle), 0.7 * finite_or(real, 1)));
+}
+
+static struct contour_field plane_field(enum region_plane plane, const struct stability *of,
+                                        int count)
+{
+    double box[3] = {0, 0, 0};
+    for (int i = 0; i < count && plane != REGION_DAMPED; i++)
+        include_method(&of[i].by, box);
+    for (int i = 0; i < count && plane == REGION_DAMPED; i++)
+        for (int k = 0; k <= 8; k++)
+            box[2] = fmax(box[2], finite_or(method_stable_limit(of[i].by.method, of[i].by.drag,
+                                                                zeta_max * k / 8),
+                                            0));
+    if (plane == REGION_DAMPED)
+        return (struct contour_field){.value = growth_in_damped,
+                                      .to = {zeta_max, 1.15 * finite_or(box[2], unbounded_width)},
+                                      .cells = {DAMPED_CELLS, DAMPED_CELLS}};
+    if (plane == REGION_STARS) {
+        box[2] = fmin(fmax(-box[0], box[2]), widest_plane);
+        box[0] = -box[2];
+        box[1] = box[2];
+    }
+    /* No node lies on the imaginary axis, where the growth of many methods is 1. */
+    const double cell = (box[1] - box[0]) / PLANE_CELLS, left = (floor(box[0] / cell) + 0.5) * cell;
+    return (struct contour_field){
+        .value = plane == REGION_Z ? growth_in_z : growth_in_star,
+        .from = {left, 0},
+        .to = {left + PLANE_CELLS * cell, box[2]},
+        .cells = {PLANE_CELLS, (int)fmax(8, fmin(PLANE_CELLS, ceil(box[2] / cell)))}};
+}
+
+/* ---- rows ---- */
+
+static bool region_add(struct region *region, const struct region_row *row)
+{
+    if (region->rows == region->capacity) {
+        const size_t capacity = region->capacity ? 2 * region->capacity : 1024;
+        struct region_row *larger = realloc(region->row, capacity * sizeof *larger);
+        if (!larger)
+            return false;
+        region->row = larger;
+        region->capacity = capacity;
+    }
+    region->row[region->rows++] = *row;
+    return true;
+}
+
+/* Adds the boundary of one method; what is below the real axis is the mirror image. */
+static bool add_boundary(const struct contour_field *field, const struct stability *of,
+                         bool mirrored, const struct cancel *cancel, struct region *region)
+{
+    struct contour contour = {0};
+    struct region_row row = {
+        .part = "boundary", .curve = of->by.method->row.name, .dt_max = of->dt_max};
+    bool ok = contour_trace(field, cancel, &contour);
+    for (int side = 1; side >= (mirrored ? -1 : 1); side -= 2)
+        for (size_t i = 0; ok && i < contour.n; i++) {
+            row.x = contour.x[i];
+            row.y = side * contour.y[i];
+            ok = region_add(region, &row);
+        }
+    contour_free(&contour);
+    return ok;
+}
+
+/* Adds the stretch of the imaginary axis on which a method is stable that knows no forces which
+ * depend on velocity. */
+static bool add_interval(const struct stability *of, bool damped, struct region *region)
+{
+    const double limit = method_stable_limit(of->by.method, of->by.drag, 0);
+    struct region_row row = {
+        .part = "boundary", .curve = of->by.method->row.name, .dt_max = of->dt_max};
+    if (!isfinite(limit))
+        return true;
+    row.y = damped ? 0 : -limit;
+    bool ok = region_add(region, &row);
+    row.y = limit;
+    ok = ok && region_add(region, &row);
+    row.x = row.y = NAN;
+    return ok && region_add(region, &row);
+}
+
+/* Adds the eigenvalues of a mode times dt, or its damping and omega dt. */
+static bool add_mode_points(enum region_plane plane, const struct mode *mode, double dt,
+                            const char *part, const char *curve, struct region *region)
+{
+    struct region_row row = {.part = part, .curve = curve, .dt_max = NAN};
+    double re[2], im;
+    mode_eigenvalues(mode, re, &im);
+    if (plane == REGION_DAMPED) {
+        row.x = mode->zeta;
+        row.y = mode->omega * dt;
+        return mode->sign != STIFFNESS_POSITIVE || region_add(region, &row);
+    }
+    bool ok = true;
+    for (int k = 0; k < 2; k++) {
+        row.x = re[k] * dt;
+        row.y = (k == 0 ? im : -im) * dt;
+        ok = ok && region_add(region, &row);
+    }
+    return ok;
+}
+
+static bool add_points(enum region_plane plane, const struct stability *of, int count,
+                       struct region *region)
+{
+    bool ok = true;
+    for (int i = 0; i < of->at_start; i++)
+        ok = ok &&
+             add_mode_points(plane, &of->mode[i], of->dt, "scene",
+                             plane == REGION_DAMPED ? "omega dt here" : "lambda dt here", region);
+    for (int i = 0; i < count; i++)
+        if (of[i].dt_max > 0 && isfinite(of[i].dt_max))
+            ok = ok && add_mode_points(plane, &of[i].tightest, of[i].dt_max, "limit", "at dt_max",
+                                       region);
+    return ok;
+}
+
+bool region_trace(enum region_plane plane, const struct stability *of, int count,
+                  const struct cancel *cancel, struct region *region, struct error *error)
+{
+    struct contour_field field = plane_field(plane, of, count);
+    bool ok = true;
+    for (int i = 0; i < count && ok; i++) {
+        field.context = &of[i].by;
+        ok = isnan(stability_growth(&of[i].by, -0.5, 0.5))
+                 ? add_interval(&of[i], plane == REGION_DAMPED, region)
+                 : add_boundary(&field, &of[i], plane != REGION_DAMPED, cancel, region);
+    }
+    ok = ok && (plane == REGION_STARS || add_points(plane, of, count, region));
+    if (!ok && !cancelled(cancel))
+        return error_memory(error);
+    return ok || error_set(error, ERROR_CANCELLED, "stopped");
+}
+
+void region_free(struct region *region)
+{
+    free(region->row);
+    *region = (struct region){NULL, 0, 0};
+}

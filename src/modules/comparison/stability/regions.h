@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Boundaries of stability, as rows of a table. */
+#ifndef HOOKE_MODULES_COMPARISON_STABILITY_REGIONS_H
+#define HOOKE_MODULES_COMPARISON_STABILITY_REGIONS_H
+
+#include "modules/comparison/compute/stability.h"
+
+/* Planes in which boundaries are drawn. */
+enum region_plane {
+    REGION_Z,      /* z = lambda dt: where a step does not grow */
+    REGION_STARS,  /* z: where it grows less than the exact solution, an order star */
+    REGION_DAMPED, /* zeta and omega dt of a damped oscillator */
+};
+
+/* A point of the plane; of one part and curve they follow each other, with a gap, both NAN, behind
+ * each line. */
+struct region_row {
+    const char *part;  /* "boundary", "scene" (its eigenvalues times dt), "limit" (times dt_max) */
+    const char *curve; /* name of the method, or what the point is */
+    double x, y;       /* Re z and Im z; zeta and omega dt */
+    double dt_max;     /* [s] of the method on this scene, NAN where it is of no method */
+};
+
+struct region {
+    struct region_row *row; /* [rows] owned: region_free() */
+    size_t rows, capacity;
+};
+
+extern const struct catalog region_catalog; /* kinds of tables, at the enum's place */
+/* Columns of struct region_row in each plane. */
+const struct result_columns *region_columns(enum region_plane plane);
+
+/* Traces the boundaries of methods, and places the eigenvalues of the scene at dt. Returns false if
+ * out of memory or cancelled. */
+bool region_trace(enum region_plane plane, const struct stability *of, int count,
+                  const struct cancel *cancel, struct region *region, struct error *error);
+void region_free(struct region *region);
+
+#endif
