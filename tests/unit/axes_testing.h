@@ -6,11 +6,7 @@
 #ifndef AXES_TESTING_H
 #define AXES_TESTING_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/figure.h>
 

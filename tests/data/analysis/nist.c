@@ -6,12 +6,8 @@
  */
 #include <hooke/base/file.h>
 #include <hooke/base/number.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/series/analysis.h"
 #include "modules/recording/table/load.h"
@@ -172,9 +168,8 @@ static void require_files(void)
     }
 }
 
-static void certified_values_from_both_starts(void **state)
+TEST(certified_values_from_both_starts)
 {
-    (void)state;
     require_files();
     int good = 0, poor = 0;
     static struct dataset set;
@@ -202,9 +197,8 @@ static void certified_values_from_both_starts(void **state)
 }
 
 /* Stopped on the way, the answer is called converged only where it is right. */
-static void nothing_wrong_is_called_converged(void **state)
+TEST(nothing_wrong_is_called_converged)
 {
-    (void)state;
     require_files();
     static const int limits[] = {1, 2, 4, 8, 16};
     static struct dataset set;
@@ -222,11 +216,4 @@ static void nothing_wrong_is_called_converged(void **state)
     assert_true(unfinished > 50);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(certified_values_from_both_starts),
-        cmocka_unit_test(nothing_wrong_is_called_converged),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,12 +5,8 @@
  * The files are other people's and not part of the project: HOOKE_DATA says where they are.
  */
 #include <hooke/base/unit.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/series/analysis.h"
 #include "modules/recording/table/load.h"
@@ -36,261 +32,53 @@ struct reference {
 
 /* Amplitude and offset of the two long disk recordings are not compared: their decay is not one
  * exponential. */
+/* clang-format off */
 static const struct reference references[] = {
-    {"uoft-pandhi/position data.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.1999,
-     {0.72260, 5e-5},
-     {0.0078, 8e-4},
-     5.144,
-     21.629,
-     {0, 0},
-     15.11},
-    {"uoft-pandhi/damped position.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.2166,
-     {0.7526, 2e-4},
-     {0.0241, 1e-3},
-     0,
-     0,
-     {0.0270, 0.0197},
-     15.09},
-    {"uoft-travelwithwind/position.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.200,
-     {0.7352, 2e-3},
-     {0.008, 0.017},
-     8.28,
-     24.54,
-     {0, 0},
-     14.61},
-    {"uoft-travelwithwind/position_damped.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.2167,
-     {0.7649, 4e-4},
-     {0.030, 2e-3},
-     0,
-     0,
-     {0.0343, 0.0233},
-     14.62},
-    {"uoft-pankaj/undamped_point_data.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.200,
-     {0.69325, 2e-5},
-     {0.0060, 3e-4},
-     3.10,
-     20.718,
-     {0, 0},
-     16.43},
-    {"uoft-pankaj/undamped_point_data_set2.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.200,
-     {0.69311, 7e-5},
-     {0.004, 2e-3},
-     0.724,
-     20.707,
-     {0, 0},
-     16.44},
-    {"uoft-pankaj/damped_point_data.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.2151,
-     {0.72275, 5e-5},
-     {0.0175, 1.5e-3},
-     1.640,
-     19.929,
-     {0.0189, 0.0161},
-     16.26},
-    {"uoft-kamjha/position_osc.txt",
-     "",
-     "",
-     0,
-     NULL,
-     0.200,
-     {0.68910, 5e-5},
-     {0.0065, 1e-3},
-     4.118,
-     23.198,
-     {0, 0},
-     16.63},
-    {"uoft-kamjha/position_drag_osc2[3835].txt",
-     "",
-     "",
-     0,
-     NULL,
-     0,
-     {0.7187, 1e-4},
-     {0.0320, 1.5e-3},
-     4.73,
-     32.59,
-     {0, 0},
-     0},
-    {"phyphox-facufer9/Dinam_190g.csv",
-     "1",
-     "3",
-     0,
-     NULL,
-     0,
-     {0.44057, 2e-4},
-     {0, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"phyphox-facufer9/Dinam_253g.csv",
-     "1",
-     "3",
-     0,
-     NULL,
-     0,
-     {0.50637, 2e-4},
-     {0, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"phyphox-facufer9/Dinam_278g.csv",
-     "1",
-     "3",
-     0,
-     NULL,
-     0,
-     {0.52899, 2e-4},
-     {0, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"phyphox-facufer9/Dinam_342g.csv",
-     "1",
-     "3",
-     0,
-     NULL,
-     0,
-     {0.58435, 2e-4},
-     {0, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"tracker-jiarui/8047.txt",
-     "1",
-     "2",
-     0,
-     "m",
-     0,
-     {2.4197, 1e-3},
-     {0.0123, 3e-4},
-     0,
-     0,
-     {0, 0},
+    {"uoft-pandhi/position data.txt", "", "", 0, NULL, 0.1999, {0.72260, 5e-5}, {0.0078, 8e-4},
+     5.144, 21.629, {0, 0}, 15.11},
+    {"uoft-pandhi/damped position.txt", "", "", 0, NULL, 0.2166, {0.7526, 2e-4}, {0.0241, 1e-3}, 0,
+     0, {0.0270, 0.0197}, 15.09},
+    {"uoft-travelwithwind/position.txt", "", "", 0, NULL, 0.200, {0.7352, 2e-3}, {0.008, 0.017},
+     8.28, 24.54, {0, 0}, 14.61},
+    {"uoft-travelwithwind/position_damped.txt", "", "", 0, NULL, 0.2167, {0.7649, 4e-4},
+     {0.030, 2e-3}, 0, 0, {0.0343, 0.0233}, 14.62},
+    {"uoft-pankaj/undamped_point_data.txt", "", "", 0, NULL, 0.200, {0.69325, 2e-5},
+     {0.0060, 3e-4}, 3.10, 20.718, {0, 0}, 16.43},
+    {"uoft-pankaj/undamped_point_data_set2.txt", "", "", 0, NULL, 0.200, {0.69311, 7e-5},
+     {0.004, 2e-3}, 0.724, 20.707, {0, 0}, 16.44},
+    {"uoft-pankaj/damped_point_data.txt", "", "", 0, NULL, 0.2151, {0.72275, 5e-5},
+     {0.0175, 1.5e-3}, 1.640, 19.929, {0.0189, 0.0161}, 16.26},
+    {"uoft-kamjha/position_osc.txt", "", "", 0, NULL, 0.200, {0.68910, 5e-5}, {0.0065, 1e-3},
+     4.118, 23.198, {0, 0}, 16.63},
+    {"uoft-kamjha/position_drag_osc2[3835].txt", "", "", 0, NULL, 0, {0.7187, 1e-4},
+     {0.0320, 1.5e-3}, 4.73, 32.59, {0, 0}, 0},
+    {"phyphox-facufer9/Dinam_190g.csv", "1", "3", 0, NULL, 0, {0.44057, 2e-4}, {0, 0}, 0, 0,
+     {0, 0}, 0},
+    {"phyphox-facufer9/Dinam_253g.csv", "1", "3", 0, NULL, 0, {0.50637, 2e-4}, {0, 0}, 0, 0,
+     {0, 0}, 0},
+    {"phyphox-facufer9/Dinam_278g.csv", "1", "3", 0, NULL, 0, {0.52899, 2e-4}, {0, 0}, 0, 0,
+     {0, 0}, 0},
+    {"phyphox-facufer9/Dinam_342g.csv", "1", "3", 0, NULL, 0, {0.58435, 2e-4}, {0, 0}, 0, 0,
+     {0, 0}, 0},
+    {"tracker-jiarui/8047.txt", "1", "2", 0, "m", 0, {2.4197, 1e-3}, {0.0123, 3e-4}, 0, 0, {0, 0},
      0},
     {"tracker-jiarui/8055.txt", "1", "2", 0, "m", 0, {1.4276, 5e-4}, {0.0104, 0}, 0, 0, {0, 0}, 0},
-    {"semicolon-stecu/experiment_1.csv",
-     "1",
-     "2",
-     0,
-     "mm",
-     0,
-     {0.338, 4e-3},
-     {6.3, 0.5},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"semicolon-stecu/experiment_2.csv",
-     "1",
-     "2",
-     0,
-     "mm",
-     0,
-     {0.302, 4e-3},
-     {19, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"semicolon-stecu/experiment_3.csv",
-     "1",
-     "2",
-     0,
-     "mm",
-     0,
-     {0.376, 4e-3},
-     {6.4, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"vernierformat-amellinger/test1.txt",
-     "1",
-     "2",
-     0,
-     "m",
-     0,
-     {0.7366, 3.5e-3},
-     {0, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv",
-     "",
-     "1",
-     100,
-     NULL,
-     0,
-     {0.48503, 2e-4},
-     {0.137, 8e-3},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"pasco-mattia04/Oscillazioni pretensionata_rete_5e7masse.csv",
-     "",
-     "1",
-     100,
-     NULL,
-     0,
-     {0.47692, 2e-4},
-     {0.156, 0},
-     0,
-     0,
-     {0, 0},
-     0},
-    {"pasco-mattia04/Oscillazioni non_pretensionata_rete_3e1masse.csv",
-     "",
-     "1",
-     100,
-     NULL,
-     0,
-     {1.0776, 4e-4},
-     {0.0904, 0},
-     0,
-     0,
-     {0, 0},
-     0},
+    {"semicolon-stecu/experiment_1.csv", "1", "2", 0, "mm", 0, {0.338, 4e-3}, {6.3, 0.5}, 0, 0,
+     {0, 0}, 0},
+    {"semicolon-stecu/experiment_2.csv", "1", "2", 0, "mm", 0, {0.302, 4e-3}, {19, 0}, 0, 0,
+     {0, 0}, 0},
+    {"semicolon-stecu/experiment_3.csv", "1", "2", 0, "mm", 0, {0.376, 4e-3}, {6.4, 0}, 0, 0,
+     {0, 0}, 0},
+    {"vernierformat-amellinger/test1.txt", "1", "2", 0, "m", 0, {0.7366, 3.5e-3}, {0, 0}, 0, 0,
+     {0, 0}, 0},
+    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "", "1", 100, NULL, 0,
+     {0.48503, 2e-4}, {0.137, 8e-3}, 0, 0, {0, 0}, 0},
+    {"pasco-mattia04/Oscillazioni pretensionata_rete_5e7masse.csv", "", "1", 100, NULL, 0,
+     {0.47692, 2e-4}, {0.156, 0}, 0, 0, {0, 0}, 0},
+    {"pasco-mattia04/Oscillazioni non_pretensionata_rete_3e1masse.csv", "", "1", 100, NULL, 0,
+     {1.0776, 4e-4}, {0.0904, 0}, 0, 0, {0, 0}, 0},
 };
+/* clang-format on */
 
 /* Bare bob and bob with disk on the same spring. */
 static const char *const pairs[][2] = {
@@ -389,9 +177,8 @@ static void check_fit(const struct reference *r, const struct series *series, st
     }
 }
 
-static void reference_values(void **state)
+TEST(reference_values)
 {
-    (void)state;
     int seen = 0;
     failures = 0;
     for (size_t i = 0; i < COUNT_OF(references); i++) {
@@ -440,9 +227,8 @@ static double stiffness_of(const char *file)
     return 0; /* absent */
 }
 
-static void bare_and_disk_have_the_same_spring(void **state)
+TEST(bare_and_disk_have_the_same_spring)
 {
-    (void)state;
     int seen = 0;
     for (size_t i = 0; i < COUNT_OF(pairs); i++) {
         double bare = stiffness_of(pairs[i][0]), disk = stiffness_of(pairs[i][1]);
@@ -459,9 +245,8 @@ static void bare_and_disk_have_the_same_spring(void **state)
 }
 
 /* A constant signal, and drag that is plainly no exponential: said, not hidden. */
-static void what_the_fit_says_about_them(void **state)
+TEST(what_the_fit_says_about_them)
 {
-    (void)state;
     static const struct {
         const char *file, *value;
         double rate;
@@ -520,9 +305,8 @@ static void what_the_fit_says_about_them(void **state)
  * the others a further term may take a fifth of the loss or more: what is known is which laws
  * remain.
  */
-static void long_recordings_show_the_law(void **state)
+TEST(long_recordings_show_the_law)
 {
-    (void)state;
     static const struct {
         const char *file;
         enum drag_law preferred, remains;
@@ -571,13 +355,4 @@ static void long_recordings_show_the_law(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reference_values),
-        cmocka_unit_test(bare_and_disk_have_the_same_spring),
-        cmocka_unit_test(what_the_fit_says_about_them),
-        cmocka_unit_test(long_recordings_show_the_law),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -155,9 +155,8 @@ static const struct {
     {"tracker-jiarui/QfactorVsLength.txt", "no time column"},
 };
 
-static void recordings_are_read(void **state)
+TEST(recordings_are_read)
 {
-    (void)state;
     if (no_data())
         skip();
     for (size_t i = 0; i < COUNT_OF(readable); i++) {
@@ -191,9 +190,8 @@ static void recordings_are_read(void **state)
     }
 }
 
-static void the_rest_is_refused_with_a_reason(void **state)
+TEST(the_rest_is_refused_with_a_reason)
 {
-    (void)state;
     if (no_data())
         skip();
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
@@ -209,9 +207,8 @@ static void the_rest_is_refused_with_a_reason(void **state)
 
 /* The lab's own files need nothing said but for the missing first velocity; the micro:bit's faults
  * are all said. */
-static void warnings_are_to_the_point(void **state)
+TEST(warnings_are_to_the_point)
 {
-    (void)state;
     struct error error;
     if (no_data())
         skip();
@@ -247,9 +244,8 @@ static bool is_expected(const char *file)
 
 /* No file lies there that the tables above leave out, but for its provenance, which is prose and no
  * table. */
-static void every_file_is_expected(void **state)
+TEST(every_file_is_expected)
 {
-    (void)state;
     if (no_data())
         skip();
     DIR *top = opendir(data_folder());
@@ -281,9 +277,8 @@ static void every_file_is_expected(void **state)
     assert_true(files > 40);
 }
 
-static void both_forms_of_a_series_agree(void **state)
+TEST(both_forms_of_a_series_agree)
 {
-    (void)state;
     struct error error;
     if (no_data())
         skip();
@@ -297,9 +292,8 @@ static void both_forms_of_a_series_agree(void **state)
 }
 
 /* Offsets and amplitudes of the reference values, roughly: columns and units are the right ones. */
-static void values_have_the_right_size(void **state)
+TEST(values_have_the_right_size)
 {
-    (void)state;
     static const struct {
         const char *file;
         double offset, amplitude; /* [m] */
@@ -336,15 +330,4 @@ static void values_have_the_right_size(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(recordings_are_read),
-        cmocka_unit_test(the_rest_is_refused_with_a_reason),
-        cmocka_unit_test(warnings_are_to_the_point),
-        cmocka_unit_test(every_file_is_expected),
-        cmocka_unit_test(both_forms_of_a_series_agree),
-        cmocka_unit_test(values_have_the_right_size),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -3,12 +3,7 @@
  * Files that grow by whole lines: while each of the system calls fails or is cut short, beside
  * other programs that add to them, and where something else stands in their place.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "faults/failing_calls.h"
 #include <hooke/base/cancel.h>

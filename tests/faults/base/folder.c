@@ -4,12 +4,7 @@
  * system calls fails, is cut short or is the last one that the program makes; and that it never
  * removes what is not its own.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "faults/failing_calls.h"

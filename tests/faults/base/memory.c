@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Each allocation of each kind of work fails once, and from there for ever: an error or a whole
  * result, no leak, no crash. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "faults/failing_malloc.h"
 #include <hooke/base/cancel.h>
@@ -111,9 +106,8 @@ static const struct {
     {"read", work_read, true, 0},
 };
 
-static void every_allocation_fails(void **state)
+TEST(every_allocation_fails)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -144,9 +138,8 @@ static void every_allocation_fails(void **state)
 }
 
 /* What the header promises never to allocate. */
-static void these_never_allocate(void **state)
+TEST(these_never_allocate)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -197,11 +190,4 @@ static int tear_down(void **state)
     return rmdir(folder); /* fails if anything else was left behind */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_allocation_fails),
-        cmocka_unit_test(these_never_allocate),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS(set_up, tear_down)

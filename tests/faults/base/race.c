@@ -3,12 +3,7 @@
  * --safe while somebody exchanges a folder for a link to one outside, as fast as that goes: what is
  * looked at is what is written to, so that nothing lands outside.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include <hooke/base/cancel.h>
@@ -103,9 +98,8 @@ static void race(bool (*act)(void), int races, const char *what)
     assert_true(inside >= 20 && tried - inside >= 20);
 }
 
-static void nothing_lands_outside(void **state)
+TEST(nothing_lands_outside)
 {
-    (void)state;
     char folder[] = "/tmp/hooke-race-XXXXXX", command[64];
     assert_non_null(mkdtemp(folder));
     assert_int_equal(chdir(folder), 0);
@@ -125,8 +119,4 @@ static void nothing_lands_outside(void **state)
     assert_int_equal(system(command), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_lands_outside)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,12 +3,7 @@
  * What killed programs leave goes, what somebody writes and what is a user's stays, whoever sweeps
  * meanwhile.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "faults/failing_calls.h"

@@ -4,12 +4,7 @@
  * fails, is cut short or is the last one that the program makes; and against full disks, folders
  * without permission and hostile names.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "faults/failing_calls.h"

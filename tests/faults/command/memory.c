@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Running out of memory ends a command, not the session: allocations of a long script, and of the
  * examples of commands that do not occur in it, fail one by one, once and for ever. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <gsl/gsl_errno.h>
 
@@ -182,9 +178,8 @@ static void fail_chapter(const char *const *line, struct tally *tally)
     tally->calls += calls;
 }
 
-static void every_allocation_may_fail(void **state)
+TEST(every_allocation_may_fail)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has an allocator of its own\n");
         skip();
@@ -237,9 +232,8 @@ static void fail_examples(const struct command *command, struct tally *tally)
 }
 
 /* A command that is new is tested without a line here. */
-static void every_allocation_of_examples_may_fail(void **state)
+TEST(every_allocation_of_examples_may_fail)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL)
         skip();
     struct tally tally = {.calls = 0};
@@ -258,9 +252,8 @@ static void every_allocation_of_examples_may_fail(void **state)
 }
 
 /* GSL's own handler ends the program, and it is called where memory is out. */
-static void gsl_returns_its_errors(void **state)
+TEST(gsl_returns_its_errors)
 {
-    (void)state;
     gsl_error_handler_t *const first = gsl_set_error_handler_off(), *const off =
                                                                         gsl_set_error_handler_off();
     assert_true(first == off);
@@ -273,10 +266,4 @@ static int leave_folders(void **state)
     return leave_folder(state);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(gsl_returns_its_errors),
-                                       cmocka_unit_test(every_allocation_may_fail),
-                                       cmocka_unit_test(every_allocation_of_examples_may_fail)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folders);
-}
+RUN_TESTS(enter_folder, leave_folders)

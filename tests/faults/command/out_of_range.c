@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session's file that somebody has written, with right checksums: numbers that nothing can have
  * are left out by name, the rest is there and can be used. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "fuzz/mend.h"
 #include "modules/resume/testing.h"
@@ -62,7 +58,7 @@ static void restore_damaged(struct bench *again, struct buffer *file, const char
     buffer_free(&notes);
 }
 
-static void numbers_out_of_range_are_left_out_by_name(void **state)
+TEST(numbers_out_of_range_are_left_out_by_name)
 {
     static const int64_t minus = -1, far = INT64_MAX / 2;
     static const double none = NAN, negative = -1;
@@ -108,9 +104,8 @@ static void numbers_out_of_range_are_left_out_by_name(void **state)
 }
 
 /* The set-up is there as commands: others are not executed, and what is left is restored. */
-static void only_what_makes_a_session_is_executed(void **state)
+TEST(only_what_makes_a_session_is_executed)
 {
-    (void)state;
     static const char line[] = "let A = 4 cm\n";
     static const struct {
         const char *instead, *named;
@@ -143,11 +138,4 @@ static void only_what_makes_a_session_is_executed(void **state)
     buffer_free(&whole);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_out_of_range_are_left_out_by_name),
-        cmocka_unit_test(only_what_makes_a_session_is_executed),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -90,9 +90,8 @@ void free(void *memory)
     } while (0)
 #endif
 
-static void test_no_allocation_in_steps(void **state)
+TEST(test_no_allocation_in_steps)
 {
-    (void)state;
     NEEDS_ALLOCATOR();
     struct scene scene = spring();
     set(&scene, "gamma", 0.1);
@@ -114,9 +113,8 @@ static void test_no_allocation_in_steps(void **state)
     }
 }
 
-static void test_peak_of_a_long_run(void **state)
+TEST(test_peak_of_a_long_run)
 {
-    (void)state;
     NEEDS_ALLOCATOR();
     size_t before = live;
     struct scene scene = spring();
@@ -163,9 +161,8 @@ static void scenario(void)
     run_destroy(run);
 }
 
-static void test_every_allocation_fails(void **state)
+TEST(test_every_allocation_fails)
 {
-    (void)state;
     NEEDS_ALLOCATOR();
     size_t before = live;
     calls = 0;
@@ -184,12 +181,4 @@ static void test_every_allocation_fails(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_allocation_in_steps),
-        cmocka_unit_test(test_peak_of_a_long_run),
-        cmocka_unit_test(test_every_allocation_fails),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

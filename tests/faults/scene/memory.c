@@ -51,9 +51,8 @@ static bool whole_way(double *output, struct error *error)
     return done;
 }
 
-static void test_each_allocation(void **state)
+TEST(test_each_allocation)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -80,9 +79,8 @@ static void test_each_allocation(void **state)
 }
 
 /* Evaluation never allocates. */
-static void test_evaluation(void **state)
+TEST(test_evaluation)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -110,11 +108,4 @@ static void test_evaluation(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_allocation),
-        cmocka_unit_test(test_evaluation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,12 +4,7 @@
  * one that the program makes: what is there afterwards is the old or the new, whole; a failure is
  * told; and nothing is left behind after the next start.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "faults/failing_calls.h"
@@ -316,9 +311,8 @@ static void climb(const struct ladder *row)
     buffer_free(&new);
 }
 
-static void every_writer(void **state)
+TEST(every_writer)
 {
-    (void)state;
     char folder[] = "/tmp/hooke-ladder-XXXXXX";
     assert_non_null(make_folder(folder));
     assert_int_equal(chdir(folder), 0);
@@ -341,8 +335,4 @@ static void every_writer(void **state)
     assert_int_equal(total.torn + total.lies + total.strays, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_writer)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -12,9 +12,8 @@ static bool is_blank(const struct canvas *canvas)
     return true;
 }
 
-static void a_frame_survives_every_failure(void **state)
+TEST(a_frame_survives_every_failure)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL)
         skip();
     struct session *session = begin(true, swing);
@@ -47,8 +46,4 @@ static void a_frame_survives_every_failure(void **state)
     session_destroy(session);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_frame_survives_every_failure)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Every limit of the program: as much as it says works; one more is an error that says how much
  * does, and nothing is changed by it; or the oldest goes, and nothing else. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/fits.h"
 #include "long_form.h"
@@ -129,9 +125,8 @@ static void assert_refused(struct bench *b, const char *limit, const struct buff
     buffer_free(&number);
 }
 
-static void counted_things_are_refused(void **state)
+TEST(counted_things_are_refused)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(counted); i++) {
         const struct counted *of = &counted[i];
         struct bench b;
@@ -155,9 +150,8 @@ static void counted_things_are_refused(void **state)
     }
 }
 
-static void sizes_are_refused(void **state)
+TEST(sizes_are_refused)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(sized); i++) {
         const struct sized *of = &sized[i];
         const int step = of->step ? of->step : 1,
@@ -205,9 +199,8 @@ static void write_files(void)
     assert_int_equal(truncate("huge.txt", (off_t)limit_of("file") + 1), 0);
 }
 
-static void lines_are_refused(void **state)
+TEST(lines_are_refused)
 {
-    (void)state;
     write_files();
     for (size_t i = 0; i < COUNT_OF(pairs); i++) {
         struct bench b;
@@ -226,9 +219,8 @@ static void lines_are_refused(void **state)
 
 /* ---- what is forgotten ---- */
 
-static void the_oldest_goes(void **state)
+TEST(the_oldest_goes)
 {
-    (void)state;
     struct bench b;
     char line[64];
     bench_open(&b, false);
@@ -295,9 +287,8 @@ static bool is_tested(const char *name)
     return tested;
 }
 
-static void every_limit_is_tested(void **state)
+TEST(every_limit_is_tested)
 {
-    (void)state;
     for (size_t i = 0; i < limit_catalog.count; i++)
         if (!is_tested(catalog_row(&limit_catalog, i)->name))
             fail_msg("the limit %s is not tested", catalog_row(&limit_catalog, i)->name);
@@ -310,12 +301,4 @@ static int begin(void **state)
     return status;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(counted_things_are_refused), cmocka_unit_test(sizes_are_refused),
-        cmocka_unit_test(lines_are_refused),          cmocka_unit_test(the_oldest_goes),
-        cmocka_unit_test(every_limit_is_tested),
-    };
-    return cmocka_run_group_tests(tests, begin, leave_folder);
-}
+RUN_TESTS(begin, leave_folder)

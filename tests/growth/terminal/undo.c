@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Readline's lists of undo: however they are left, they are freed, and once. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <malloc.h>
 #include <stdio.h>
@@ -52,9 +48,8 @@ static void leave_to_history(void)
     free_history_entry(entry);
 }
 
-static void test_lists(void **state)
+TEST(test_lists)
 {
-    (void)state;
     void (*const ways[])(void) = {edit, leave_list, free_twice, leave_to_history};
     rl_initialize();
     using_history();
@@ -75,9 +70,8 @@ static void test_lists(void **state)
 }
 
 /* Nothing behind a NUL is of the line: there, and in undoing, readline would not find its end. */
-static void test_end(void **state)
+TEST(test_end)
 {
-    (void)state;
     edit();
     const int end = rl_end;
     rl_point = end;
@@ -92,8 +86,4 @@ static void test_end(void **state)
     line_over();
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lists), cmocka_unit_test(test_end)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

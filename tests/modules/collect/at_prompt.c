@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* collect at a serial line and in panes: the line is left as it was found, what was unplugged is
  * kept, and while it comes one can type. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <glob.h>
 #include <math.h>

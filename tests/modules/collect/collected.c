@@ -73,9 +73,8 @@ static void times_are(const struct recording *r, const struct stream *s, double 
         fail_msg("a time is %.3g s wrong, %.3g allowed", worst, tolerance);
 }
 
-static void arrivals_lie_on_the_line_of_the_device(void **state)
+TEST(arrivals_lie_on_the_line_of_the_device)
 {
-    (void)state;
     static const struct {
         struct stream s;
         double tolerance, uncertainty;
@@ -115,9 +114,8 @@ static void arrivals_lie_on_the_line_of_the_device(void **state)
     }
 }
 
-static void no_line_is_drawn_through_what_is_uneven(void **state)
+TEST(no_line_is_drawn_through_what_is_uneven)
 {
-    (void)state;
     struct stream *s = calloc(1, sizeof *s);
     assert_non_null(s);
     *s = (struct stream){.rate = 10, .from = 1, .n = 600, .wander = true};
@@ -142,9 +140,8 @@ static struct recording *of_lines(const char *lines, double step, struct error *
     return r;
 }
 
-static void the_clock_of_the_device_is_taken_where_there_is_one(void **state)
+TEST(the_clock_of_the_device_is_taken_where_there_is_one)
 {
-    (void)state;
     static const struct {
         const char *before, *between, *behind;
         double per_second;
@@ -174,9 +171,8 @@ static void the_clock_of_the_device_is_taken_where_there_is_one(void **state)
 }
 
 /* Every line is a sample, or in one of the counts. */
-static void what_is_broken_is_counted(void **state)
+TEST(what_is_broken_is_counted)
 {
-    (void)state;
     static const struct {
         const char *broken;
         int garbled;
@@ -374,9 +370,8 @@ static void put_stream(const struct broken_stream *s, struct buffer *file)
 #pragma GCC diagnostic pop
 
 /* Each line is a sample or in one of the counts; times go on where the device's clock does not. */
-static void every_line_is_in_one_of_the_counts(void **state)
+TEST(every_line_is_in_one_of_the_counts)
 {
-    (void)state;
     static const struct load_options none;
     for (size_t i = 0; i < COUNT_OF(broken_streams); i++) {
         const struct broken_stream *s = &broken_streams[i];
@@ -410,9 +405,8 @@ static void every_line_is_in_one_of_the_counts(void **state)
 }
 
 /* Each number is in the unit that stands behind it. */
-static void units_in_the_lines_are_converted(void **state)
+TEST(units_in_the_lines_are_converted)
 {
-    (void)state;
     struct error error = {0};
     struct recording *r = of_lines("t: 0 ms, y: 1 cm\nt: 20 ms, y: 25 mm\nt: 40 ms, y: 4 V\n"
                                    "t: 0.06 s, y: 1 cm\nt: 80 ms, y: 5\nt: 100 ms, y: 2 cm\n",
@@ -433,9 +427,8 @@ static void units_in_the_lines_are_converted(void **state)
     recording_destroy(r);
 }
 
-static void lost_lines_are_said_not_to_be_known(void **state)
+TEST(lost_lines_are_said_not_to_be_known)
 {
-    (void)state;
     static const struct load_options none, paced = {.rate = 100};
     static const struct {
         struct stream s;
@@ -475,9 +468,8 @@ static void lost_lines_are_said_not_to_be_known(void **state)
     }
 }
 
-static void a_line_without_end_is_cut(void **state)
+TEST(a_line_without_end_is_cut)
 {
-    (void)state;
     struct buffer file = {0};
     static char line[1000000];
     memset(line, '1', sizeof line);
@@ -486,17 +478,4 @@ static void a_line_without_end_is_cut(void **state)
     buffer_free(&file);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(arrivals_lie_on_the_line_of_the_device),
-        cmocka_unit_test(no_line_is_drawn_through_what_is_uneven),
-        cmocka_unit_test(the_clock_of_the_device_is_taken_where_there_is_one),
-        cmocka_unit_test(what_is_broken_is_counted),
-        cmocka_unit_test(every_line_is_in_one_of_the_counts),
-        cmocka_unit_test(units_in_the_lines_are_converted),
-        cmocka_unit_test(lost_lines_are_said_not_to_be_known),
-        cmocka_unit_test(a_line_without_end_is_cut),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

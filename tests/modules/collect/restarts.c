@@ -164,9 +164,8 @@ static int rows_wrong(const struct board *b, char *why, size_t size)
     return wrong;
 }
 
-static void every_row_of_a_board_that_restarts_is_kept(void **state)
+TEST(every_row_of_a_board_that_restarts_is_kept)
 {
-    (void)state;
     const int cases = is_long() ? 20000 : 600;
     int failures = 0, tried = 0;
     for (int i = 0; i < cases; i++) {
@@ -186,9 +185,8 @@ static void every_row_of_a_board_that_restarts_is_kept(void **state)
 }
 
 /* A sawtooth beside another signal is no clock: its lines have the times of their arrivals. */
-static void a_sawtooth_is_no_clock(void **state)
+TEST(a_sawtooth_is_no_clock)
 {
-    (void)state;
     static const struct load_options none;
     struct buffer file = {0};
     struct error error = {0};
@@ -208,11 +206,4 @@ static void a_sawtooth_is_no_clock(void **state)
     buffer_free(&file);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_row_of_a_board_that_restarts_is_kept),
-        cmocka_unit_test(a_sawtooth_is_no_clock),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -112,9 +112,8 @@ static int compare_times(const struct precision *quiet, const struct precision *
     return wrong;
 }
 
-static void test_busy(void **state)
+TEST(test_busy)
 {
-    (void)state;
     struct scene scene;
     struct precision quiet;
     int wrong = 0, compared = 0, misranked = 0;
@@ -148,9 +147,8 @@ static void test_busy(void **state)
 }
 
 /* Three samples whose two shortest agree are sound, and nothing else is. */
-static void test_sound_times(void **state)
+TEST(test_sound_times)
 {
-    (void)state;
     const struct timing_result one = {.minimum = 1, .samples = 1},
                                apart = {.minimum = 1, .samples = 5, .spread = 0.2},
                                sound = {.minimum = 1, .samples = 3, .spread = 0.01},
@@ -161,9 +159,4 @@ static void test_sound_times(void **state)
     assert_false(timing_is_sound(&none));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_busy),
-                                       cmocka_unit_test(test_sound_times)};
-    return cmocka_run_group_tests_name("busy", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -37,9 +37,8 @@ static void close_to(double value, double wanted, double relative)
     }
 }
 
-static void test_the_labs_comparison(void **state)
+TEST(test_the_labs_comparison)
 {
-    (void)state;
     static const char *const names[] = {"euler", "backward-euler", "symplectic-euler"};
     struct scene scene;
     struct method_choice choice[3];
@@ -68,9 +67,8 @@ static void test_the_labs_comparison(void **state)
     }
 }
 
-static void test_observed_orders(void **state)
+TEST(test_observed_orders)
 {
-    (void)state;
     static const char *const names[] = {"symplectic-euler", "verlet", "rk4"};
     static const double order[] = {1, 2, 4};
     static const double dt[] = {0.008, 0.004, 0.002};
@@ -98,9 +96,8 @@ static void test_observed_orders(void **state)
 
 /* Without a closed form errors are measured against a reference, and the verdict says what the
  * energy did. */
-static void test_without_a_closed_form(void **state)
+TEST(test_without_a_closed_form)
 {
-    (void)state;
     static const char *const names[] = {"verlet", "rk4"};
     static const double dt[] = {0.008, 0.004};
     struct scene scene;
@@ -131,9 +128,8 @@ static void test_without_a_closed_form(void **state)
 
 /* Nothing predicts the energy of a pendulum or a hardening spring: Verlet keeps it, Heun and Euler
  * do not. */
-static void test_words_for_nonlinear_scenes(void **state)
+TEST(test_words_for_nonlinear_scenes)
 {
-    (void)state;
     static const char *const names[] = {"verlet", "heun", "euler", "backward-euler"};
     static const char *const said[] = {"energy bounded", "energy drifts", "driven up by the method",
                                        "damped away by the method"};
@@ -163,9 +159,8 @@ static void test_words_for_nonlinear_scenes(void **state)
     }
 }
 
-static void test_divergence_is_a_result(void **state)
+TEST(test_divergence_is_a_result)
 {
-    (void)state;
     static const char *const names[] = {"verlet", "rk4"};
     static const double dt[] = {0.5}; /* omega dt = 4.3: above the limits 2 and 2.83 */
     struct scene scene;
@@ -183,9 +178,8 @@ static void test_divergence_is_a_result(void **state)
     comparison_free(&row[1]);
 }
 
-static void test_refusals_come_first(void **state)
+TEST(test_refusals_come_first)
 {
-    (void)state;
     static const char *const names[] = {"rk4", "exact"};
     struct scene scene;
     struct method_choice choice[2];
@@ -207,9 +201,8 @@ static void test_refusals_come_first(void **state)
     assert_int_equal(count, 0);
 }
 
-static void test_cancelled(void **state)
+TEST(test_cancelled)
 {
-    (void)state;
     static const char *const names[] = {"rk4"};
     struct scene scene;
     struct method_choice choice[1];
@@ -236,9 +229,8 @@ static struct timing_result time_of(const struct system *system, const struct me
     return result;
 }
 
-static void test_times_grow_with_the_work(void **state)
+TEST(test_times_grow_with_the_work)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     struct system system;
@@ -259,17 +251,4 @@ static void test_times_grow_with_the_work(void **state)
     assert_true(many.minimum > 10 * few.minimum);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_labs_comparison),
-        cmocka_unit_test(test_observed_orders),
-        cmocka_unit_test(test_without_a_closed_form),
-        cmocka_unit_test(test_words_for_nonlinear_scenes),
-        cmocka_unit_test(test_divergence_is_a_result),
-        cmocka_unit_test(test_refusals_come_first),
-        cmocka_unit_test(test_cancelled),
-        cmocka_unit_test(test_times_grow_with_the_work),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

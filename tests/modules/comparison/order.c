@@ -22,9 +22,8 @@ static struct order measure(const struct scene *scene, const char *name, enum dr
     return order;
 }
 
-static void test_orders_as_claimed(void **state)
+TEST(test_orders_as_claimed)
 {
-    (void)state;
     static const char *const names[] = {"euler",  "verlet",   "kutta3",  "rk4",
                                         "radau5", "yoshida6", "yoshida8"};
     const struct scene scene = scene_with("spring", NO_SETTINGS);
@@ -40,9 +39,8 @@ static void test_orders_as_claimed(void **state)
 
 /* Orders of the literature on smooth scenes: none is refuted, and nearly all are found. High orders
  * come to rounding before their leading term dominates: then none is given. */
-static void test_known_orders_are_not_refuted(void **state)
+TEST(test_known_orders_are_not_refuted)
 {
-    (void)state;
     static const char *const names[] = {"heun",  "kutta3", "verlet", "rk4",    "dopri5",
                                         "tsit5", "gauss4", "gauss6", "radau5", "dop853"};
     static const struct {
@@ -77,9 +75,8 @@ static void test_known_orders_are_not_refuted(void **state)
 
 /* The stability function of rodas5p is that of order 6: on a linear scene the error falls with it,
  * which is measured and told why. bdf3 rounds in its last steps of very many. */
-static void test_slopes_above_rounding_are_enough(void **state)
+TEST(test_slopes_above_rounding_are_enough)
 {
-    (void)state;
     static const struct {
         const char *scene, *method;
         double duration, order;
@@ -104,9 +101,8 @@ static void test_slopes_above_rounding_are_enough(void **state)
 }
 
 /* A row that claims more than it holds is found out. */
-static void test_a_wrong_claim(void **state)
+TEST(test_a_wrong_claim)
 {
-    (void)state;
     struct method boastful = *method_named("kutta3");
     boastful.order = 4;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
@@ -119,9 +115,8 @@ static void test_a_wrong_claim(void **state)
     close_to(order.slope, 3, ORDER_BAND);
 }
 
-static void test_explicit_drag_is_first_order(void **state)
+TEST(test_explicit_drag_is_first_order)
 {
-    (void)state;
     const struct scene scene = scene_with("damped", NO_SETTINGS);
     const struct order exact = measure(&scene, "verlet", DRAG_DEFAULT, 3),
                        lagged = measure(&scene, "verlet", DRAG_EXPLICIT, 3);
@@ -133,9 +128,8 @@ static void test_explicit_drag_is_first_order(void **state)
 
 /* |v| v is smooth only up to its first derivative: high orders hold because steps end at the
  * turning points. */
-static void test_quadratic_drag(void **state)
+TEST(test_quadratic_drag)
 {
-    (void)state;
     const struct scene scene = scene_with("drag", NO_SETTINGS);
     const struct order dop853 = measure(&scene, "dop853", DRAG_DEFAULT, 10),
                        rk4 = measure(&scene, "rk4", DRAG_DEFAULT, 10);
@@ -144,9 +138,8 @@ static void test_quadratic_drag(void **state)
     assert_non_null(strstr(rk4.words, "turning points"));
 }
 
-static void test_stiffness_reduces_the_order(void **state)
+TEST(test_stiffness_reduces_the_order)
 {
-    (void)state;
     const struct scene scene = scene_with("prothero-robinson", NO_SETTINGS);
     const struct order gauss = measure(&scene, "gauss4", DRAG_DEFAULT, 10),
                        rk4 = measure(&scene, "rk4", DRAG_DEFAULT, 10);
@@ -161,9 +154,8 @@ static void test_stiffness_reduces_the_order(void **state)
 
 /* Multistep methods round the more the smaller their steps are, and the coarsest steps are those of
  * their start alone: neither hides the points between, whose slopes have settled. */
-static void test_rounding_that_grows(void **state)
+TEST(test_rounding_that_grows)
 {
-    (void)state;
     static const char *const names[] = {"bdf2", "bdf3", "bdf4", "bdf5", "bdf6", "ab2",
                                         "ab3",  "ab4",  "ab5",  "abm3", "abm5", "rodas5p"};
     static const char *const lines[][8] = {
@@ -191,16 +183,14 @@ static void test_rounding_that_grows(void **state)
     assert_true(found >= 0.9 * tried);
 }
 
-static void test_exact(void **state)
+TEST(test_exact)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     assert_int_equal(measure(&scene, "exact", DRAG_DEFAULT, 10).verdict, ORDER_EXACT);
 }
 
-static void test_a_given_range(void **state)
+TEST(test_a_given_range)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     const struct order_request request = {
         .scene = &scene, .by = {method_named("rk4"), 0}, .dt = {0.02, 0.001}, .duration = 2};
@@ -213,9 +203,8 @@ static void test_a_given_range(void **state)
     close_to(order.slope, 4, ORDER_BAND);
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     const struct scene damped = scene_with("damped", NO_SETTINGS),
                        spring = scene_with("spring", NO_SETTINGS);
     struct order_request request = {
@@ -234,20 +223,4 @@ static void test_refusals(void **state)
     assert_int_equal(error.code, ERROR_COMMAND);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orders_as_claimed),
-        cmocka_unit_test(test_known_orders_are_not_refuted),
-        cmocka_unit_test(test_slopes_above_rounding_are_enough),
-        cmocka_unit_test(test_a_wrong_claim),
-        cmocka_unit_test(test_explicit_drag_is_first_order),
-        cmocka_unit_test(test_quadratic_drag),
-        cmocka_unit_test(test_stiffness_reduces_the_order),
-        cmocka_unit_test(test_rounding_that_grows),
-        cmocka_unit_test(test_exact),
-        cmocka_unit_test(test_a_given_range),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -30,9 +30,8 @@ static void choices_for(const struct scene *scene, struct method_choice *choice)
     }
 }
 
-static void test_seven_methods_on_six_scenes(void **state)
+TEST(test_seven_methods_on_six_scenes)
 {
-    (void)state;
     for (int s = 0; s < SCENES; s++) {
         const struct scene scene = scene_with(scenes[s], NO_SETTINGS);
         struct method_choice choice[METHODS];
@@ -79,9 +78,8 @@ static bool has_kernels(const struct method *method, const struct system *system
            (method->implicit && method->order <= 2 && system->n == 2); /* stages one by one */
 }
 
-static void test_families(void **state)
+TEST(test_families)
 {
-    (void)state;
     static const char *const shapes[] = {"spring",    "damped",   "drag",   "duffing",     "driven",
                                          "vanderpol", "pendulum", "kepler", "henon-heiles"};
     for (size_t s = 0; s < COUNT_OF(shapes); s++) {
@@ -108,9 +106,8 @@ static void test_families(void **state)
 }
 
 /* Forces that are no shape: still one kind of code for all methods of these families. */
-static void test_forces_without_a_shape(void **state)
+TEST(test_forces_without_a_shape)
 {
-    (void)state;
     const struct scene scene = scene_with("drag", SETTINGS({"g", 9.81}, {"F0", 0.1}, {"k3", 20}));
     struct system system;
     struct error error = {0};
@@ -127,12 +124,4 @@ static void test_forces_without_a_shape(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_seven_methods_on_six_scenes),
-        cmocka_unit_test(test_families),
-        cmocka_unit_test(test_forces_without_a_shape),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -45,9 +45,8 @@ static void near(double value, double wanted, double relative)
     }
 }
 
-static void test_slopes_and_a_wrong_claim(void **state)
+TEST(test_slopes_and_a_wrong_claim)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     struct method liar = *method_named("rk4");
@@ -86,9 +85,8 @@ static void test_slopes_and_a_wrong_claim(void **state)
     precision_free(&precision);
 }
 
-static void test_ranges_meet_the_grid(void **state)
+TEST(test_ranges_meet_the_grid)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     const struct method_choice choice[] = {{method_named("dopri5"), DRAG_DEFAULT}};
@@ -126,9 +124,8 @@ static void test_ranges_meet_the_grid(void **state)
 }
 
 /* Errors, phase and amplitude of symplectic Euler and Verlet are known in closed form. */
-static void test_known_errors(void **state)
+TEST(test_known_errors)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     const struct method_choice choice[] = {{method_named("verlet"), DRAG_DEFAULT},
@@ -154,9 +151,8 @@ static void test_known_errors(void **state)
     precision_free(&precision);
 }
 
-static void test_failures_are_results(void **state)
+TEST(test_failures_are_results)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     struct error error = {0};
@@ -193,9 +189,8 @@ static void test_failures_are_results(void **state)
 
 /* Made-up points: costs are read between them, ties are overlapping intervals, what is below the
  * reference does not count. */
-static void test_reading_costs(void **state)
+TEST(test_reading_costs)
 {
-    (void)state;
     struct precision_point point[6] = {{0}};
     struct precision_curve curve[3] = {
         {{method_named("rk4"), DRAG_DEFAULT}, .first = 0, .count = 2},
@@ -240,9 +235,8 @@ static void test_reading_costs(void **state)
 
 /* On the undamped oscillator the prediction is the measurement, to a few percent, over the whole
  * catalogue. */
-static void test_predictions(void **state)
+TEST(test_predictions)
 {
-    (void)state;
     struct scene scene;
     struct error error = {0};
     int compared = 0;
@@ -278,9 +272,8 @@ static void test_predictions(void **state)
     assert_true(compared >= 10);
 }
 
-static void test_cancelled_keeps_what_is_finished(void **state)
+TEST(test_cancelled_keeps_what_is_finished)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     struct error error = {0};
@@ -306,9 +299,8 @@ static enum step_status quitting_step(const struct method *method, struct step *
     return method_named("rk4")->step(method, step);
 }
 
-static void test_cancelled_in_the_second(void **state)
+TEST(test_cancelled_in_the_second)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     struct error error = {0};
@@ -329,9 +321,8 @@ static void test_cancelled_in_the_second(void **state)
     precision_free(&precision);
 }
 
-static void test_refused_before_anything_runs(void **state)
+TEST(test_refused_before_anything_runs)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     struct error error = {0};
@@ -356,9 +347,8 @@ static void count_absent(void *context, const char *method, const char *reason)
 }
 
 /* Every preset gets methods that apply, each once. */
-static void test_defaults(void **state)
+TEST(test_defaults)
 {
-    (void)state;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         struct scene scene;
         struct system system;
@@ -380,9 +370,8 @@ static void test_defaults(void **state)
 }
 
 /* What is timed by the general code is ranked only while no specialised one is ahead of it. */
-static void test_paths_are_not_ranked_against_each_other(void **state)
+TEST(test_paths_are_not_ranked_against_each_other)
 {
-    (void)state;
     static const char *const names[] = {"rk4", "radau5", "gauss4", "dopri5"};
     static const enum kernel paths[] = {KERNEL_SPECIALISED, KERNEL_GENERAL, KERNEL_GENERAL,
                                         KERNEL_SPECIALISED};
@@ -421,9 +410,8 @@ static void test_paths_are_not_ranked_against_each_other(void **state)
 }
 
 /* That times are taken, not how long they are. */
-static void test_times(void **state)
+TEST(test_times)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT}};
@@ -457,9 +445,8 @@ static struct precision stiff_study(const struct method_choice *choice, int coun
 
 /* Steps that jump the wrong way are found out on 1/256 of the motion; explicit solves are given up
  * by forecast. */
-static void test_lost_rows_cost_little(void **state)
+TEST(test_lost_rows_cost_little)
 {
-    (void)state;
     const struct method_choice choice[] = {{method_named("trapezoid"), DRAG_DEFAULT},
                                            {method_named("ros3p"), DRAG_DEFAULT},
                                            {method_named("dopri5"), DRAG_DEFAULT},
@@ -481,9 +468,8 @@ static void test_lost_rows_cost_little(void **state)
 }
 
 /* The quick times of long solves are of a part, said to be so, and in proportion to the steps. */
-static void test_quick_times_are_of_a_part(void **state)
+TEST(test_quick_times_are_of_a_part)
 {
-    (void)state;
     struct scene scene;
     struct precision precision;
     const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT}};
@@ -502,23 +488,4 @@ static void test_quick_times_are_of_a_part(void **state)
     precision_free(&precision);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes_and_a_wrong_claim),
-        cmocka_unit_test(test_ranges_meet_the_grid),
-        cmocka_unit_test(test_known_errors),
-        cmocka_unit_test(test_failures_are_results),
-        cmocka_unit_test(test_reading_costs),
-        cmocka_unit_test(test_predictions),
-        cmocka_unit_test(test_cancelled_keeps_what_is_finished),
-        cmocka_unit_test(test_cancelled_in_the_second),
-        cmocka_unit_test(test_refused_before_anything_runs),
-        cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_times),
-        cmocka_unit_test(test_lost_rows_cost_little),
-        cmocka_unit_test(test_quick_times_are_of_a_part),
-        cmocka_unit_test(test_paths_are_not_ranked_against_each_other),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

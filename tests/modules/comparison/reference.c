@@ -31,9 +31,8 @@ static void bind(const char *preset, const char *param, double value, struct sys
     assert_true(scene_bind(&scene, system, &error));
 }
 
-static void test_closed_form(void **state)
+TEST(test_closed_form)
 {
-    (void)state;
     struct system system;
     struct reference reference;
     struct error error = {0};
@@ -51,9 +50,8 @@ static void test_closed_form(void **state)
 }
 
 /* A linear scene whose closed form is hidden: both kinds must give it, to what they claim. */
-static void test_two_kinds_against_the_truth(void **state)
+TEST(test_two_kinds_against_the_truth)
 {
-    (void)state;
     static const char *const presets[] = {"spring", "damped", "driven"};
     for (size_t i = 0; i < COUNT_OF(presets); i++) {
         struct system system, hidden;
@@ -81,9 +79,8 @@ static void test_two_kinds_against_the_truth(void **state)
     }
 }
 
-static void test_quadratic_drag(void **state)
+TEST(test_quadratic_drag)
 {
-    (void)state;
     struct system system;
     struct reference reference;
     struct error error = {0};
@@ -107,9 +104,8 @@ static void test_quadratic_drag(void **state)
  * y = y0 cos(w t) + J/(m w) sin(w (t
  * - 5.123)).
  */
-static void test_narrow_pulses(void **state)
+TEST(test_narrow_pulses)
 {
-    (void)state;
     static const char *const pulses[][5] = {
         {"var x = 0", "param w = 1", "x' = exp(-((t - 5.123)/w)^2)/(w*sqrt(pi))"},
         {"var x = 0", "var y = 0", "param w = 1", "y' = 1",
@@ -157,9 +153,8 @@ static void test_narrow_pulses(void **state)
  * clock, and more of them than one in each interval of the grid. A pulse of area 1 in y adds
  * 1/|y'|.
  */
-static void test_pulses_on_the_way(void **state)
+TEST(test_pulses_on_the_way)
 {
-    (void)state;
     static const struct {
         const char *lines[7];
         double right;
@@ -205,9 +200,8 @@ static void test_pulses_on_the_way(void **state)
 }
 
 /* More to do than there is time for: that is said, within seconds. */
-static void test_too_much_to_do(void **state)
+TEST(test_too_much_to_do)
 {
-    (void)state;
     struct scene scene;
     struct system system;
     struct reference reference;
@@ -227,9 +221,8 @@ static void test_too_much_to_do(void **state)
     typed_destroy(models);
 }
 
-static void test_cancelled(void **state)
+TEST(test_cancelled)
 {
-    (void)state;
     struct system system;
     struct reference reference;
     struct error error = {0};
@@ -242,9 +235,8 @@ static void test_cancelled(void **state)
 }
 
 /* Chaos amplifies rounding until the two references part: this must be said, with the time. */
-static void test_loss_of_meaning(void **state)
+TEST(test_loss_of_meaning)
 {
-    (void)state;
     if (!catalog_find(&preset_catalog, TEXT("duffing-driven"))) {
         print_message("no chaotic scene\n");
         skip();
@@ -264,17 +256,4 @@ static void test_loss_of_meaning(void **state)
     reference_free(&reference);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_form),
-        cmocka_unit_test(test_two_kinds_against_the_truth),
-        cmocka_unit_test(test_quadratic_drag),
-        cmocka_unit_test(test_narrow_pulses),
-        cmocka_unit_test(test_pulses_on_the_way),
-        cmocka_unit_test(test_too_much_to_do),
-        cmocka_unit_test(test_cancelled),
-        cmocka_unit_test(test_loss_of_meaning),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

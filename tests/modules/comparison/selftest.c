@@ -8,9 +8,8 @@
 #include "modules/comparison/compute/verify.h"
 #include "modules/solving/testing.h"
 
-static void test_every_row(void **state)
+TEST(test_every_row)
 {
-    (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const struct method *method = method_at(i);
         struct selftest_row row;
@@ -45,9 +44,8 @@ static double too_tame(const struct method *method, double x, double zeta, enum 
     return method_growth_signed(method_named("ab3"), DRAG_DEFAULT, x / 1.1, zeta, sign);
 }
 
-static void test_false_claims(void **state)
+TEST(test_false_claims)
 {
-    (void)state;
     struct method order = *method_named("rk4"), area = order, back = order, stable = order,
                   tame = *method_named("ab3");
     order.order = 5;
@@ -64,20 +62,11 @@ static void test_false_claims(void **state)
     fails(tame, SELFTEST_STABILITY);
 }
 
-static void test_cancelled(void **state)
+TEST(test_cancelled)
 {
-    (void)state;
     struct cancel cancel = {1};
     struct selftest_row row;
     assert_false(selftest_method(method_named("rk4"), &cancel, &row));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_row),
-        cmocka_unit_test(test_false_claims),
-        cmocka_unit_test(test_cancelled),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -30,9 +30,8 @@ static struct stability study(const struct scene *scene, const char *name, doubl
 }
 
 /* m = 1, k = 4: omega = 2. */
-static void test_closed_forms(void **state)
+TEST(test_closed_forms)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 4}, {"y0", 1}));
     struct stability s = study(&scene, "euler", 0.1);
     close_to(s.growth_predicted, sqrt(1.04), 1e-12);
@@ -54,9 +53,8 @@ static void test_closed_forms(void **state)
     assert_true(isinf(study(&scene, "radau5", 0.1).dt_max));
 }
 
-static void test_damping(void **state)
+TEST(test_damping)
 {
-    (void)state;
     /* zeta = 1/2 */
     const struct scene scene =
         scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"gamma", 1}, {"y0", 1}));
@@ -68,9 +66,8 @@ static void test_damping(void **state)
     close_to(study(&scene, "verlet", 0.1).growth_predicted, exp(-0.05), 1e-9);
 }
 
-static void test_weak_instability_is_named(void **state)
+TEST(test_weak_instability_is_named)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"y0", 1}));
     const struct stability s = study(&scene, "heun", 0.1);
     assert_int_equal(s.verdict, STABILITY_MARGINAL);
@@ -80,9 +77,8 @@ static void test_weak_instability_is_named(void **state)
     assert_true(s.agrees);
 }
 
-static void test_narrow_resonance_is_named(void **state)
+TEST(test_narrow_resonance_is_named)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"y0", 1}));
     const struct stability s = study(&scene, "blanes-moan6-11", 0.1);
     close_to(s.window[0], 3.1414311, 1e-6);
@@ -93,9 +89,8 @@ static void test_narrow_resonance_is_named(void **state)
 }
 
 /* Predicted and measured, for all methods: at a usual step and on both sides of the limit. */
-static void test_every_method_agrees(void **state)
+TEST(test_every_method_agrees)
 {
-    (void)state;
     static const double zetas[] = {0, 0.001, 0.01, 0.05, 0.1, 0.2, 0.5, 0.70710678118654752,
                                    1, 2,     5,    10,   100};
     int studied = 0;
@@ -131,9 +126,8 @@ static double off(const struct method *method, double x, double zeta, enum stiff
     return method_growth_signed(method_named("ab3"), DRAG_DEFAULT, x, zeta, sign) * 1.005;
 }
 
-static void test_a_wrong_formula_is_found_out(void **state)
+TEST(test_a_wrong_formula_is_found_out)
 {
-    (void)state;
     struct method wrong = *method_named("ab3");
     wrong.growth = off;
     const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"y0", 1}));
@@ -141,9 +135,8 @@ static void test_a_wrong_formula_is_found_out(void **state)
     assert_true(study(&scene, "ab3", 0.3).agrees);
 }
 
-static void test_not_linear(void **state)
+TEST(test_not_linear)
 {
-    (void)state;
     const struct scene stiff = scene_with("stiff-vanderpol", NO_SETTINGS),
                        pendulum = scene_with("pendulum", NO_SETTINGS),
                        robertson = scene_with("robertson", NO_SETTINGS);
@@ -170,9 +163,8 @@ static void test_not_linear(void **state)
     assert_true(s.agrees);
 }
 
-static void test_a_scene_that_grows(void **state)
+TEST(test_a_scene_that_grows)
 {
-    (void)state;
     const struct scene scene = scene_with("inverted", NO_SETTINGS),
                        free = scene_with("spring", SETTINGS({"k", 0}));
     assert_true(study(&scene, "rk4", 0.01).grows);
@@ -185,9 +177,8 @@ static void test_a_scene_that_grows(void **state)
 
 /* Negative damping, no force, a force that pushes away: the growth of each method beside the
  * eigenvalues of the scene, and measured. */
-static void test_growth_of_scenes_that_grow(void **state)
+TEST(test_growth_of_scenes_that_grow)
 {
-    (void)state;
     static const struct {
         double k, gamma, exact; /* [1/s] the larger real part of the eigenvalues, m = 1 */
         bool repelling;
@@ -231,9 +222,8 @@ static void test_growth_of_scenes_that_grow(void **state)
 }
 
 /* omega dt = 1e148: what grows, overflows at once; what decays, vanishes. */
-static void test_extremes_of_scale(void **state)
+TEST(test_extremes_of_scale)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 1e300}, {"y0", 1}));
     struct stability s = study(&scene, "verlet", 0.01);
     assert_true(s.agrees && isinf(s.growth_predicted) && isinf(s.growth_measured));
@@ -243,9 +233,8 @@ static void test_extremes_of_scale(void **state)
     assert_int_equal(s.verdict, STABILITY_STABLE);
 }
 
-static void test_region(void **state)
+TEST(test_region)
 {
-    (void)state;
     const struct method_choice rk4 = {method_named("rk4"), 0},
                                verlet = {method_named("verlet"), DRAG_EXACT};
     close_to(stability_growth(&rk4, -1, 0), 1 - 1 + 1. / 2 - 1. / 6 + 1. / 24, 1e-7);
@@ -254,9 +243,8 @@ static void test_region(void **state)
     close_to(stability_growth(&verlet, 0, 1.5), 1, 1e-12);
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     const struct scene scene = scene_with("damped", NO_SETTINGS);
     struct stability_request request = {
         .scene = &scene, .by = {method_named("nystrom4"), 0}, .dt = 0.01, .duration = 1};
@@ -274,21 +262,4 @@ static void test_refusals(void **state)
     assert_int_equal(error.code, ERROR_CANCELLED);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_damping),
-        cmocka_unit_test(test_weak_instability_is_named),
-        cmocka_unit_test(test_narrow_resonance_is_named),
-        cmocka_unit_test(test_every_method_agrees),
-        cmocka_unit_test(test_a_wrong_formula_is_found_out),
-        cmocka_unit_test(test_not_linear),
-        cmocka_unit_test(test_a_scene_that_grows),
-        cmocka_unit_test(test_growth_of_scenes_that_grow),
-        cmocka_unit_test(test_extremes_of_scale),
-        cmocka_unit_test(test_region),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -43,9 +43,8 @@ static const struct stress_row *row_of(const char *scene, const char *method)
     return NULL;
 }
 
-static void test_nothing_is_unexplained(void **state)
+TEST(test_nothing_is_unexplained)
 {
-    (void)state;
     int counted = 0;
     assert_int_equal(stress.rows, stress.count * methods);
     for (int i = 0; i < stress.rows; i++) {
@@ -63,9 +62,8 @@ static void test_nothing_is_unexplained(void **state)
     assert_int_equal(counted, stress.rows);
 }
 
-static void test_every_stiff_and_extreme_preset_is_there(void **state)
+TEST(test_every_stiff_and_extreme_preset_is_there)
 {
-    (void)state;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct row *row = catalog_row(&preset_catalog, i);
         bool found = false;
@@ -78,9 +76,8 @@ static void test_every_stiff_and_extreme_preset_is_there(void **state)
     }
 }
 
-static void test_known_verdicts(void **state)
+TEST(test_known_verdicts)
 {
-    (void)state;
     /* clang-format off */
     static const struct {
         const char *scene, *method;
@@ -120,9 +117,8 @@ static void test_known_verdicts(void **state)
 }
 
 /* What no method can run is refused to all of them. */
-static void test_nonsense_is_refused(void **state)
+TEST(test_nonsense_is_refused)
 {
-    (void)state;
     static const char *const nonsense[] = {
         "m = 0",    "k = nan",  "y0 = inf",          "dt = 0",       "dt < 0",
         "dt = nan", "dt = inf", "dt below rounding", "T/dt = 1e300", "duration = nan"};
@@ -132,9 +128,8 @@ static void test_nonsense_is_refused(void **state)
                              STRESS_REFUSED);
 }
 
-static void test_cancelled_keeps_what_is_finished(void **state)
+TEST(test_cancelled_keeps_what_is_finished)
 {
-    (void)state;
     struct cancel cancel = {1};
     struct stress none;
     struct error error;
@@ -146,7 +141,7 @@ static void test_cancelled_keeps_what_is_finished(void **state)
 }
 
 /* A decay y' = -k y of one's own: limits, signs and sizes give the verdicts that they must. */
-static void test_a_typed_scene(void **state)
+TEST(test_a_typed_scene)
 {
     static const struct {
         const char *name, *method;
@@ -186,15 +181,4 @@ static void test_a_typed_scene(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing_is_unexplained),
-        cmocka_unit_test(test_every_stiff_and_extreme_preset_is_there),
-        cmocka_unit_test(test_known_verdicts),
-        cmocka_unit_test(test_nonsense_is_refused),
-        cmocka_unit_test(test_a_typed_scene),
-        cmocka_unit_test(test_cancelled_keeps_what_is_finished),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS(set_up, tear_down)

@@ -33,9 +33,8 @@ static void bend(struct references *references, const struct scene *scene, doubl
             references->stored[i].reference.y[k * system.n] += by;
 }
 
-static void test_wrong_one_is_computed_again(void **state)
+TEST(test_wrong_one_is_computed_again)
 {
-    (void)state;
     struct scene scene;
     struct error error = {0};
     struct references references = {0};
@@ -69,9 +68,8 @@ static void test_wrong_one_is_computed_again(void **state)
 
 /* Once it was computed again and is contradicted still, that is said, and the runs are not called
  * lost. */
-static void test_what_stays_is_said(void **state)
+TEST(test_what_stays_is_said)
 {
-    (void)state;
     struct scene scene;
     struct error error = {0};
     struct references references = {0};
@@ -108,9 +106,8 @@ static void test_what_stays_is_said(void **state)
 }
 
 /* Runs that pass over what the reference has found, and so agree, are no witnesses. */
-static void test_long_steps_are_no_witnesses(void **state)
+TEST(test_long_steps_are_no_witnesses)
 {
-    (void)state;
     struct scene scene;
     struct system system;
     struct error error = {0};
@@ -136,12 +133,4 @@ static void test_long_steps_are_no_witnesses(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_wrong_one_is_computed_again),
-        cmocka_unit_test(test_what_stays_is_said),
-        cmocka_unit_test(test_long_steps_are_no_witnesses),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

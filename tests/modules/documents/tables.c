@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-static void markdown_shows_text_as_text(void **state)
+TEST(markdown_shows_text_as_text)
 {
-    (void)state;
     static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "a *b*\nc"}};
     static const double y[] = {-0.5, NAN};
     static const char *const words[] = {"a|b", "<i>"};
@@ -23,9 +22,8 @@ static void markdown_shows_text_as_text(void **state)
     buffer_free(&out);
 }
 
-static void html_and_latex_show_text_as_text(void **state)
+TEST(html_and_latex_show_text_as_text)
 {
-    (void)state;
     static const struct table_key keys[] = {{"note", "5 % <b>"}};
     static const double y[] = {-0.5, 2.5e-17, NAN};
     static const char *const words[] = {"a&b", "[_{i}^2$", "--\\"};
@@ -52,11 +50,4 @@ static void html_and_latex_show_text_as_text(void **state)
     buffer_free(&out);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(markdown_shows_text_as_text),
-        cmocka_unit_test(html_and_latex_show_text_as_text),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The text in a term's row says what its function computes: for every preset, and for every model
  * with all of its terms, at random points. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/typing.h"
 #include "modules/dynamics/orbits/forms.h"

@@ -4,11 +4,7 @@
  * responses a difference dies where the label says so, and grows where it does not. The runs are
  * classical Runge-Kutta ones, which nothing else here uses.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"

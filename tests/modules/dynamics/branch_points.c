@@ -2,11 +2,7 @@
 /* Special points of families whose points are known: pairs closer to each other than a step, what
  * runs say of them in ranges of all sizes, none where the parameter stands still, and where orbits
  * shrink to an equilibrium. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"
@@ -68,9 +64,8 @@ static void expect(const struct branch *branch, const char *line, enum special k
 }
 
 /* r = a (x - c)^3/3 - e (x - c) + d: folds at x = c -+ s, s = sqrt(e/a), and r = d +- 2 e s/3. */
-static void test_folds(void **state)
+TEST(test_folds)
 {
-    (void)state;
     uint64_t seed = 21;
     for (int k = 0; k < (is_long() ? 1000 : 80); k++) {
         char line[LINE_MAX];
@@ -95,9 +90,8 @@ static void test_folds(void **state)
 }
 
 /* An equilibrium at 0 that is unstable while |r - d| < s, in one variable and in two. */
-static void test_crossings(void **state)
+TEST(test_crossings)
 {
-    (void)state;
     uint64_t seed = 22;
     for (int k = 0; k < (is_long() ? 500 : 40); k++) {
         char line[2][LINE_MAX];
@@ -122,9 +116,8 @@ static void test_crossings(void **state)
 }
 
 /* A test that comes near 0 and turns back has not passed it. */
-static void test_none(void **state)
+TEST(test_none)
 {
-    (void)state;
     uint64_t seed = 23;
     for (int k = 0; k < (is_long() ? 500 : 40); k++) {
         char line[LINE_MAX];
@@ -143,9 +136,8 @@ static void test_none(void **state)
 }
 
 /* r exp(k (x - c)) = 1: the parameter goes to 0, and stands still there, but for rounding. */
-static void test_standing_parameter(void **state)
+TEST(test_standing_parameter)
 {
-    (void)state;
     uint64_t seed = 24;
     for (int k = 0; k < (is_long() ? 500 : 40); k++) {
         char line[LINE_MAX];
@@ -161,9 +153,8 @@ static void test_standing_parameter(void **state)
 }
 
 /* Circles of radius sqrt((r - a)(b - r)), which are equilibria at a and at b. */
-static void test_shrinking(void **state)
+TEST(test_shrinking)
 {
-    (void)state;
     uint64_t seed = 25;
     for (int k = 0; k < (is_long() ? 200 : 10); k++) {
         char line[2][LINE_MAX];
@@ -191,9 +182,8 @@ static void test_shrinking(void **state)
 }
 
 /* Nearly all of the labels above were confirmed, none contradicted. */
-static void test_verdicts(void **state)
+TEST(test_verdicts)
 {
-    (void)state;
     print_message("%d labels confirmed, %d open\n", verdicts[1], verdicts[0]);
     assert_true(verdicts[1] > 20 * verdicts[0]);
 }
@@ -213,11 +203,4 @@ static int tear_down(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_folds),     cmocka_unit_test(test_crossings),
-        cmocka_unit_test(test_none),      cmocka_unit_test(test_standing_parameter),
-        cmocka_unit_test(test_shrinking), cmocka_unit_test(test_verdicts)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS(set_up, tear_down)

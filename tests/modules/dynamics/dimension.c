@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The dimension of Kaplan and Yorke from given exponents, against where the sum of exponents,
  * drawn as a chain of straight pieces, crosses 0. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,9 +50,8 @@ static double crossing(const struct exponent *e, int n)
 }
 
 /* Spectra of all sizes; in every other one a partial sum is within its error of 0. */
-static void test_random_spectra(void **state)
+TEST(test_random_spectra)
 {
-    (void)state;
     uint64_t seed = 17;
     for (int k = 0; k < CASES; k++) {
         struct exponent e[DYNAMICS_VARIABLES], moved[DYNAMICS_VARIABLES];
@@ -89,9 +84,8 @@ static void test_random_spectra(void **state)
 
 /* A cycle and a torus have whole dimensions, whatever the signs of what should be 0; the exponents
  * that are known have to go far enough. */
-static void test_regular_motion(void **state)
+TEST(test_regular_motion)
 {
-    (void)state;
     double slope[4];
     for (int zeros = 1; zeros <= 3; zeros++)
         for (int sign = -1; sign <= 1; sign++) {
@@ -109,9 +103,8 @@ static void test_regular_motion(void **state)
 }
 
 /* Lorenz 1996 with 5 variables and F = 8: the sum of three is below 0, within three errors. */
-static void test_sum_near_zero(void **state)
+TEST(test_sum_near_zero)
 {
-    (void)state;
     const struct exponent e[] = {
         {0.472, 0.01}, {0.003, 0.005}, {-0.515, 0.02}, {-1.3, 0.02}, {-3.66, 0.02}};
     double slope[5];
@@ -123,10 +116,4 @@ static void test_sum_near_zero(void **state)
     close_to(slope[0], 1 / 0.515, 1e-12);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_spectra),
-                                       cmocka_unit_test(test_regular_motion),
-                                       cmocka_unit_test(test_sum_near_zero)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,11 +3,7 @@
  * Special points, periods and multipliers of systems from the literature, each value known by two
  * ways (closed forms, or 30 digits and more), to the digits on which these agree, at most 12.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"

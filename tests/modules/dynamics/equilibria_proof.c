@@ -4,11 +4,7 @@
  * and double zeros, in rotated coordinates too, and rational ones with poles. Whatever is said to
  * be proven must be so, and regular zeros are found beside what cannot be decided.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"
@@ -96,9 +92,8 @@ static void add_zero(struct known_zeros *known, double x, double y, bool twofold
 }
 
 /* Pairs 1e-8 to 1e-6 apart, beside another zero. */
-static void test_pairs(void **state)
+TEST(test_pairs)
 {
-    (void)state;
     uint64_t seed = 3;
     for (int k = 0; k < (is_long() ? 2000 : 60); k++) {
         struct known_zeros known = {.n = 1, .tolerance = 1e-9};
@@ -117,9 +112,8 @@ static void test_pairs(void **state)
 }
 
 /* In the plane: (u - a)(u - b) = 0 and v = c, with u, v rotated. */
-static void test_pairs_in_the_plane(void **state)
+TEST(test_pairs_in_the_plane)
 {
-    (void)state;
     uint64_t seed = 4;
     for (int k = 0; k < (is_long() ? 500 : 40); k++) {
         struct known_zeros known = {.n = 2, .tolerance = 1e-8};
@@ -139,9 +133,8 @@ static void test_pairs_in_the_plane(void **state)
 }
 
 /* A double zero has no proof, but the simple ones beside it are found. */
-static void test_double_zeros(void **state)
+TEST(test_double_zeros)
 {
-    (void)state;
     uint64_t seed = 5;
     for (int k = 0; k < (is_long() ? 500 : 40); k++) {
         struct known_zeros known = {.n = 1, .tolerance = 1e-9};
@@ -161,9 +154,8 @@ static void test_double_zeros(void **state)
 }
 
 /* Quotients: what their poles leave undecided does not hide any zero. */
-static void test_poles(void **state)
+TEST(test_poles)
 {
-    (void)state;
     uint64_t seed = 6;
     for (int k = 0; k < (is_long() ? 300 : 30); k++) {
         const bool plane = k % 2 == 1;
@@ -186,9 +178,8 @@ static void test_poles(void **state)
 }
 
 /* Rosenzweig and MacArthur: (0, 0), (K, 0) and the two together at x = m/(1 - m). */
-static void test_predators(void **state)
+TEST(test_predators)
 {
-    (void)state;
     uint64_t seed = 7;
     for (int k = 0; k < (is_long() ? 60 : 4); k++) {
         struct known_zeros known = {.n = 2, .tolerance = 1e-8};
@@ -220,12 +211,4 @@ static int tear_down(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs),        cmocka_unit_test(test_pairs_in_the_plane),
-        cmocka_unit_test(test_double_zeros), cmocka_unit_test(test_poles),
-        cmocka_unit_test(test_predators),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS(set_up, tear_down)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file of a session: random sessions come back from it bit for bit, as they were when it was
  * last written whole, wherever it is torn or damaged. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/resume/testing.h"
@@ -217,9 +213,8 @@ static void assert_goes_on(struct kept *kept, struct bench *again)
     buffer_free(&got);
 }
 
-static void a_session_comes_back_bit_for_bit(void **state)
+TEST(a_session_comes_back_bit_for_bit)
 {
-    (void)state;
     struct buffer wanted = {0}, got = {0}, notes = {0};
     write_recordings();
     for (int i = 0; i < long_or(1000, 12); i++) {
@@ -249,9 +244,8 @@ static void a_session_comes_back_bit_for_bit(void **state)
 
 /* Of what was typed the oldest goes, and what is left is numbered as before: in this session, and
  * as it comes back from a file, whether that was written along the way or at the end. */
-static void what_was_typed_is_bounded(void **state)
+TEST(what_was_typed_is_bounded)
 {
-    (void)state;
     enum { WIDTH = 900000, TYPED = 50 };
     static char line[WIDTH + 32];
     struct kept kept;
@@ -293,9 +287,8 @@ static void what_was_typed_is_bounded(void **state)
 
 #define STORES 8
 
-static void a_torn_file_is_as_it_was_last_whole(void **state)
+TEST(a_torn_file_is_as_it_was_last_whole)
 {
-    (void)state;
     static struct buffer at[STORES];
     struct buffer got = {0}, notes = {0};
     size_t whole[STORES];
@@ -333,9 +326,8 @@ static void a_torn_file_is_as_it_was_last_whole(void **state)
 
 /* Whatever is changed in it: it comes back, and what does not is named; nothing is refused whole
  * but what has no whole part. */
-static void damage_is_named(void **state)
+TEST(damage_is_named)
 {
-    (void)state;
     struct buffer notes = {0};
     int named = 0;
     write_recordings();
@@ -364,9 +356,8 @@ static void damage_is_named(void **state)
 }
 
 /* The current run is damaged, and what was adopted is made by commands. */
-static void an_adopted_fit_without_its_run(void **state)
+TEST(an_adopted_fit_without_its_run)
 {
-    (void)state;
     struct kept kept;
     struct bench again;
     struct buffer notes = {0};
@@ -419,9 +410,8 @@ static void play_examples(const struct command *command)
     }
 }
 
-static void every_command_is_played(void **state)
+TEST(every_command_is_played)
 {
-    (void)state;
     int wrong = 0;
     assert_true(command_catalog.count <= COUNT_OF(played));
     for (size_t i = 0; i < command_catalog.count; i++) {
@@ -444,15 +434,4 @@ static void every_command_is_played(void **state)
     assert_int_equal(wrong, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_session_comes_back_bit_for_bit),
-        cmocka_unit_test(what_was_typed_is_bounded),
-        cmocka_unit_test(a_torn_file_is_as_it_was_last_whole),
-        cmocka_unit_test(damage_is_named),
-        cmocka_unit_test(an_adopted_fit_without_its_run),
-        cmocka_unit_test(every_command_is_played),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is kept of the equations: how long, under which labels, how much of it, and back from the
  * session's file. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/resume/testing.h"
 #include "modules/solving/compute/start.h"
@@ -58,9 +54,8 @@ static const struct kept_point *point(const struct bench *b, const char *label)
     return dynamics_point(session_dynamics(b->session), text_of(label), &branch);
 }
 
-static void nothing_is_there_before_it_is_found(void **state)
+TEST(nothing_is_there_before_it_is_found)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, duffing);
@@ -72,9 +67,8 @@ static void nothing_is_there_before_it_is_found(void **state)
 }
 
 /* Values are none of the equations, and undo brings back what was of them before. */
-static void labels_live_as_long_as_the_equations(void **state)
+TEST(labels_live_as_long_as_the_equations)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, duffing);
@@ -103,9 +97,8 @@ static void labels_live_as_long_as_the_equations(void **state)
 }
 
 /* What is found again has the label that it had: not so at other values of what does not vary. */
-static void the_same_point_has_one_label(void **state)
+TEST(the_same_point_has_one_label)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, duffing);
@@ -120,9 +113,8 @@ static void the_same_point_has_one_label(void **state)
     bench_close(&b);
 }
 
-static void the_oldest_go(void **state)
+TEST(the_oldest_go)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, duffing);
@@ -148,9 +140,8 @@ static void the_oldest_go(void **state)
     bench_close(&b);
 }
 
-static void a_point_becomes_the_scene(void **state)
+TEST(a_point_becomes_the_scene)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, duffing);
@@ -178,9 +169,8 @@ static void a_point_becomes_the_scene(void **state)
 }
 
 /* Angles and positions of built-in scenes, too. */
-static void built_in_scenes_start_there(void **state)
+TEST(built_in_scenes_start_there)
 {
-    (void)state;
     static const char *const scenes[] = {"spring", "pendulum", "duffing", "vanderpol", "driven"};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         struct scene scene;
@@ -198,9 +188,8 @@ static void built_in_scenes_start_there(void **state)
     }
 }
 
-static void it_comes_back_from_the_file(void **state)
+TEST(it_comes_back_from_the_file)
 {
-    (void)state;
     struct bench b, again;
     struct stored stored = {0};
     struct buffer file = {0}, notes = {0};
@@ -248,16 +237,4 @@ static void it_comes_back_from_the_file(void **state)
     buffer_free(&notes);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_there_before_it_is_found),
-        cmocka_unit_test(labels_live_as_long_as_the_equations),
-        cmocka_unit_test(the_same_point_has_one_label),
-        cmocka_unit_test(the_oldest_go),
-        cmocka_unit_test(a_point_becomes_the_scene),
-        cmocka_unit_test(built_in_scenes_start_there),
-        cmocka_unit_test(it_comes_back_from_the_file),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

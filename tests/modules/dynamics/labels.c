@@ -3,11 +3,7 @@
  * Labels of equilibria against runs: of random planar systems whose zeros are known all are found,
  * none is invented, and what is called stable holds what starts beside it, what is not does not.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"

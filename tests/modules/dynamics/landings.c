@@ -3,11 +3,7 @@
  * Special points where a branch begins, ends or turns by no more than rounding: none is lost, none
  * is made up, and none is contradicted.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/solving/testing.h"

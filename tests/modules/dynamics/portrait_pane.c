@@ -33,9 +33,8 @@ static char cell_of(const char *text, int column, int row)
 }
 
 /* The symbols of equilibria stand in the cells where the axes say that they are. */
-static void symbols_stand_where_they_belong(void **state)
+TEST(symbols_stand_where_they_belong)
 {
-    (void)state;
     static const struct {
         const char *scene;
         double at[3][2];
@@ -67,9 +66,8 @@ static void symbols_stand_where_they_belong(void **state)
 }
 
 /* Every arrow points where the flow goes. */
-static void arrows_point_along_the_flow(void **state)
+TEST(arrows_point_along_the_flow)
 {
-    (void)state;
     struct session *session = begin(false, "scene vanderpol");
     struct arena arena = {0};
     struct figure figure;
@@ -89,9 +87,8 @@ static void arrows_point_along_the_flow(void **state)
 }
 
 /* Nothing is computed until it is shown, and then again only when something has changed. */
-static void it_is_kept(void **state)
+TEST(it_is_kept)
 {
-    (void)state;
     struct session *session = begin(true, "scene pendulum; gamma = 0.2; run 5");
     free(print(session, 80, 24));
     assert_false(stored_portrait(session)->known);
@@ -111,12 +108,4 @@ static void it_is_kept(void **state)
     session_destroy(session);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(symbols_stand_where_they_belong),
-        cmocka_unit_test(arrows_point_along_the_flow),
-        cmocka_unit_test(it_is_kept),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

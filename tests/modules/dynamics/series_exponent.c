@@ -2,12 +2,8 @@
 /* Exponents and dimensions of series alone: of known attractors within their errors, of everything
  * else not at all. */
 #include <hooke/base/cancel.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 
@@ -158,9 +154,8 @@ static struct series_exponent of_known(size_t k)
 }
 
 /* Within two errors nearly always, and the errors are not large. */
-static void test_known(void **state)
+TEST(test_known)
 {
-    (void)state;
     const int starts = is_long() ? 40 : 1;
     for (size_t k = is_long() ? 0 : QUICK; k < COUNT_OF(known); k++) {
         double square = 0, mean = 0, error = 0;
@@ -211,9 +206,8 @@ static void refused(const char *what, const double *y, size_t n, const char *why
         fail_msg("%s: %s", what, f.reason);
 }
 
-static void test_not_determined(void **state)
+TEST(test_not_determined)
 {
-    (void)state;
     static double y[MOST];
     const size_t n = is_long() ? 8000 : 2000;
     sines(n, 0, 0, 0, y);
@@ -254,9 +248,8 @@ static void test_not_determined(void **state)
 }
 
 /* No noise is taken for chaos, whatever its colour. */
-static void test_noise(void **state)
+TEST(test_noise)
 {
-    (void)state;
     static double y[MOST];
     const int series = is_long() ? 300 : 4;
     for (int i = 0; i < series; i++) {
@@ -277,9 +270,8 @@ static void test_noise(void **state)
 
 /* ---- parts ---- */
 
-static void test_neighbours(void **state)
+TEST(test_neighbours)
 {
-    (void)state;
     static double y[3000];
     struct arena arena = {0};
     flow(lorenz, 0.05, 0, 0, COUNT_OF(y), y);
@@ -301,9 +293,8 @@ static void test_neighbours(void **state)
     arena_reset(&arena);
 }
 
-static void test_cancelled(void **state)
+TEST(test_cancelled)
 {
-    (void)state;
     static double t[MOST], y[MOST];
     struct arena arena = {0};
     struct error error = {0};
@@ -319,11 +310,4 @@ static void test_cancelled(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known), cmocka_unit_test(test_not_determined),
-        cmocka_unit_test(test_noise), cmocka_unit_test(test_neighbours),
-        cmocka_unit_test(test_cancelled)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

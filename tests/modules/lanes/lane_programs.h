@@ -3,11 +3,7 @@
 #ifndef LANE_PROGRAMS_H
 #define LANE_PROGRAMS_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/lanes/lanes.h"
 

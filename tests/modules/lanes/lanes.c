@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Many trajectories side by side: to the bit what each would do alone, for every method and kind
  * that there is. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/catalog.h>
 #include <hooke/method.h>
@@ -109,9 +105,8 @@ static bool compare(struct lanes *lanes, const struct method *method, unsigned w
     return true;
 }
 
-static void test_lanes_give_the_same_bits(void **state)
+TEST(test_lanes_give_the_same_bits)
 {
-    (void)state;
     struct lanes *lanes = lanes_create();
     assert_non_null(lanes);
     int compared = 0;
@@ -219,9 +214,8 @@ static bool compare_wild(struct lanes *lanes, const struct method *method, enum 
 
 /* Steps that are far too long, forces that overflow, equations without a solution: the same bits
  * for as long as there are numbers, and none afterwards. */
-static void test_extremes_give_the_same_bits(void **state)
+TEST(test_extremes_give_the_same_bits)
 {
-    (void)state;
     static const char *const methods[] = {
         "implicit-midpoint", "backward-euler", "trapezoid", "sdirk2", "tr-bdf2", "rk4", "dopri5",
         "symplectic-euler",  "verlet",         "pefrl"};
@@ -308,9 +302,8 @@ static bool adapts(const struct method *method)
 
 /* Forces of all sizes, tolerances, stretches of time; the lanes that do not get there are those
  * whose single steps do not either, or are left out for steps that creep. */
-static void test_adaptive_lanes_give_the_same_bits(void **state)
+TEST(test_adaptive_lanes_give_the_same_bits)
 {
-    (void)state;
     static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5",
                                           "dop853", "rodas5p",          "rodas4"};
     const struct preset *pendulum = preset_by_name(text_of("pendulum"));
@@ -365,9 +358,8 @@ static void test_adaptive_lanes_give_the_same_bits(void **state)
 }
 
 /* What must go alone does. */
-static void test_lanes_refuse(void **state)
+TEST(test_lanes_refuse)
 {
-    (void)state;
     const struct {
         const char *method;
         unsigned which;
@@ -386,13 +378,4 @@ static void test_lanes_refuse(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_give_the_same_bits),
-        cmocka_unit_test(test_extremes_give_the_same_bits),
-        cmocka_unit_test(test_adaptive_lanes_give_the_same_bits),
-        cmocka_unit_test(test_lanes_refuse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lanes of typed scenes without memory: refused, and good again afterwards; their steps never
  * allocate. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/typing.h"
 
@@ -38,9 +34,8 @@ static void go_in_lanes(struct lanes *lanes, const struct system *system, int le
     assert_true(fabs(y[0]) < 1 && y[1] != 0);
 }
 
-static void test_lanes(void **state)
+TEST(test_lanes)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -64,10 +59,4 @@ static void test_lanes(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,11 +2,7 @@
 /* Typed scenes side by side: to the bit what each trajectory would do alone, for every method and
  * kind of scene. */
 #include <hooke/base/catalog.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/scene/typing.h"
@@ -228,7 +224,7 @@ static void compare_all(struct lanes *lanes, const struct typed_case *one)
         fail_msg("%s: only %d methods and drags", one->name, compared);
 }
 
-static void test_lanes_give_the_same_bits(void **state)
+TEST(test_lanes_give_the_same_bits)
 {
     struct lanes *lanes = *state;
     for (size_t c = 0; c < COUNT_OF(cases); c++)
@@ -247,7 +243,7 @@ static void write_chain(struct buffer *lines, int count, const char *primes, con
                       i > 0 ? i - 1 : 1, i, i < count ? i + 1 : 0, each);
 }
 
-static void test_many_variables(void **state)
+TEST(test_many_variables)
 {
     struct lanes *lanes = *state;
     struct buffer lines = {0};
@@ -263,9 +259,8 @@ static void test_many_variables(void **state)
 }
 
 /* What is too large goes alone; other programs than these do not go together. */
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     const struct method *rk4 = method_by_name(TEXT("rk4"));
     struct buffer lines = {0};
     struct scene scene;
@@ -307,12 +302,4 @@ static int teardown(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_give_the_same_bits),
-        cmocka_unit_test(test_many_variables),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

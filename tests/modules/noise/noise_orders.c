@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Measured orders of the methods for noise; that results do not depend on threads; what a session
  * keeps of them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 
@@ -43,9 +38,8 @@ static struct method_orders orders_of(const char *line, struct noise_request noi
 }
 
 /* Strong order 1 of all, since the noise is additive; weak order 1 of Euler, 2 of the others. */
-static void orders_are_those_of_the_methods(void **state)
+TEST(orders_are_those_of_the_methods)
 {
-    (void)state;
     static const struct {
         const char *line, *method;
         double dt, weak;
@@ -69,9 +63,8 @@ static void orders_are_those_of_the_methods(void **state)
 
 /* What mean and covariance say of a linear scene is what paths say: the same laws, typed so that
  * the scene does not know that it is linear. */
-static void moments_agree_with_paths(void **state)
+TEST(moments_agree_with_paths)
 {
-    (void)state;
     const struct method_orders linear =
         orders_of("scene new; var x = 1; x' = -x", half, "euler-maruyama", 0.25, 3, 10, 2);
     const struct method_orders paths = orders_of("scene new; var x = 1; x' = -if(x>1e9,2*x,x)",
@@ -84,9 +77,8 @@ static void moments_agree_with_paths(void **state)
 }
 
 /* An order is not invented: a scene whose differences are chance has none. */
-static void orders_that_chance_hides_are_not_known(void **state)
+TEST(orders_that_chance_hides_are_not_known)
 {
-    (void)state;
     const struct method_orders found =
         orders_of("scene new; var x = 0; x' = -sin(x)", half, "heun-stochastic", 0.02, 4, 20, 2);
     assert_true(isnan(found.weak.value));
@@ -94,9 +86,8 @@ static void orders_that_chance_hides_are_not_known(void **state)
 
 /* ---- threads ---- */
 
-static void bytes_do_not_depend_on_threads(void **state)
+TEST(bytes_do_not_depend_on_threads)
 {
-    (void)state;
     static const int threads[] = {1, 2, 5};
     static const char *const line[] = {
         "format = json; ensemble 101 2 s of energy kT=1mJ rows=7 --threads %d",
@@ -122,9 +113,8 @@ static void bytes_do_not_depend_on_threads(void **state)
     }
 }
 
-static void same_seed_same_bits(void **state)
+TEST(same_seed_same_bits)
 {
-    (void)state;
     struct bench b;
     struct buffer first = {0};
     bench_open(&b, false);
@@ -139,9 +129,8 @@ static void same_seed_same_bits(void **state)
 }
 
 /* The curves of both plots are in the session's file. */
-static void plots_come_back(void **state)
+TEST(plots_come_back)
 {
-    (void)state;
     struct bench b, again;
     bench_open(&b, false);
     type_ok(&b, "scene damped; langevin 1 s kT=1mJ; ensemble 20 1 s kT=1mJ");
@@ -163,9 +152,8 @@ static void do_nothing(void *context, int thread, int64_t index)
     atomic_fetch_add((atomic_int *)context, 1);
 }
 
-static void items_are_done_once_or_cancelled(void **state)
+TEST(items_are_done_once_or_cancelled)
 {
-    (void)state;
     atomic_int done = 0;
     struct cancel cancel = {0};
     struct parallel parallel = {
@@ -177,16 +165,4 @@ static void items_are_done_once_or_cancelled(void **state)
     assert_int_equal(done, 1000);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(orders_are_those_of_the_methods),
-        cmocka_unit_test(moments_agree_with_paths),
-        cmocka_unit_test(orders_that_chance_hides_are_not_known),
-        cmocka_unit_test(bytes_do_not_depend_on_threads),
-        cmocka_unit_test(same_seed_same_bits),
-        cmocka_unit_test(plots_come_back),
-        cmocka_unit_test(items_are_done_once_or_cancelled),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

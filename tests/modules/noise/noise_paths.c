@@ -4,12 +4,7 @@
  * a free particle, equipartition. Judged within standard errors that come from the same paths, with
  * controls that have to fail.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/noise/compute/orders.h"
 #include "modules/noise/compute/random.h"
@@ -88,9 +83,8 @@ static struct noise_request bath(double energy)
 /* ---- random numbers ---- */
 
 /* Vectors of the authors' own tests (Random123, kat_vectors). */
-static void philox_gives_the_known_blocks(void **state)
+TEST(philox_gives_the_known_blocks)
 {
-    (void)state;
     static const struct {
         uint32_t counter[4], key[2], block[4];
     } known[] = {
@@ -111,9 +105,8 @@ static void philox_gives_the_known_blocks(void **state)
 
 /* Moments 1 to 4 and the correlation of neighbours of 200000 numbers: those of a standard normal
  * distribution within 4 standard errors. */
-static void normal_numbers_are_normal(void **state)
+TEST(normal_numbers_are_normal)
 {
-    (void)state;
     enum { N = 200000, COUNT = 3 };
     static const double moment[4] = {0, 1, 0, 3}, variance[4] = {1, 2, 15, 96};
     double sum[4] = {0}, neighbours = 0, before = 0;
@@ -137,9 +130,8 @@ static void normal_numbers_are_normal(void **state)
 
 /* x' = -x + S xi: mean exp(-t), variance S^2/2 (1 - exp(-2 t)), covariance of two times exp(-lag)
  * times the variance at the first. */
-static void ornstein_uhlenbeck(void **state)
+TEST(ornstein_uhlenbeck)
 {
-    (void)state;
     static const char *const method[] = {"euler-maruyama", "heun-stochastic"};
     /* Euler's own errors, of order dt, are below a third of a standard error at this step. */
     static const double dt[] = {0.002, 0.01};
@@ -171,9 +163,8 @@ static void ornstein_uhlenbeck(void **state)
 }
 
 /* v' = S xi without damping: <v^2> = S^2 t, <x^2> = S^2 t^3/3, <x v> = S^2 t^2/2. */
-static void free_particle(void **state)
+TEST(free_particle)
 {
-    (void)state;
     for (size_t i = 0; i < noise_method_catalog.count; i++) {
         struct paths p;
         follow(&p, "scene new; var x = 0; var x' = 0; x'' = 0*x", half,
@@ -203,18 +194,16 @@ static double equipartition(const char *method, double dt, int64_t paths, double
     return fmax(standard_errors(kinetic, kT), standard_errors(spring, kT));
 }
 
-static void equipartition_holds(void **state)
+TEST(equipartition_holds)
 {
-    (void)state;
     assert_true(equipartition("baoab", 0.02, 4000, 1) < STANDARD_ERRORS_MAX);
     assert_true(equipartition("heun-stochastic", 0.01, 4000, 1) < STANDARD_ERRORS_MAX);
     assert_true(equipartition("euler-maruyama", 0.0005, 800, 1) < STANDARD_ERRORS_MAX);
 }
 
 /* Controls: noise that is 10 % too strong, and Euler's with a step that is too large. */
-static void equipartition_can_fail(void **state)
+TEST(equipartition_can_fail)
 {
-    (void)state;
     assert_true(equipartition("baoab", 0.02, 4000, 1.1) > STANDARD_ERRORS_MAX);
     assert_true(equipartition("euler-maruyama", 0.02, 1000, 1) > STANDARD_ERRORS_MAX);
 }
@@ -250,9 +239,8 @@ static void stationary_covariance(const struct noise_forcing *forcing, const cha
  * BAOAB's positions have k<y^2> = kT for every step, its velocities m<v^2> = kT (1 - omega^2 h^2/4)
  * (Leimkuhler, Matthews 2013, section 4): no chance, so to rounding.
  */
-static void baoab_is_exact_in_positions(void **state)
+TEST(baoab_is_exact_in_positions)
 {
-    (void)state;
     enum { SCENES = 300 };
     uint64_t seed = 42;
     struct bench b;
@@ -295,9 +283,8 @@ static void baoab_is_exact_in_positions(void **state)
 }
 
 /* Coordinates with dampings of their own; a double well; a damping that was stated. */
-static void equipartition_of_other_scenes(void **state)
+TEST(equipartition_of_other_scenes)
 {
-    (void)state;
     static const struct {
         const char *line;
         double gamma;
@@ -327,9 +314,8 @@ static void equipartition_of_other_scenes(void **state)
 
 /* Sizes whose squares are out of the range of numbers; an even number has the mean of two as its
  * median. */
-static void statistics_of_any_size(void **state)
+TEST(statistics_of_any_size)
 {
-    (void)state;
     static const double size[] = {1, 1e-200, 1e200};
     const struct path_grid grid = {.h = 1, .steps = 1, .stride = 1};
     for (size_t i = 0; i < COUNT_OF(size); i++) {
@@ -347,9 +333,8 @@ static void statistics_of_any_size(void **state)
 
 /* ---- what is stopped, and half the step ---- */
 
-static void what_is_cancelled_is_an_error(void **state)
+TEST(what_is_cancelled_is_an_error)
 {
-    (void)state;
     struct paths p;
     struct cancel cancel = {0};
     struct error error = {0};
@@ -376,9 +361,8 @@ static void what_is_cancelled_is_an_error(void **state)
 }
 
 /* The distance to half the step falls by the strong order, which is 1. */
-static void half_the_step_halves_the_distance(void **state)
+TEST(half_the_step_halves_the_distance)
 {
-    (void)state;
     double distance[2][LIMIT_VARIABLES];
     for (int i = 0; i < 2; i++) {
         struct paths p;
@@ -390,20 +374,4 @@ static void half_the_step_halves_the_distance(void **state)
         assert_true(fabs(distance[0][k] / distance[1][k] - 2) < 0.25);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(philox_gives_the_known_blocks),
-        cmocka_unit_test(normal_numbers_are_normal),
-        cmocka_unit_test(ornstein_uhlenbeck),
-        cmocka_unit_test(free_particle),
-        cmocka_unit_test(equipartition_holds),
-        cmocka_unit_test(equipartition_can_fail),
-        cmocka_unit_test(baoab_is_exact_in_positions),
-        cmocka_unit_test(equipartition_of_other_scenes),
-        cmocka_unit_test(statistics_of_any_size),
-        cmocka_unit_test(what_is_cancelled_is_an_error),
-        cmocka_unit_test(half_the_step_halves_the_distance),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Legends of pictures cover no ink, error bars stand where the data are, text figures have none. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/pictures/svg_testing.h"
@@ -111,7 +106,7 @@ static void make_curves(bool steady)
     }
 }
 
-static void test_legend_covers_nothing(void **state)
+TEST(test_legend_covers_nothing)
 {
     static struct drawn drawn;
     int inside = 0, above = 0;
@@ -142,7 +137,7 @@ static void test_legend_covers_nothing(void **state)
 }
 
 /* Where there is room in a corner only, it is there; where a cloud fills the plot it is above. */
-static void test_where_the_legend_is(void **state)
+TEST(test_where_the_legend_is)
 {
     static struct drawn drawn;
     const double x[] = {0, 1, 1, 0}, y[] = {0, 0, 1, 1};
@@ -178,7 +173,7 @@ static void test_where_the_legend_is(void **state)
 
 /* ---- error bars ---- */
 
-static void test_error_bars(void **state)
+TEST(test_error_bars)
 {
     static struct drawn drawn;
     double x[] = {1, 2, 3, 4, 5}, y[] = {2, 3, 1, 4, 2}, bar[] = {0.5, NAN, 0, 1.5, 0.25};
@@ -230,10 +225,4 @@ static void test_error_bars(void **state)
     buffer_free(&with);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_legend_covers_nothing),
-                                       cmocka_unit_test(test_where_the_legend_is),
-                                       cmocka_unit_test(test_error_bars)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,12 +5,7 @@
  * RGB), and in grey print, as distances in CIE Lab (1976; 2.3 is just noticeable); and without any
  * colour by their dashes.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/pictures/style.h"
 
@@ -74,7 +69,7 @@ static double grey_distance(size_t a, size_t b)
     return fabs(p[0] - q[0]);
 }
 
-static void test_colors(void **state)
+TEST(test_colors)
 {
     double all = HUGE_VAL, beside = HUGE_VAL, grey = HUGE_VAL, few = HUGE_VAL;
     (void)state;
@@ -97,9 +92,8 @@ static void test_colors(void **state)
 }
 
 /* Paper is white: a contrast of at least 2.2 to 1 (WCAG's ratio), dark enough for thin lines. */
-static void test_paper(void **state)
+TEST(test_paper)
 {
-    (void)state;
     for (size_t i = 0; i < style_palette_count; i++) {
         const double *color = style_palette[i];
         const double light =
@@ -110,9 +104,8 @@ static void test_paper(void **state)
 
 /* Five lines in a row have dashes of their own, and colour and dashes come together again only
  * after 35. */
-static void test_dashes(void **state)
+TEST(test_dashes)
 {
-    (void)state;
     for (size_t a = 0; a < style_dashes_count; a++)
         for (size_t b = 0; b < a; b++)
             assert_false(style_dashes[a].n == style_dashes[b].n &&
@@ -125,9 +118,4 @@ static void test_dashes(void **state)
     assert_int_equal(same, style_dashes_count * style_palette_count);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_colors), cmocka_unit_test(test_paper),
-                                       cmocka_unit_test(test_dashes)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Paths of curves of a million samples: few corners, every sample under the ink, no ink away from
  * the samples' line. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/pictures/path.h"
 #include "long_form.h"
@@ -142,7 +137,7 @@ static struct found expect_close(const struct sheet *s, const char *what)
 
 /* ---- shapes ---- */
 
-static void test_waves(void **state)
+TEST(test_waves)
 {
     const double periods[] = {0.5, 13, 150, 1378, 20000.25, 0.4 * MANY};
     struct sheet s;
@@ -158,7 +153,7 @@ static void test_waves(void **state)
     sheet_free(&s);
 }
 
-static void test_planes(void **state)
+TEST(test_planes)
 {
     struct sheet s;
     (void)state;
@@ -192,7 +187,7 @@ static void test_planes(void **state)
     sheet_free(&s);
 }
 
-static void test_noise(void **state)
+TEST(test_noise)
 {
     struct sheet s;
     (void)state;
@@ -246,7 +241,7 @@ static void expect_spikes(struct sheet *s, double periods, bool dots)
     path_free(&path);
 }
 
-static void test_spikes(void **state)
+TEST(test_spikes)
 {
     struct sheet s;
     (void)state;
@@ -259,7 +254,7 @@ static void test_spikes(void **state)
     sheet_free(&s);
 }
 
-static void test_few_samples(void **state)
+TEST(test_few_samples)
 {
     struct sheet s;
     (void)state;
@@ -284,7 +279,7 @@ static void test_few_samples(void **state)
     sheet_free(&s);
 }
 
-static void test_dots(void **state)
+TEST(test_dots)
 {
     const struct {
         size_t n;
@@ -305,7 +300,7 @@ static void test_dots(void **state)
 }
 
 /* What meets a legend. */
-static void test_meets(void **state)
+TEST(test_meets)
 {
     struct sheet s;
     struct path path = {0};
@@ -331,12 +326,4 @@ static void test_meets(void **state)
     sheet_free(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_waves),       cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_noise),       cmocka_unit_test(test_spikes),
-        cmocka_unit_test(test_few_samples), cmocka_unit_test(test_dots),
-        cmocka_unit_test(test_meets)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,12 +5,7 @@
  * mark on one of its recording, every sample lies on the line or under a mark: against time and in
  * the phase plane, forwards and backwards, on linear and on logarithmic axes.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/axes_testing.h"

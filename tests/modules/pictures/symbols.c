@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Names, units and numbers of pictures are printed as physics does. */
 #include <hooke/base/unit.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/pictures/symbols.h"
 
@@ -20,9 +16,8 @@ static void expect(void (*put)(struct buffer *, struct text), const char *from, 
     buffer_free(&out);
 }
 
-static void test_numbers(void **state)
+TEST(test_numbers)
 {
-    (void)state;
     expect(put_number_symbols, "-2.5", "−2.5");
     expect(put_number_symbols, "1e-6", "10⁻⁶");
     expect(put_number_symbols, "1e12", "10¹²");
@@ -42,9 +37,8 @@ static void test_numbers(void **state)
     expect(put_number_symbols, "", "");
 }
 
-static void test_names(void **state)
+TEST(test_names)
 {
-    (void)state;
     expect(put_name_symbols, "v/omega0", "v/ω₀");
     expect(put_name_symbols, "theta1, theta2", "θ₁, θ₂");
     expect(put_name_symbols, "dE/E0", "dE/E₀");
@@ -57,9 +51,8 @@ static void test_names(void **state)
     expect(put_name_symbols, "|error|", "|error|");
 }
 
-static void test_units(void **state)
+TEST(test_units)
 {
-    (void)state;
     expect(put_unit_symbols, "cm", "cm");
     expect(put_unit_symbols, "m/s", "m·s⁻¹");
     expect(put_unit_symbols, "m/s^2", "m·s⁻²");
@@ -78,9 +71,8 @@ static void test_units(void **state)
 }
 
 /* Every unit of the catalogue gives something that is not longer than a title has room for. */
-static void test_every_unit(void **state)
+TEST(test_every_unit)
 {
-    (void)state;
     for (size_t i = 0; i < unit_catalog.count; i++) {
         struct buffer out = {0};
         const char *name = catalog_row(&unit_catalog, i)->name;
@@ -91,13 +83,4 @@ static void test_every_unit(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_names),
-        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_every_unit),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `plot --pixels` in terminals that answer as kitty, iTerm2, a sixel terminal or not at all: what
  * comes is the picture that a file would hold, and no answer gets into the line. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <math.h>
 #include <poll.h>

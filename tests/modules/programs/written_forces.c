@@ -58,9 +58,8 @@ static void compare(const struct scene *scene, uint64_t *seed, const char *of)
     written_free(&w);
 }
 
-static void test_built_in(void **state)
+TEST(test_built_in)
 {
-    (void)state;
     uint64_t seed = 20;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = (const struct preset *)catalog_row(&preset_catalog, i);
@@ -88,9 +87,8 @@ static void put(struct written *w, enum dialect dialect, const char *wanted)
     buffer_free(&text);
 }
 
-static void test_typed(void **state)
+TEST(test_typed)
 {
-    (void)state;
     static const struct {
         const char *equation, *c, *tex;
     } rows[] = {
@@ -134,9 +132,8 @@ static void test_typed(void **state)
 }
 
 /* A text is whole, or there is none. */
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
-    (void)state;
     struct scene scene;
     struct written w;
     struct error error = {0};
@@ -158,10 +155,4 @@ static void test_no_memory(void **state)
     written_free(&w);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_built_in),
-                                       cmocka_unit_test(test_typed),
-                                       cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests_name("forces as text", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The names of the module's catalogs are completed where they stand. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/command/testing.h"
 
@@ -27,9 +23,8 @@ static const struct {
     const char *before;
 } places[] = {{&fit_catalog, "fit "}, {&quantity_catalog, "measure "}};
 
-static void every_name_is_completed(void **state)
+TEST(every_name_is_completed)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t p = 0; p < COUNT_OF(places); p++)
@@ -45,8 +40,4 @@ static void every_name_is_completed(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_name_is_completed)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The report: its script gives the same bytes in a new session; nothing that users name becomes
  * markup. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/file.h>
 
@@ -118,9 +113,8 @@ static void stands_under(const struct buffer *report, const char *what, const ch
         fail_msg("'%s' is not between '%s' and '%s'", what, heading, next);
 }
 
-static void the_lab_comes_back_bit_for_bit(void **state)
+TEST(the_lab_comes_back_bit_for_bit)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     write_recording("bare.txt", 0.01, 10);
@@ -185,9 +179,8 @@ static void the_lab_comes_back_bit_for_bit(void **state)
 
 /* A heading without anything says what makes it; a session without a spring has no such headings.
  */
-static void what_is_missing_is_said(void **state)
+TEST(what_is_missing_is_said)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     bench_open(&bench, false);
@@ -223,9 +216,8 @@ static void what_is_missing_is_said(void **state)
 
 /* The bare bob is damped, too: its fit is adopted with that, and its runs answer the questions of
  * the first session. */
-static void runs_stand_under_their_questions(void **state)
+TEST(runs_stand_under_their_questions)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     write_recording("bare.txt", 0.01, 10);
@@ -254,9 +246,8 @@ static void runs_stand_under_their_questions(void **state)
 
 /* Methods run one by one on the same damped motion are a comparison of methods, as those of
  * 'compare'; without recording there is nothing else they could be. */
-static void methods_one_by_one_are_compared(void **state)
+TEST(methods_one_by_one_are_compared)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     bench_open(&bench, false);
@@ -277,9 +268,8 @@ static void methods_one_by_one_are_compared(void **state)
 }
 
 /* Damped by how much, beside another recording: 10 s of a disk lose little of the amplitude. */
-static void two_springs_are_told_apart(void **state)
+TEST(two_springs_are_told_apart)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     write_recording("one.txt", 0.008, 10);
@@ -301,9 +291,8 @@ static void two_springs_are_told_apart(void **state)
 
 /* y0, k, gamma of somebody's equations are not those of the lab; what would make a spring's
  * sections begins with its scene. */
-static void typed_scenes_have_their_own_names(void **state)
+TEST(typed_scenes_have_their_own_names)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     write_recording("bare.txt", 0.01, 10);
@@ -323,9 +312,8 @@ static void typed_scenes_have_their_own_names(void **state)
 }
 
 /* What a report says that makes what it lacks does so. */
-static void what_it_says_to_type_is_enough(void **state)
+TEST(what_it_says_to_type_is_enough)
 {
-    (void)state;
     struct bench bench;
     write_recording("bare.txt", 0.01, 10);
     write_recording("disk.txt", 0.06, 60);
@@ -347,9 +335,8 @@ static void what_it_says_to_type_is_enough(void **state)
 }
 
 /* Once for all numbers of a recording; what was stated is not among them. */
-static void what_counts_as_exact_is_said_once(void **state)
+TEST(what_counts_as_exact_is_said_once)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     bench_open(&bench, false);
@@ -366,9 +353,8 @@ static void what_counts_as_exact_is_said_once(void **state)
     remove_folder("stated");
 }
 
-static void a_run_that_diverged_comes_back(void **state)
+TEST(a_run_that_diverged_comes_back)
 {
-    (void)state;
     struct bench bench;
     struct buffer content = {0};
     bench_open(&bench, false);
@@ -388,9 +374,8 @@ static void a_run_that_diverged_comes_back(void **state)
 
 /* A scene without energy and without a closed form, and a run that left the range of numbers: no
  * cell is no number. */
-static void what_is_not_known_is_no_number(void **state)
+TEST(what_is_not_known_is_no_number)
 {
-    (void)state;
     static const char *const files[] = {"values.csv", "runs.csv", "report.md", "report.html"};
     static const char *const words[] = {",nan",   ",-nan", ",inf", ",-inf", "| nan",
                                         "| -nan", "| inf", ">nan", ">-nan", ">inf"};
@@ -413,9 +398,8 @@ static void what_is_not_known_is_no_number(void **state)
     remove_folder("unknown");
 }
 
-static void names_are_no_markup(void **state)
+TEST(names_are_no_markup)
 {
-    (void)state;
     static const char hostile[] =
         "<script>alert('1')<|script> `x` ```y``` | [a](b) &amp; ![i](j) **b** .txt";
     struct bench bench;
@@ -444,20 +428,4 @@ static void names_are_no_markup(void **state)
     remove_folder("hostile");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_lab_comes_back_bit_for_bit),
-        cmocka_unit_test(what_is_missing_is_said),
-        cmocka_unit_test(runs_stand_under_their_questions),
-        cmocka_unit_test(methods_one_by_one_are_compared),
-        cmocka_unit_test(two_springs_are_told_apart),
-        cmocka_unit_test(typed_scenes_have_their_own_names),
-        cmocka_unit_test(what_it_says_to_type_is_enough),
-        cmocka_unit_test(what_counts_as_exact_is_said_once),
-        cmocka_unit_test(a_run_that_diverged_comes_back),
-        cmocka_unit_test(what_is_not_known_is_no_number),
-        cmocka_unit_test(names_are_no_markup),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -5,11 +5,7 @@
  * tests/rows has the second done by a program with more parameters, settings, observables and
  * methods. Without arguments both are done by this one.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/resume/testing.h"
 

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A session from its file gives the same exports. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/file.h>
 
@@ -45,9 +41,8 @@ static void export_all(struct bench *b, const char *prefix)
     }
 }
 
-static void resumed_sessions_export_the_same(void **state)
+TEST(resumed_sessions_export_the_same)
 {
-    (void)state;
     static const char *const sessions[] = {
         "run 1.2345 s",
         "m = 199.9 +- 0.1 g; gamma = 0.07; method rk4; run 3 s; continue 0.777 s; step 5; note "
@@ -124,9 +119,8 @@ static void resumed_sessions_export_the_same(void **state)
 }
 
 /* `save` is the set-up only, and no view where there is nothing particular. */
-static void save_has_no_runs(void **state)
+TEST(save_has_no_runs)
 {
-    (void)state;
     struct bench b;
     struct buffer text = {0};
     bench_open(&b, false);
@@ -143,11 +137,4 @@ static void save_has_no_runs(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(resumed_sessions_export_the_same),
-        cmocka_unit_test(save_has_no_runs),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

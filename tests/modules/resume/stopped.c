@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ctrl-C while the session's file is written: that stops at once and goes on where it stopped. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/fits.h"
 #include <hooke/base/cancel.h>
@@ -85,9 +81,8 @@ static void assert_whole(const struct bench *b, const struct stopped_file *file)
     buffer_free(&notes);
 }
 
-static void writing_stops_and_goes_on(void **state)
+TEST(writing_stops_and_goes_on)
 {
-    (void)state;
     struct bench b;
     struct stored stored;
     struct stopped_file file;
@@ -114,9 +109,8 @@ static void writing_stops_and_goes_on(void **state)
 }
 
 /* What changes before it goes on: rows that are in the file, and others that are not. */
-static void what_changed_meanwhile_is_written(void **state)
+TEST(what_changed_meanwhile_is_written)
 {
-    (void)state;
     static const char *const change[] = {"back 15000", "continue 5 s", "drop 2", "undo",
                                          "drop all"};
     for (size_t i = 0; i < COUNT_OF(change); i++) {
@@ -137,9 +131,8 @@ static void what_changed_meanwhile_is_written(void **state)
 }
 
 /* Another file, given up in the middle, changes nothing for the first. */
-static void a_file_given_up_leaves_the_other(void **state)
+TEST(a_file_given_up_leaves_the_other)
 {
-    (void)state;
     struct bench b;
     struct stored stored, other = {0};
     struct stopped_file file, second = {.at = 0};
@@ -170,9 +163,8 @@ static void write_swing(const char *name, int rows)
 
 /* A recording is one record, larger than what is written at once; so is a fitted curve, which is
  * written once, not each time. */
-static void large_records_stop_in_the_middle(void **state)
+TEST(large_records_stop_in_the_middle)
 {
-    (void)state;
     struct bench b, again;
     struct stored stored = {0};
     struct stopped_file file = {.at = 0};
@@ -205,13 +197,4 @@ static void large_records_stop_in_the_middle(void **state)
     end_runs(&b, &stored, &file);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writing_stops_and_goes_on),
-        cmocka_unit_test(what_changed_meanwhile_is_written),
-        cmocka_unit_test(large_records_stop_in_the_middle),
-        cmocka_unit_test(a_file_given_up_leaves_the_other),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

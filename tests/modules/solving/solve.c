@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solves without recording: the same state as a run, samples on the common grid, kernels in bulk,
  * limits. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <string.h>
 
@@ -37,9 +33,8 @@ static struct solver solver_for(const char *name, double dt, double tol, double 
 }
 
 /* Whole steps, a partial last one, adaptive: to the bit where a run gets. */
-static void test_like_a_run(void **state)
+TEST(test_like_a_run)
 {
-    (void)state;
     static const struct {
         const char *method;
         double dt, tol, span;
@@ -69,9 +64,8 @@ static void test_like_a_run(void **state)
 
 /* Between steps the method itself goes to the grid times: no interpolation stands in the way of a
  * high order. */
-static void test_samples_between_steps(void **state)
+TEST(test_samples_between_steps)
 {
-    (void)state;
     static const struct {
         const char *method;
         double dt, tol, max; /* of |y - exact| / amplitude */
@@ -119,9 +113,8 @@ static int64_t march_of_rk4(const struct method *method, const struct march *mar
     return march->count;
 }
 
-static void test_kernels_in_bulk(void **state)
+TEST(test_kernels_in_bulk)
 {
-    (void)state;
     static const double spans[] = {1, 20.473, 0.0005};
     for (size_t i = 0; i < COUNT_OF(spans); i++) {
         struct solver plain = solver_for("rk4", 0.001, 0, spans[i]),
@@ -139,9 +132,8 @@ static void test_kernels_in_bulk(void **state)
     }
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
-    (void)state;
     struct cancel cancel = {0};
     atomic_store(&cancel.requested, 1);
     static const double tolerances[] = {0, 1e-10};
@@ -163,9 +155,8 @@ static void test_limits(void **state)
 
 /* Compensated sums take most of the rounding away: of the energy, whose truncation error is 1e-20
  * here. */
-static void test_compensated(void **state)
+TEST(test_compensated)
 {
-    (void)state;
     double off[2];
     for (int compensated = 0; compensated < 2; compensated++) {
         struct solver solver = solver_for("rk4", 20.0 / (1 << 20), 0, 20);
@@ -182,12 +173,4 @@ static void test_compensated(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_like_a_run),      cmocka_unit_test(test_samples_between_steps),
-        cmocka_unit_test(test_kernels_in_bulk), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_compensated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

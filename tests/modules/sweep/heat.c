@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Heat maps: which shade a value has, cells for points, what has no value, labels, the legend. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/sweep/swept.h"
 
@@ -33,9 +28,8 @@ static void expect(const struct heat *heat, int width, int height, const struct 
 }
 
 /* Ten shades over equal parts of the range; the largest value has the last one. */
-static void test_values_become_shades(void **state)
+TEST(test_values_become_shades)
 {
-    (void)state;
     const double value[] = {0,      0.0011, 0.0021, 0.0031, 0.0041, 0.0051,
                             0.0061, 0.0071, 0.0081, 0.0091, 0.01};
     const struct heat heat = heat_of(11, 1, value);
@@ -48,9 +42,8 @@ static void test_values_become_shades(void **state)
 }
 
 /* x runs to the right, y upwards; a point takes a whole number of cells. */
-static void test_axes(void **state)
+TEST(test_axes)
 {
-    (void)state;
     const double value[] = {0, 1, 2, 3, 4, 5}; /* [x][y] */
     const struct heat heat = heat_of(3, 2, value);
     expect(
@@ -68,9 +61,8 @@ static void test_axes(void **state)
         "4500 [#] 5000\n");
 }
 
-static void test_no_value(void **state)
+TEST(test_no_value)
 {
-    (void)state;
     const double some[] = {NAN, 0.001, INFINITY, 0.002}, none[] = {NAN, NAN, -INFINITY, NAN};
     struct heat heat = heat_of(4, 1, some);
     expect(&heat, 6, 6, &charset_block,
@@ -88,9 +80,8 @@ static void test_no_value(void **state)
 }
 
 /* All alike, and a single point: the lowest shade, no division by the span. */
-static void test_one_value(void **state)
+TEST(test_one_value)
 {
-    (void)state;
     const double value[] = {0.005, 0.005};
     for (int n = 1; n <= 2; n++) {
         const struct heat heat = heat_of(n, 1, value);
@@ -104,9 +95,8 @@ static void test_one_value(void **state)
 }
 
 /* More points than cells: a peak of one point is not lost. */
-static void test_peaks_stay(void **state)
+TEST(test_peaks_stay)
 {
-    (void)state;
     enum { N = 1000 };
     static double value[N], x[N];
     for (int peak = 0; peak < N; peak += 37) {
@@ -128,9 +118,8 @@ static void test_peaks_stay(void **state)
 }
 
 /* Whatever the room: no line longer than it but the first, none at all missing. */
-static void test_any_size(void **state)
+TEST(test_any_size)
 {
-    (void)state;
     double value[144];
     for (int i = 0; i < 144; i++)
         value[i] = i % 7 ? i * 1e-3 : NAN;
@@ -150,15 +139,4 @@ static void test_any_size(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values_become_shades),
-        cmocka_unit_test(test_axes),
-        cmocka_unit_test(test_no_value),
-        cmocka_unit_test(test_one_value),
-        cmocka_unit_test(test_peaks_stay),
-        cmocka_unit_test(test_any_size),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

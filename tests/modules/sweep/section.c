@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps at a section: the same bits in lanes and alone, those of a run's own events, the closed
  * form of a driven spring. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/scene/formula.h>
 
@@ -87,9 +83,8 @@ static const struct {
 };
 
 /* Alone: as a shard of one point. */
-static void test_lanes_equal_runs(void **state)
+TEST(test_lanes_equal_runs)
 {
-    (void)state;
     static const char *const methods[] = {"rk4", "heun", "dopri5", "verlet", "euler"};
     for (size_t c = 0; c < COUNT_OF(cases); c++)
         for (size_t m = 0; m < COUNT_OF(methods); m++) {
@@ -119,9 +114,8 @@ static void test_lanes_equal_runs(void **state)
 }
 
 /* What 'event ... do record' keeps of a run. */
-static void test_events_of_a_run(void **state)
+TEST(test_events_of_a_run)
 {
-    (void)state;
     struct fixture f;
     struct error error = {0};
     set_up(&f, "duffing-driven", "rk4", 0.05, "F0", 0.3, 0.301, 24, "v falling");
@@ -147,9 +141,8 @@ static void test_events_of_a_run(void **state)
 }
 
 /* m y'' + m gamma y' + k y = F0 cos(omega t): once it has settled, y = Re A e^(i omega t). */
-static void test_driven_spring(void **state)
+TEST(test_driven_spring)
 {
-    (void)state;
     struct fixture f;
     set_up(&f, "driven", "rk4", 0.01, "omega", 6, 12, 25, "period");
     f.request.section.skip = 250;
@@ -170,10 +163,4 @@ static void test_driven_spring(void **state)
     sweep_free(&sweep);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lanes_equal_runs),
-                                       cmocka_unit_test(test_events_of_a_run),
-                                       cmocka_unit_test(test_driven_spring)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sweep that is stopped goes on with `continue`, in memory and in a file: the same bytes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/file.h>
 #include <hooke/base/cancel.h>
@@ -72,9 +67,8 @@ static void table_is(struct bench *b, const char *file, const struct buffer *wan
     (void)b;
 }
 
-static void goes_on(void **state)
+TEST(goes_on)
 {
-    (void)state;
     struct stopping s;
     struct bench whole, again;
     struct buffer wanted = {0}, in_file = {0};
@@ -129,8 +123,4 @@ static void goes_on(void **state)
     buffer_free(&in_file);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(goes_on)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

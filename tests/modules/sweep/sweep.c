@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps: the same numbers in lanes and alone, in shards and whole, whatever the number of threads;
  * what is measured. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 
@@ -71,9 +67,8 @@ static void assert_same(const struct sweep *a, const struct sweep *b, int64_t fi
 /* ---- lanes are the same numbers: every method that has them, every kind of oscillator, with and
  * without a rest ---- */
 
-static void test_lanes_equal_runs(void **state)
+TEST(test_lanes_equal_runs)
 {
-    (void)state;
     static const struct {
         const char *preset, *axis;
         double from, to;
@@ -138,9 +133,8 @@ static void test_lanes_equal_runs(void **state)
 }
 
 /* Steps whose size follows the error: each lane has its own. */
-static void test_adaptive_lanes_equal_runs(void **state)
+TEST(test_adaptive_lanes_equal_runs)
 {
-    (void)state;
     static const struct {
         const char *preset, *axis;
         double from, to;
@@ -186,9 +180,8 @@ static void test_adaptive_lanes_equal_runs(void **state)
 }
 
 /* What needs the whole run is measured of runs that are given the steps of the lanes. */
-static void test_replays_equal_runs(void **state)
+TEST(test_replays_equal_runs)
 {
-    (void)state;
     static const struct {
         const char *preset, *axis, *measures;
         double from, to;
@@ -222,9 +215,8 @@ static void test_replays_equal_runs(void **state)
 }
 
 /* Runs that are longer than what is kept of them are given it piece by piece. */
-static void test_long_replays_equal_runs(void **state)
+TEST(test_long_replays_equal_runs)
 {
-    (void)state;
     static const struct {
         const char *axis;
         double from, to;
@@ -249,9 +241,8 @@ static void test_long_replays_equal_runs(void **state)
 }
 
 /* Lanes lie along the axis that leaves the times as they are, or along both kinds of times. */
-static void test_two_clocks(void **state)
+TEST(test_two_clocks)
 {
-    (void)state;
     static const char *const axes[][2] = {
         {"dt", "gamma"}, {"gamma", "dt"}, {"dt", "t0"}, {"t0", "omega"}, {"t0", "dt"}};
     for (size_t c = 0; c < COUNT_OF(axes); c++) {
@@ -281,9 +272,8 @@ static void test_two_clocks(void **state)
 }
 
 /* Steps that are known before are those that are taken. */
-static void test_predicted_steps(void **state)
+TEST(test_predicted_steps)
 {
-    (void)state;
     const struct scene scene = scene_with("driven", NO_SETTINGS);
     struct sweep_request request = request_of(&scene, "rk4", 0.01, 5, "y");
     for (int log = 0; log < 2; log++) {
@@ -301,9 +291,8 @@ static void test_predicted_steps(void **state)
 
 /* ---- what diverges is a result ---- */
 
-static void test_divergence(void **state)
+TEST(test_divergence)
 {
-    (void)state;
     const struct scene scene = scene_with("inverted", NO_SETTINGS);
     struct sweep_request request = request_of(&scene, "rk4", 0.01, 60, "y steps reached amplitude");
     request.axis[0] = axis_of(&scene, "k", -15, 15, 101);
@@ -327,9 +316,8 @@ static void test_divergence(void **state)
 /* ---- shards, threads ---- */
 
 /* Any stretch, along either axis, and what a stopped sweep had finished: the same bits. */
-static void test_stretches(void **state)
+TEST(test_stretches)
 {
-    (void)state;
     const struct scene scene = scene_with("driven", NO_SETTINGS);
     static const char *const methods[] = {"verlet", "dopri5"}; /* in lanes, alone */
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
@@ -369,9 +357,8 @@ static void test_stretches(void **state)
 /* ---- the measures ---- */
 
 /* Amplitude of the forced motion: F0/m / hypot(omega0^2 - omega^2, gamma omega). */
-static void test_resonance(void **state)
+TEST(test_resonance)
 {
-    (void)state;
     const struct scene scene = scene_with("driven", SETTINGS({"gamma", 1}));
     struct sweep_request request = request_of(&scene, "rk4", 0.01, 60, "amplitude period");
     request.axis[0] = axis_of(&scene, "omega", 5, 12, 71);
@@ -389,9 +376,8 @@ static void test_resonance(void **state)
 
 /* Period of a pendulum: 2 pi sqrt(l/g) / agm(1, cos(theta0/2)); with large steps of an adaptive
  * method, too. */
-static void test_pendulum_period(void **state)
+TEST(test_pendulum_period)
 {
-    (void)state;
     const struct scene scene = scene_with("pendulum", NO_SETTINGS);
     const double g = scene.value[scene_param(&scene, "g")],
                  l = scene.value[scene_param(&scene, "length")];
@@ -419,9 +405,8 @@ static void test_pendulum_period(void **state)
 }
 
 /* The same as a run says of itself. */
-static void test_against_a_run(void **state)
+TEST(test_against_a_run)
 {
-    (void)state;
     const struct scene scene = scene_with("damped", NO_SETTINGS);
     struct sweep_request request = request_of(
         &scene, "verlet", 0.01, 7, "error energy_error y energy steps evals phase-error work");
@@ -447,9 +432,8 @@ static void test_against_a_run(void **state)
     sweep_free(&sweep);
 }
 
-static void test_other_axes(void **state)
+TEST(test_other_axes)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     struct sweep_request request = request_of(&scene, "rk4", 0.01, 10, "error steps");
     request.axis[0] = axis_of(&scene, "dt", 0.001, 0.1, 3);
@@ -482,9 +466,8 @@ static void test_other_axes(void **state)
 
 /* ---- columns ---- */
 
-static void test_columns(void **state)
+TEST(test_columns)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     struct sweep_request request =
         request_of(&scene, "rk4", 0.002, 20,
@@ -536,9 +519,8 @@ static void stop_after_a_while(void *context, double fraction)
     atomic_store(&stop.requested, 1);
 }
 
-static void test_cancelling(void **state)
+TEST(test_cancelling)
 {
-    (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     struct sweep_request request = request_of(&scene, "rk4", 1e-4, 10, "y");
     struct sweep sweep;
@@ -572,23 +554,4 @@ static void test_cancelling(void **state)
     sweep_free(&sweep);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs),
-        cmocka_unit_test(test_replays_equal_runs),
-        cmocka_unit_test(test_adaptive_lanes_equal_runs),
-        cmocka_unit_test(test_long_replays_equal_runs),
-        cmocka_unit_test(test_two_clocks),
-        cmocka_unit_test(test_predicted_steps),
-        cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_stretches),
-        cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_pendulum_period),
-        cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),
-        cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_cancelling),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sweeps of typed scenes: the same numbers in lanes and alone, whatever is 0 on the way, in shards
  * and by threads. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/sweep/compute/sweep.h"
 #include "modules/solving/testing.h"
@@ -208,9 +204,8 @@ static const struct typed_sweep cases[] = {
      60},
 };
 
-static void test_lanes_equal_runs(void **state)
+TEST(test_lanes_equal_runs)
 {
-    (void)state;
     for (size_t c = 0; c < COUNT_OF(cases); c++) {
         struct scene scene;
         struct sweep lanes, other;
@@ -257,10 +252,4 @@ static int teardown(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

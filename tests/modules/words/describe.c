@@ -32,7 +32,7 @@ static const char *words(size_t n, bool points, bool second, struct buffer *out)
     return out->data;
 }
 
-static void test_noise(void **state)
+TEST(test_noise)
 {
     struct buffer out = {0};
     (void)state;
@@ -56,7 +56,7 @@ static void test_noise(void **state)
     buffer_free(&out);
 }
 
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
     static const double size[] = {5e-324, 1e-300, 1e-160, 1, 1e160, 1e300, 1.7e308};
     struct buffer out = {0};
@@ -76,7 +76,7 @@ static void test_sizes(void **state)
     buffer_free(&out);
 }
 
-static void test_directions(void **state)
+TEST(test_directions)
 {
     struct buffer out = {0};
     (void)state;
@@ -102,7 +102,7 @@ static void test_directions(void **state)
 
 /* From three to six, whatever there is: three curves with a band, one that is constant, one point.
  */
-static void test_sentences(void **state)
+TEST(test_sentences)
 {
     struct buffer out = {0};
     static double spread[N], other[2][N];
@@ -138,7 +138,7 @@ static void test_sentences(void **state)
     buffer_free(&out);
 }
 
-static void test_fixed_axis(void **state)
+TEST(test_fixed_axis)
 {
     static double decay[N];
     struct buffer out = {0};
@@ -157,12 +157,4 @@ static void test_fixed_axis(void **state)
     buffer_free(&out);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise),      cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_directions), cmocka_unit_test(test_sentences),
-        cmocka_unit_test(test_fixed_axis),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

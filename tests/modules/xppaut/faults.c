@@ -29,9 +29,8 @@ static bool whole_way(int *lines, struct error *error)
     return fine;
 }
 
-static void test_each_allocation(void **state)
+TEST(test_each_allocation)
 {
-    (void)state;
     if (!MALLOC_CAN_FAIL) {
         print_message("the sanitizer has its own malloc\n");
         skip();
@@ -57,8 +56,4 @@ static void test_each_allocation(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_each_allocation)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -72,9 +72,8 @@ static void formula(const char *there, const char *here)
     done(&r);
 }
 
-static void test_statements(void **state)
+TEST(test_statements)
 {
-    (void)state;
     becomes("# a comment\nPAR K=.5, M = 2 c=-1e-1,d\nX'=V\ndV/dt=-k*X/m\ninit "
             "X=3\nv(0)=-1\ndone\nx'=bad",
             "param k = 0.5\nparam m = 2\nparam c = -0.1\nparam d = 0\nvar x = 3\nvar v = -1\n"
@@ -86,9 +85,8 @@ static void test_statements(void **state)
             "var x = 0\nvar y = 0\nx' = 1 + 2*x\ny' = x\n"); /* no `done` */
 }
 
-static void test_arrays(void **state)
+TEST(test_arrays)
 {
-    (void)state;
     becomes("x[1..3]'=[j]*x[j]\ninit x[2..3]=4\nd",
             "var x1 = 0\nvar x2 = 4\nvar x3 = 4\nx1' = 1*x1\nx2' = 2*x2\nx3' = 3*x3\n");
     becomes("%[1..2]\nx[j]'=y[j+1]\ny[j*2]'=-x[j]\n%\ny3'=x[2]\nd",
@@ -100,9 +98,8 @@ static void test_arrays(void **state)
     formula("sum(2,1)of(x)", "0");
 }
 
-static void test_formulas(void **state)
+TEST(test_formulas)
 {
-    (void)state;
     formula("-x^2", "-(x^2)");
     formula("2^3^2", "(2^3)^2");     /* from the left: 64 */
     formula("1+x<2", "1 + (x < 2)"); /* comparisons bind as powers do */
@@ -123,9 +120,8 @@ static void test_formulas(void **state)
     formula("sin(T)*PI", "sin(t)*pi");
 }
 
-static void test_names(void **state)
+TEST(test_names)
 {
-    (void)state;
     struct read r;
     assert_true(read_set(&r, "par dt=1,x0=2,step=3\nx'=dt+x0+step\naux p.e=x\naux x=1\nd", ""));
     assert_string_equal(buffer_view(&r.lines),
@@ -137,9 +133,8 @@ static void test_names(void **state)
     done(&r);
 }
 
-static void test_settings(void **state)
+TEST(test_settings)
 {
-    (void)state;
     struct read r;
     const char *file =
         "x'=a\npar a=1\n@ total=5 dt=.1,meth=gear,tol=1e-5\n@ TOTAL=7, nout=4, xlo=3\n"
@@ -165,9 +160,8 @@ static void test_settings(void **state)
 }
 
 /* Written out: straight lines, and sums over neighbours, with parameters as the file has them. */
-static void test_tables(void **state)
+TEST(test_tables)
 {
-    (void)state;
     becomes("table w % 3 0 2 b*t^2\npar a=4\n!b=a/2\nx'=w(x-1)+w(2)\nd",
             "param a = 4\nvar x = 0\nobserve b = a/2\n"
             "x' = 0 + 2*(x - 1 - 0) + 4*max(x - 1 - 1, 0) + (0 + 2*(2 - 0) + 4*max(2 - 1, 0))\n");
@@ -179,9 +173,8 @@ static void test_tables(void **state)
             "x0' = 1*x1 + 2*x0 + 3*x1\nx1' = 1*x0 + 2*x1 + 3*x2\nx2' = 1*x1 + 2*x2 + 3*x1\n");
 }
 
-static void test_events(void **state)
+TEST(test_events)
 {
-    (void)state;
     struct read r;
     assert_true(read_set(&r,
                          "x'=y\ny'=-1\npar b=.5\nf(u)=b*u\nglobal -1 x {x=0;y=-f(y)}\n"
@@ -196,9 +189,8 @@ static void test_events(void **state)
     done(&r);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
-    (void)state;
     static const struct {
         const char *file, *why;
     } cases[] = {
@@ -264,9 +256,8 @@ static void test_refused(void **state)
 }
 
 /* What others may hand over: long lines, deep nesting, chains. */
-static void test_large(void **state)
+TEST(test_large)
 {
-    (void)state;
     struct read r;
     struct buffer file = {0};
     buffer_put(&file, TEXT("x'=0"));
@@ -296,14 +287,4 @@ static void test_large(void **state)
     buffer_free(&file);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_statements), cmocka_unit_test(test_arrays),
-        cmocka_unit_test(test_formulas),   cmocka_unit_test(test_names),
-        cmocka_unit_test(test_settings),   cmocka_unit_test(test_events),
-        cmocka_unit_test(test_tables),     cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_large),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

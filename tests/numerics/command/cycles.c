@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Hz and rad/s: every way of writing a frequency gives the same, or is refused with a word. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/command/testing.h"
 #include "unit/random_testing.h"
@@ -47,9 +43,8 @@ static void expect_frequency(struct bench *b, const char *name, double wanted, b
     buffer_free(&line);
 }
 
-static void test_cycles_and_radians(void **state)
+TEST(test_cycles_and_radians)
 {
-    (void)state;
     const double turn = 2 * 3.14159265358979323846;
     struct bench b;
     bench_open(&b, false);
@@ -101,10 +96,4 @@ static void test_cycles_and_radians(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cycles_and_radians),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

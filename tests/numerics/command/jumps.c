@@ -3,11 +3,7 @@
  * Stated errors of runs whose events make the state or a parameter jump, against the closed forms
  * between the events: errors of the moments count, too.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
@@ -340,9 +336,8 @@ static double uniform(double low, double high)
     return low + (high - low) * (double)(seed >> 11) * 0x1p-53;
 }
 
-static void errors_count_the_moments(void **state)
+TEST(errors_count_the_moments)
 {
-    (void)state;
     static const char *const methods[] = {"dopri5", "tsit5",   "bogacki-shampine", "radau5",
                                           "rodas4", "rodas5p", "tr-bdf2",          "dop853"};
     static const double rounding = 1e-12;
@@ -438,9 +433,8 @@ static void tally_add(struct tally *tally, const struct told *told, double error
  * A spring that hardly reaches a wall, or hardly does not: x = sin(w t + 2 n arccos c) after n
  * elastic hits at x = -c. Errors that are as large as the dip decide whether it is hit at all.
  */
-static void grazing_hits_are_not_known(void **state)
+TEST(grazing_hits_are_not_known)
 {
-    (void)state;
     static const char *const methods[] = {"dop853", "dopri5", "radau5", "rodas5p", "odex"};
     const int tries = is_long() ? 600 : 60;
     struct tally tally = {0}, brief = {0};
@@ -484,9 +478,8 @@ static double start_of_map(int64_t k, int m)
  * x = 4 x (1 - x) at each event: x = sin^2(2^n pi k / m), with 2^n k modulo m in integers. Rounding
  * errors double with each.
  */
-static void maps_that_spread_rounding_are_told(void **state)
+TEST(maps_that_spread_rounding_are_told)
 {
-    (void)state;
     const int tries = is_long() ? 300 : 40;
     struct tally tally = {0}, brief = {0};
     int lost = 0;
@@ -513,12 +506,4 @@ static void maps_that_spread_rounding_are_told(void **state)
     assert_true(lost > 0 && tally.known > tries / 2 && tally.good >= tally.known / 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_count_the_moments),
-        cmocka_unit_test(grazing_hits_are_not_known),
-        cmocka_unit_test(maps_that_spread_rounding_are_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -125,9 +125,8 @@ static bool is_reached(const struct problem *p, const struct scene *scene, const
     return good;
 }
 
-static void test_references_are_reached(void **state)
+TEST(test_references_are_reached)
 {
-    (void)state;
     int wrong = 0;
     if (!table)
         skip();
@@ -173,9 +172,8 @@ static void add_oscillators(struct proportions *p)
 }
 
 /* The tolerance means the same for every method, on typed scenes, too. */
-static void test_errors_are_about_the_tolerance(void **state)
+TEST(test_errors_are_about_the_tolerance)
 {
-    (void)state;
     static struct proportions proportions;
     if (!table)
         skip();
@@ -193,7 +191,7 @@ static void test_errors_are_about_the_tolerance(void **state)
 
 /* The pendulum's period from rest at 90 degrees: a quarter of it to the bottom, by commands all the
  * way. */
-static void test_period_of_the_pendulum(void **state)
+TEST(test_period_of_the_pendulum)
 {
     static const struct attempt by[] = {{"dop853", 1e-14, 1e-13}, {"odex", 1e-14, 1e-13}};
     (void)state;
@@ -216,9 +214,8 @@ static void test_period_of_the_pendulum(void **state)
     }
 }
 
-static void test_no_row_is_left_over(void **state)
+TEST(test_no_row_is_left_over)
 {
-    (void)state;
     if (!table)
         skip();
     assert_all_reached(table, rows, true);
@@ -276,9 +273,8 @@ static const struct {
       {"cvode-adams", 1e-13, 1e-6}}},
 };
 
-static void test_published_digits_are_reached(void **state)
+TEST(test_published_digits_are_reached)
 {
-    (void)state;
     int wrong = 0;
     for (size_t i = 0; i < COUNT_OF(published); i++)
         for (size_t m = 0; m < COUNT_OF(published[i].by) && published[i].by[m].method; m++) {
@@ -327,14 +323,4 @@ static int teardown(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_references_are_reached),
-        cmocka_unit_test(test_errors_are_about_the_tolerance),
-        cmocka_unit_test(test_period_of_the_pendulum),
-        cmocka_unit_test(test_no_row_is_left_over),
-        cmocka_unit_test(test_published_digits_are_reached),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -4,12 +4,8 @@
  * messages; --full and records leave nothing out. A command without a line here fails.
  */
 #include <hooke/base/safe_text.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
@@ -118,9 +114,8 @@ static bool fits(const struct answer *answer)
     return ok;
 }
 
-static void every_study_answers_in_one_screen(void **state)
+TEST(every_study_answers_in_one_screen)
 {
-    (void)state;
     int too_long = 0;
     for (size_t i = 0; i < COUNT_OF(studies); i++)
         too_long += !fits(&studies[i]);
@@ -129,9 +124,8 @@ static void every_study_answers_in_one_screen(void **state)
     assert_int_equal(too_long, 0);
 }
 
-static void every_command_with_a_short_form_is_measured(void **state)
+TEST(every_command_with_a_short_form_is_measured)
 {
-    (void)state;
     int studied = 0;
     for (size_t c = 0; c < command_catalog.count; c++) {
         const struct command *command =
@@ -150,9 +144,8 @@ static void every_command_with_a_short_form_is_measured(void **state)
 }
 
 /* The rows that are left out are counted, and come back with --full. */
-static void full_leaves_nothing_out(void **state)
+TEST(full_leaves_nothing_out)
 {
-    (void)state;
     static const char *const lines[] = {"order rk4", "stress case=orego", "equilibria x=-5:5",
                                         "sweep x0=0:1:0.02 measure=max"};
     for (size_t i = 0; i < COUNT_OF(lines); i++) {
@@ -176,9 +169,8 @@ static void full_leaves_nothing_out(void **state)
 }
 
 /* What stands in the middle is replaced; the heading, the first rows and the last ones stay. */
-static void the_middle_is_left_out(void **state)
+TEST(the_middle_is_left_out)
 {
-    (void)state;
     struct bench bench;
     struct buffer full = {0};
     open_screen(&bench);
@@ -207,9 +199,8 @@ static int lines_of(const struct buffer *buffer)
     return lines;
 }
 
-static void records_are_whole(void **state)
+TEST(records_are_whole)
 {
-    (void)state;
     static const char *const form[] = {"csv", "json"};
     static const char *const line[] = {"sweep x0=0:1:0.02 measure=max",
                                        "sweep x0=0:1:0.02 measure=max --full"};
@@ -233,14 +224,4 @@ static void records_are_whole(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_study_answers_in_one_screen),
-        cmocka_unit_test(every_command_with_a_short_form_is_measured),
-        cmocka_unit_test(full_leaves_nothing_out),
-        cmocka_unit_test(the_middle_is_left_out),
-        cmocka_unit_test(records_are_whole),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

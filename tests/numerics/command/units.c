@@ -4,11 +4,7 @@
  * file's own, which knows each tree's value and dimension before it is written down.
  */
 #include <hooke/base/number.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/command/testing.h"
@@ -287,9 +283,8 @@ static void expect_let(struct bench *b, const char *text, const struct worth *w)
     buffer_free(&line);
 }
 
-static void test_random_expressions(void **state)
+TEST(test_random_expressions)
 {
-    (void)state;
     const int rounds = is_long() ? 100000 : 10000;
     struct bench b;
     int taken = 0, refused = 0, events = 0;
@@ -324,9 +319,8 @@ static void test_random_expressions(void **state)
     bench_close(&b);
 }
 
-static void test_uncertainties(void **state)
+TEST(test_uncertainties)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (int round = 0; round < 300; round++) {
@@ -354,9 +348,8 @@ static void test_uncertainties(void **state)
 }
 
 /* Whatever is typed is a value that is said or an error that is said. */
-static void test_token_soup(void **state)
+TEST(test_token_soup)
 {
-    (void)state;
     static const char *const token[] = {
         "5", "0.25", "cm",  " m", "kg",  "1/s", "N/m", "s",   "*",     "/",  "^",   "+",
         " ", "-",    "(",   ")",  "y0",  "m",   "pi",  "deg", "sqrt(", ",",  "T0",  "max(",
@@ -405,9 +398,8 @@ static void adopt_with(const char *header, double omega, double amplitude, doubl
     bench_close(&b);
 }
 
-static void test_unknown_units(void **state)
+TEST(test_unknown_units)
 {
-    (void)state;
     static const char *const unit[] = {"y (au)", "y (lux)", "y (counts)", "y (hPa)"};
     enter_folder(NULL);
     for (int round = 0; round < 12; round++) {
@@ -422,13 +414,4 @@ static void test_unknown_units(void **state)
     leave_folder(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unknown_units),
-        cmocka_unit_test(test_token_soup),
-        cmocka_unit_test(test_random_expressions),
-        cmocka_unit_test(test_uncertainties),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

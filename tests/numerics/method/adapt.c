@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Step-size control and dense output: accuracy follows the tolerance, nothing is lost when a step
  * fails. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -84,9 +80,8 @@ static struct line fit_line(const double *error, const double *tol, int count)
  * every method. On this linear scene some are of an order more than they claim, which lifts the
  * slope by up to a fifth.
  */
-static void test_error_follows_tolerance(void **state)
+TEST(test_error_follows_tolerance)
 {
-    (void)state;
     struct system system = SPRING({NULL, 0});
     int wrong = 0;
     for (size_t m = 0; m < own_methods(); m++) {
@@ -116,9 +111,8 @@ static void test_error_follows_tolerance(void **state)
 
 /* The error of a harmonic oscillation is the same in every step: once it is right, h stays as it
  * is, bit for bit. */
-static void test_steps_settle(void **state)
+TEST(test_steps_settle)
 {
-    (void)state;
     struct system system = SPRING({NULL, 0});
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -138,9 +132,8 @@ static void test_steps_settle(void **state)
 }
 
 /* The tolerance is relative: the same problem in other units takes the same steps, bit for bit. */
-static void test_tolerance_has_no_unit(void **state)
+TEST(test_tolerance_has_no_unit)
 {
-    (void)state;
     struct system metre = SPRING({"y0", 0.05}, {"gamma", 0.2}),
                   small = SPRING({"y0", ldexp(0.05, -40)}, {"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
@@ -155,9 +148,8 @@ static void test_tolerance_has_no_unit(void **state)
 }
 
 /* Sizes that were guessed too small, even by 1e12, cost a few steps at first; peaks do not stay. */
-static void test_sizes_follow_the_solution(void **state)
+TEST(test_sizes_follow_the_solution)
 {
-    (void)state;
     struct system known = SPRING({"y0", 0.05}), small = known;
     for (int i = 0; i < 2; i++)
         small.scale[i] *= 1e-12;
@@ -184,9 +176,8 @@ static void test_sizes_follow_the_solution(void **state)
     }
 }
 
-static void test_costs_are_counted(void **state)
+TEST(test_costs_are_counted)
 {
-    (void)state;
     struct system system = SPRING({"F0", 0.3}, {"omega", 40}, {"gamma", 2});
     advance_begin(&shared, &system, 0, 1e-8);
     shared.controller.h = 1; /* far too long: must be rejected first */
@@ -198,9 +189,8 @@ static void test_costs_are_counted(void **state)
     assert_int_equal(cost.evals, 6 * (shared.accepted + cost.rejected) + 1);
 }
 
-static void test_end_is_met_exactly(void **state)
+TEST(test_end_is_met_exactly)
 {
-    (void)state;
     struct system system = SPRING({"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
     advance_begin(&shared, &system, 0, 1e-6);
@@ -225,9 +215,8 @@ static void test_end_is_met_exactly(void **state)
 }
 
 /* t + (t_end - t) is often not t_end. */
-static void test_end_is_met_in_spite_of_rounding(void **state)
+TEST(test_end_is_met_in_spite_of_rounding)
 {
-    (void)state;
     struct system system = SPRING({NULL, 0});
     for (int i = 1; i < 100; i++) {
         double t_end = 0.3 / i;
@@ -239,9 +228,8 @@ static void test_end_is_met_in_spite_of_rounding(void **state)
     }
 }
 
-static void test_backwards(void **state)
+TEST(test_backwards)
 {
-    (void)state;
     struct system system = SPRING({"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
     assert_below("from 0 to -5", advance_error(dopri5, &system, 1e-9, -5, 1), 1e-6);
@@ -252,9 +240,8 @@ static void test_backwards(void **state)
     assert_below("there and back", distance(&system, shared.y, system.start), 1e-7);
 }
 
-static void test_starts_at_rest(void **state)
+TEST(test_starts_at_rest)
 {
-    (void)state;
     const struct method *dopri5 = method_named("dopri5");
     struct system driven = SPRING({"y0", 0}, {"F0", 0.02}, {"omega", 8.2}, {"gamma", 0.3});
     assert_below("driven from rest", advance_error(dopri5, &driven, 1e-8, 10, 7), 1e-6);
@@ -265,9 +252,8 @@ static void test_starts_at_rest(void **state)
     assert_below("steps of nothing", (double)shared.accepted, 50);
 }
 
-static void test_tolerance_zero_is_clamped(void **state)
+TEST(test_tolerance_zero_is_clamped)
 {
-    (void)state;
     struct system system = SPRING({NULL, 0});
     assert_below("tol 0", advance_error(method_named("dopri5"), &system, 0, 1, 1), 1e-12);
 }
@@ -282,9 +268,8 @@ static const struct term_row wall_row = {.row = {"wall", "m/s^2", "", "", NULL},
 
 /* The motion before the wall is a parabola, which dopri5 follows without error: it would leap at
  * the wall again. */
-static void test_no_growth_after_a_rejection(void **state)
+TEST(test_no_growth_after_a_rejection)
 {
-    (void)state;
     struct system system = other_system(&wall_row, 1);
     system.start[1] = 1;
     advance_begin(&shared, &system, 0, 1e-6);
@@ -299,9 +284,8 @@ static void test_no_growth_after_a_rejection(void **state)
     assert_above("then it grows again", shared.controller.h, 0.22);
 }
 
-static void test_nan_is_a_rejected_step(void **state)
+TEST(test_nan_is_a_rejected_step)
 {
-    (void)state;
     struct system system = other_system(&wall_row, 1);
     system.start[1] = 1;
     advance_begin(&shared, &system, 0, 1e-6);
@@ -333,9 +317,8 @@ static void noise_add(const double *c, double t, const double *y, double *a)
 static const struct term_row noise_row = {
     .row = {"noise", "m/s^2", "", "", NULL}, .flags = TERM_TIME, .add = noise_add};
 
-static void test_stall(void **state)
+TEST(test_stall)
 {
-    (void)state;
     struct system system = other_system(&noise_row, 1e20);
     advance_begin(&shared, &system, 1, 1e-6);
     enum step_status status = travel(&shared, method_named("dopri5"), 2);
@@ -345,9 +328,8 @@ static void test_stall(void **state)
 
 /* A rejected step leaves nothing behind: the same path as with the step size that was accepted, bit
  * for bit. */
-static void test_rejection_leaves_no_trace(void **state)
+TEST(test_rejection_leaves_no_trace)
 {
-    (void)state;
     struct system system = SPRING({NULL, 0});
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -381,9 +363,8 @@ static void hole_add(const double *c, double t, const double *y, double *a)
 static const struct term_row hole_row = {
     .row = {"hole", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY | TERM_KINK, .add = hole_add};
 
-static void test_a_piece_that_fails_leaves_nothing(void **state)
+TEST(test_a_piece_that_fails_leaves_nothing)
 {
-    (void)state;
     static const struct {
         bool kinks;
         double from, to;
@@ -414,9 +395,8 @@ static void test_a_piece_that_fails_leaves_nothing(void **state)
 }
 
 /* An accepted step ends where the velocity is 0, or has its sign throughout; the proposal stays. */
-static void test_steps_end_at_turning_points(void **state)
+TEST(test_steps_end_at_turning_points)
 {
-    (void)state;
     struct system system = SPRING({"C", 3});
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
@@ -466,9 +446,8 @@ static double dense_error(const struct method *method, const struct system *syst
  * Local order: h^p for own interpolants of methods above order 4 (not collocation, whose three
  * stages give h^4), all others h^4, never better than the step, h^(p+1).
  */
-static void test_dense_orders(void **state)
+TEST(test_dense_orders)
 {
-    (void)state;
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
                                      SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
                                      SPRING({"v0", 0.3})};
@@ -488,9 +467,8 @@ static void test_dense_orders(void **state)
     }
 }
 
-static void test_dense_meets_both_ends(void **state)
+TEST(test_dense_meets_both_ends)
 {
-    (void)state;
     static double work[WORK_CAPACITY];
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}), SPRING({"v0", 0.3})};
     for (size_t m = 0; m < own_methods(); m++) {
@@ -511,27 +489,4 @@ static void test_dense_meets_both_ends(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_error_follows_tolerance),
-        cmocka_unit_test(test_steps_settle),
-        cmocka_unit_test(test_tolerance_has_no_unit),
-        cmocka_unit_test(test_sizes_follow_the_solution),
-        cmocka_unit_test(test_costs_are_counted),
-        cmocka_unit_test(test_end_is_met_exactly),
-        cmocka_unit_test(test_end_is_met_in_spite_of_rounding),
-        cmocka_unit_test(test_backwards),
-        cmocka_unit_test(test_starts_at_rest),
-        cmocka_unit_test(test_tolerance_zero_is_clamped),
-        cmocka_unit_test(test_no_growth_after_a_rejection),
-        cmocka_unit_test(test_nan_is_a_rejected_step),
-        cmocka_unit_test(test_stall),
-        cmocka_unit_test(test_rejection_leaves_no_trace),
-        cmocka_unit_test(test_a_piece_that_fails_leaves_nothing),
-        cmocka_unit_test(test_steps_end_at_turning_points),
-        cmocka_unit_test(test_dense_orders),
-        cmocka_unit_test(test_dense_meets_both_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
  * trees (trees.h) and special Nystrom trees (Hairer, Norsett, Wanner I, II.14). An order must EQUAL
  * the claim: the conditions one order higher must fail.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "method/step/step.h"
 #include "numerics/trees.h"
@@ -23,9 +19,8 @@ static int grow(void **state)
     return 0;
 }
 
-static void test_number_of_trees(void **state)
+TEST(test_number_of_trees)
 {
-    (void)state;
     static const int known[TREE_ORDERS + 1] = {0, 1, 1, 2, 4, 9, 20, 48, 115, 286};
     for (int order = 1; order <= TREE_ORDERS; order++)
         assert_int_equal(forest.first[order + 1] - forest.first[order], known[order]);
@@ -60,9 +55,8 @@ static const double *padded(const struct tableau *tableau, const double *b,
     return capacity;
 }
 
-static void test_tableau_orders(void **state)
+TEST(test_tableau_orders)
 {
-    (void)state;
     int tableaus = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -93,9 +87,8 @@ static void test_tableau_orders(void **state)
     assert_true(tableaus >= 10);
 }
 
-static void test_tableau_shape(void **state)
+TEST(test_tableau_shape)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         const struct tableau *tableau = method->tableau;
@@ -143,9 +136,8 @@ static void interpolant(const struct tableau *tableau, double theta, double weig
 }
 
 /* The order of the interpolants everywhere inside is p - 1, and 3 at least. */
-static void test_dense_orders(void **state)
+TEST(test_dense_orders)
 {
-    (void)state;
     int interpolants = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -170,9 +162,8 @@ static void test_dense_orders(void **state)
 
 /* Hairer, Norsett, Wanner, eq. II.10.17: |e5|^2 / sqrt(|e5|^2 + |e3|^2/100), in the direction of
  * e5. */
-static void test_rough_estimate(void **state)
+TEST(test_rough_estimate)
 {
-    (void)state;
     const struct method *dop853 = method_named("dop853");
     const struct tableau *tableau = dop853->tableau;
     const struct system system = SPRING({"v0", 0.3});
@@ -198,9 +189,8 @@ static void test_rough_estimate(void **state)
 }
 
 /* A typo in the last digits of one coefficient is seen. */
-static void test_a_typo_is_seen(void **state)
+TEST(test_a_typo_is_seen)
 {
-    (void)state;
     const struct tableau *rk4 = method_named("rk4")->tableau;
     double b[] = {rk4->b[0], rk4->b[1] + 1e-12, rk4->b[2], rk4->b[3]};
     weigh(rk4);
@@ -296,9 +286,8 @@ static void assert_nystrom_order(const char *what, const struct nystrom_forest *
     assert_above(what, nystrom_violation(grown, stages, b, d, claim + 1), TREE_FAILS);
 }
 
-static void test_nystrom_orders(void **state)
+TEST(test_nystrom_orders)
 {
-    (void)state;
     static const int known[NYSTROM_ORDERS + 1] = {0, 1, 1, 2, 3, 6, 10, 20}; /* II.14, table 14.3 */
     static struct nystrom_forest grown;
     int rows = 0;
@@ -337,13 +326,4 @@ static void test_nystrom_orders(void **state)
     assert_true(rows >= 3);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_number_of_trees), cmocka_unit_test(test_tableau_orders),
-        cmocka_unit_test(test_tableau_shape),   cmocka_unit_test(test_dense_orders),
-        cmocka_unit_test(test_rough_estimate),  cmocka_unit_test(test_a_typo_is_seen),
-        cmocka_unit_test(test_nystrom_orders),
-    };
-    return cmocka_run_group_tests(tests, grow, NULL);
-}
+RUN_TESTS(grow, NULL)

@@ -5,11 +5,7 @@
  * (Brouwer 1937, Astron. J. 46:149), and with compensated sums with steps smaller by h (Hairer,
  * McLachlan, Razakarivony 2008, BIT 48:231).
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "method/step/step.h"
@@ -75,9 +71,8 @@ static void drift(const struct method *method, bool compensated, int conditions,
         rms[p] = sqrt(rms[p]);
 }
 
-static void test_every_splitting(void **state)
+TEST(test_every_splitting)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         double plain[6], compensated[6];
@@ -101,9 +96,8 @@ static double slope_of(const double *rms, int points)
 }
 
 /* Verlet, 256 000 steps of 8 runs; in the long form 8 192 000 of 32. */
-static void test_random_walk(void **state)
+TEST(test_random_walk)
 {
-    (void)state;
     const struct method *verlet = method_named("verlet");
     int conditions = is_long() ? CONDITIONS : 8, points = is_long() ? POINTS : 9;
     double plain[POINTS], compensated[POINTS];
@@ -118,9 +112,8 @@ static void test_random_walk(void **state)
 }
 
 /* A step that fails leaves the low parts too; a low part that is there counts. */
-static void test_low_parts(void **state)
+TEST(test_low_parts)
 {
-    (void)state;
     struct system system = unit_spring();
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -147,9 +140,8 @@ static void test_low_parts(void **state)
 }
 
 /* One number: the sum is exact to twice the digits, whichever of the two is larger. */
-static void test_step_add(void **state)
+TEST(test_step_add)
 {
-    (void)state;
     double y = 1, low = 0, plain = 1;
     for (int i = 0; i < 1000000; i++) {
         step_add(&y, &low, 0x1p-60);
@@ -162,13 +154,4 @@ static void test_step_add(void **state)
     assert_true(y == 1 && low == 0x1p-60);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_step_add),
-        cmocka_unit_test(test_low_parts),
-        cmocka_unit_test(test_every_splitting),
-        cmocka_unit_test(test_random_walk),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
  * (order of every splitting and drag variant), against RK4 in long double on forces written out
  * here.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -152,27 +148,24 @@ static void check(int coordinates, double quadratic, int *checked)
         }
 }
 
-static void test_linear_drag(void **state)
+TEST(test_linear_drag)
 {
-    (void)state;
     int checked[2] = {0};
     check(ONE, 0, &checked[0]);
     check(TWO, 0, &checked[1]);
     assert_true(checked[0] >= 12 + 13 && checked[1] == checked[0]);
 }
 
-static void test_quadratic_drag(void **state)
+TEST(test_quadratic_drag)
 {
-    (void)state;
     int checked = 0;
     check(ONE, QUADRATIC, &checked);
     assert_true(checked == 2 * 3 + 2 * 2); /* the symplectic Eulers have no exact variant for it */
 }
 
 /* Drag that is not known to act on each velocity alike is refused but for the explicit variant. */
-static void test_unknown_drag(void **state)
+TEST(test_unknown_drag)
 {
-    (void)state;
     struct system system = damped(TWO, 0);
     system.oscillator.drag_whole = false;
     for (size_t m = 0; m < method_catalog.count; m++)
@@ -181,12 +174,4 @@ static void test_unknown_drag(void **state)
                              drag == DRAG_EXPLICIT && method_at(m)->order <= 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_linear_drag),
-        cmocka_unit_test(test_quadratic_drag),
-        cmocka_unit_test(test_unknown_drag),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

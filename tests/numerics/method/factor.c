@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The powers of the step-size control: as exact as they say, and in order. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <math.h>
 
@@ -16,9 +12,8 @@ static void assert_near(double is, double wanted, double within, double x)
         fail_msg("%.17g for %.17g, at %.17g", is, wanted, x);
 }
 
-static void test_log2(void **state)
+TEST(test_log2)
 {
-    (void)state;
     double last = -HUGE_VAL;
     for (double x = 1e-300; x < 1e300; x *= 1.0137) {
         const double log = factor_log2(x);
@@ -29,9 +24,8 @@ static void test_log2(void **state)
     assert_true(factor_log2(1) == 0);
 }
 
-static void test_exp2(void **state)
+TEST(test_exp2)
 {
-    (void)state;
     double last = 0;
     for (double x = -999; x < 999; x += 0.0373) {
         const double power = factor_exp2(x);
@@ -43,18 +37,16 @@ static void test_exp2(void **state)
     assert_true(factor_exp2(1e9) > 1e300 && factor_exp2(-1e9) < 1e-300); /* no nonsense beyond */
 }
 
-static void test_atan(void **state)
+TEST(test_atan)
 {
-    (void)state;
     for (double x = -30; x < 30; x += 0.00173)
         assert_near(factor_atan(x), atan(x), 1.2e-5, x);
     assert_true(factor_atan(0) == 0); /* a step that is just right stays as it is */
     assert_near(factor_atan(1e300), asin(1), 1e-9, 1e300);
 }
 
-static void test_limited(void **state)
+TEST(test_limited)
 {
-    (void)state;
     double last = 0;
     for (double x = -40; x < 40; x += 0.000713) {
         const double factor = factor_limited(x);
@@ -66,13 +58,4 @@ static void test_limited(void **state)
     assert_true(factor_limited(1e9) < 2.571 && factor_limited(-1e9) > 0.214);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_log2),
-        cmocka_unit_test(test_exp2),
-        cmocka_unit_test(test_atan),
-        cmocka_unit_test(test_limited),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

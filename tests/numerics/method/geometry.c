@@ -5,11 +5,7 @@
  * lost in rounding). The systems are the undamped spring, Duffing's q'' = -q - q^3 / 2 (which
  * `exact` cannot step) and that of Henon and Heiles.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "numerics/method/testing.h"
@@ -51,9 +47,8 @@ static double coarse_return_error(const struct method *method, const struct syst
     return largest;
 }
 
-static void test_reversal(void **state)
+TEST(test_reversal)
 {
-    (void)state;
     const long n = is_long() ? 100000 : 10000;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -97,9 +92,8 @@ static void check_reversal_with_drag(const struct method *method, enum drag drag
 }
 
 /* Drag does not spoil the symmetry of the exact and implicit variants; explicit drag does. */
-static void test_reversal_with_drag(void **state)
+TEST(test_reversal_with_drag)
 {
-    (void)state;
     const struct system systems[] = {SPRING({"m", 1}, {"k", 1}, {"gamma", 0.01}, {"C", 0.01},
                                             {"rho", 1}, {"area", 1}, {"y0", 1}),
                                      SPRING({"m", 1}, {"k", 1}, {"gamma", 0.02}, {"y0", 1}),
@@ -176,9 +170,8 @@ static double form_error(const struct method *method, const struct system *syste
     return largest;
 }
 
-static void test_area(void **state)
+TEST(test_area)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         struct system system = nonlinear_for(method);
@@ -219,9 +212,8 @@ static const struct term_row henon_heiles_row = {.row = {"henon-heiles", "", "",
                                                  .potential = henon_heiles_potential};
 
 /* With two coordinates keeping the volume is not enough. */
-static void test_symplectic_form(void **state)
+TEST(test_symplectic_form)
 {
-    (void)state;
     struct system system = other_system(&henon_heiles_row, 0);
     system.n = 4;
     system.scale[2] = system.scale[3] = 1;
@@ -238,9 +230,8 @@ static void test_symplectic_form(void **state)
 
 /* Linear damping shrinks areas by exp(-gamma h): splittings with exact drag do exactly that, others
  * do not. */
-static void test_area_with_damping(void **state)
+TEST(test_area_with_damping)
 {
-    (void)state;
     struct system damped = damped_duffing(0.4), driven_away = damped_duffing(-0.4);
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -302,9 +293,8 @@ static double telling_step(const struct method *method, const struct system *sys
 
 /* The last 1000 steps are not worse than the first 1000; methods neither symplectic nor symmetric
  * drift. */
-static void test_energy_stays_bounded(void **state)
+TEST(test_energy_stays_bounded)
 {
-    (void)state;
     static struct walk walk;
     const long n = is_long() ? 1000000 : 30000;
     for (size_t m = 0; m < method_catalog.count; m++) {
@@ -323,9 +313,8 @@ static void test_energy_stays_bounded(void **state)
     }
 }
 
-static void test_linear_energy_is_kept(void **state)
+TEST(test_linear_energy_is_kept)
 {
-    (void)state;
     static struct walk walk;
     struct system system = unit_spring();
     for (size_t m = 0; m < method_catalog.count; m++) {
@@ -343,9 +332,8 @@ static void test_linear_energy_is_kept(void **state)
 /* The invariants of the discrete flows: v^2 + q^2 (1 - x^2/4) for Verlet, v^2 + q^2 -+ x q v for
  * the symplectic Eulers.
  */
-static void test_modified_invariants(void **state)
+TEST(test_modified_invariants)
 {
-    (void)state;
     const struct {
         const char *name;
         double q2, qv;
@@ -364,17 +352,4 @@ static void test_modified_invariants(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reversal),
-        cmocka_unit_test(test_reversal_with_drag),
-        cmocka_unit_test(test_area),
-        cmocka_unit_test(test_symplectic_form),
-        cmocka_unit_test(test_area_with_damping),
-        cmocka_unit_test(test_energy_stays_bounded),
-        cmocka_unit_test(test_linear_energy_is_kept),
-        cmocka_unit_test(test_modified_invariants),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
  * and of backward differentiation, and growth without damping to leading order, against independent
  * values.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -63,9 +59,8 @@ static void check_limit(const struct method *method, enum drag drag, double zeta
     fail_msg("%s: nothing grows beyond the limit %g", what, limit);
 }
 
-static void test_both_sides_of_every_limit(void **state)
+TEST(test_both_sides_of_every_limit)
 {
-    (void)state;
     static const double some[] = {0, 0.1, 0.5, 2};
     int limits_checked = 0;
     for (size_t m = 0; m < method_catalog.count; m++)
@@ -101,9 +96,8 @@ static const struct {
     {"pefrl", 2.98945, 3.50542, 1.249},
 };
 
-static void test_resonance_windows(void **state)
+TEST(test_resonance_windows)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(windows); i++) {
         const char *name = windows[i].name;
         double width = windows[i].to - windows[i].from, max = 0;
@@ -132,9 +126,8 @@ static double crossing(const char *name, double a, double b)
     return a;
 }
 
-static void test_windows_of_differentiation(void **state)
+TEST(test_windows_of_differentiation)
 {
-    (void)state;
     assert_near("bdf3", crossing("bdf3", 1.5, 3), sqrt(15) / 2, 1e-9);
     assert_near("bdf4", crossing("bdf4", 4, 6), 10 * sqrt(2) / 3, 1e-9);
     assert_near("bdf5", crossing("bdf5", 0.5, 2), 0.710807671, 2e-9);
@@ -165,9 +158,8 @@ static double worst_growth(const char *name, double zeta)
 
 /* Backward differentiation is stable at every step from a damping ratio on that is the cosine of
  * its angle A(alpha). */
-static void test_damping_that_suffices(void **state)
+TEST(test_damping_that_suffices)
 {
-    (void)state;
     static const struct {
         const char *name;
         double zeta, degrees;
@@ -189,9 +181,8 @@ static void test_damping_that_suffices(void **state)
 
 /* ---- slow growth and decay without damping: growth - 1 = c x^q to leading order ---- */
 
-static void test_leading_growth(void **state)
+TEST(test_leading_growth)
 {
-    (void)state;
     static const struct {
         const char *name;
         double c;
@@ -232,14 +223,4 @@ static void test_leading_growth(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_both_sides_of_every_limit),
-        cmocka_unit_test(test_resonance_windows),
-        cmocka_unit_test(test_windows_of_differentiation),
-        cmocka_unit_test(test_damping_that_suffices),
-        cmocka_unit_test(test_leading_growth),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
  * estimate), row sums, the transformation that its solver uses, symplecticity, symmetry, A- and
  * L-stability, stiff accuracy.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <complex.h>
 
@@ -54,9 +50,8 @@ static void estimate_weights(const struct implicit_tableau *row, double *b)
     }
 }
 
-static void test_orders(void **state)
+TEST(test_orders)
 {
-    (void)state;
     int rows = 0;
     forest_grow(&forest);
     for (size_t m = 0; m < method_catalog.count; m++) {
@@ -87,9 +82,8 @@ static void test_orders(void **state)
 }
 
 /* A typo in the last digits of one coefficient is seen. */
-static void test_a_typo_is_seen(void **state)
+TEST(test_a_typo_is_seen)
 {
-    (void)state;
     const struct implicit_tableau *row = method_named("radau5")->implicit;
     double a[9];
     memcpy(a, row->a, sizeof a);
@@ -108,9 +102,8 @@ static bool same_last_row(const struct implicit_tableau *row)
                   (size_t)row->stages * sizeof *row->b) == 0;
 }
 
-static void test_shape(void **state)
+TEST(test_shape)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const char *name;
         const struct implicit_tableau *row = tableau_at(m, &name);
@@ -139,9 +132,8 @@ static void test_shape(void **state)
 
 /* d a = b; a T Lambda = T and left a T = 1, for the eigenvalues and vectors that the solver uses.
  */
-static void test_transformation(void **state)
+TEST(test_transformation)
 {
-    (void)state;
     int rows = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const char *name;
@@ -183,9 +175,8 @@ static void test_transformation(void **state)
 
 /* Symplectic: b_i a_ij + b_j a_ji = b_i b_j (HLW VI.4.3); symmetric: a_s+1-i,s+1-j + a_ij = b_j
  * (HLW V.2.3). */
-static void test_geometry(void **state)
+TEST(test_geometry)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const char *name;
         const struct implicit_tableau *row = tableau_at(m, &name);
@@ -245,9 +236,8 @@ static double most_on_the_axis(int s, const double *a, const double *b, double *
 
 /* No poles on the left: the rows' |R| has its maximum on the axis (all their eigenvalues have
  * positive real parts). */
-static void test_stability(void **state)
+TEST(test_stability)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const char *name;
         const struct implicit_tableau *row = tableau_at(m, &name);
@@ -265,9 +255,8 @@ static void test_stability(void **state)
 }
 
 /* Leading terms of phase and amplitude error a step on the undamped oscillator. */
-static void test_leading_errors(void **state)
+TEST(test_leading_errors)
 {
-    (void)state;
     const struct {
         const char *name;
         int order;
@@ -291,13 +280,4 @@ static void test_leading_errors(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orders),         cmocka_unit_test(test_a_typo_is_seen),
-        cmocka_unit_test(test_shape),          cmocka_unit_test(test_transformation),
-        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_stability),
-        cmocka_unit_test(test_leading_errors),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

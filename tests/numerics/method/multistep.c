@@ -4,11 +4,7 @@
  * equation, the start, what a changed step does, costs. (Measured orders are in method_order.c,
  * stability in method_stability.c.)
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "method/step/step.h"
@@ -60,9 +56,8 @@ static double difference_violation(const double *v, int steps, int q)
     return fabs(sum - q);
 }
 
-static void test_orders(void **state)
+TEST(test_orders)
 {
-    (void)state;
     int rows = 0;
     EACH_ROW(method)
     {
@@ -136,9 +131,8 @@ static double equation_error(const struct multistep *m, const struct system *sys
     return largest;
 }
 
-static void test_steps_solve_their_equation(void **state)
+TEST(test_steps_solve_their_equation)
 {
-    (void)state;
     struct system system = pushed_spring();
     EACH_ROW(method)
     {
@@ -159,9 +153,8 @@ static void test_steps_solve_their_equation(void **state)
 
 /* The first steps - 1 steps come from a method of higher order: their error is far below the
  * method's own. */
-static void test_start_is_accurate(void **state)
+TEST(test_start_is_accurate)
 {
-    (void)state;
     struct system system = SPRING({"m", 1}, {"k", 1.5}, {"gamma", 0.5}, {"y0", 1});
     EACH_ROW(method)
     {
@@ -177,9 +170,8 @@ static void test_start_is_accurate(void **state)
 
 /* A step that is longer or shorter is taken alone, as the first one is; then the history begins
  * anew. */
-static void test_changed_step_starts_again(void **state)
+TEST(test_changed_step_starts_again)
 {
-    (void)state;
     struct system system = pushed_spring();
     EACH_ROW(method)
     {
@@ -198,9 +190,8 @@ static void test_changed_step_starts_again(void **state)
     }
 }
 
-static void test_costs(void **state)
+TEST(test_costs)
 {
-    (void)state;
     struct system system = pushed_spring();
     EACH_ROW(method)
     {
@@ -242,9 +233,8 @@ static const struct term_row smooth_row = {.row = {"smooth", "1/s", "", "", NULL
                                            .add = smooth_add,
                                            .jacobian = smooth_jacobian};
 
-static void test_stiff_start(void **state)
+TEST(test_stiff_start)
 {
-    (void)state;
     struct system system = other_system(&smooth_row, 1e6);
     system.n = system.order = 1;
     EACH_ROW(method)
@@ -309,9 +299,8 @@ static int compare_starts(const char *scene, const struct system *system, double
     return compared;
 }
 
-static void test_starts_where_companions_do(void **state)
+TEST(test_starts_where_companions_do)
 {
-    (void)state;
     int compared = 0;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = preset_at(i);
@@ -329,9 +318,8 @@ static void test_starts_where_companions_do(void **state)
 }
 
 /* A failed step leaves all as it was; the next one starts again. */
-static void test_failure_forgets(void **state)
+TEST(test_failure_forgets)
 {
-    (void)state;
     struct system system = pushed_spring(), broken = system;
     broken.term[0].c[0] = NAN;
     EACH_ROW(method)
@@ -351,17 +339,4 @@ static void test_failure_forgets(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orders),
-        cmocka_unit_test(test_steps_solve_their_equation),
-        cmocka_unit_test(test_start_is_accurate),
-        cmocka_unit_test(test_changed_step_starts_again),
-        cmocka_unit_test(test_costs),
-        cmocka_unit_test(test_stiff_start),
-        cmocka_unit_test(test_starts_where_companions_do),
-        cmocka_unit_test(test_failure_forgets),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
  * shares no code with the library: RK4 in long double, 2^16 steps, on forces written out here.
  * |slope - claim| <= 0.05. Compensated sums lower rounding far enough for order 8.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -208,9 +204,8 @@ static void judge(const struct method *method, enum drag drag, const struct prob
     verdict->wrong += !right && !open;
 }
 
-static void test_every_row(void **state)
+TEST(test_every_row)
 {
-    (void)state;
     int wrong = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -231,9 +226,8 @@ static void test_every_row(void **state)
 }
 
 /* Explicit drag makes a second-order splitting first order; exact and implicit do not. */
-static void test_drag_variants(void **state)
+TEST(test_drag_variants)
 {
-    (void)state;
     static const int with_drag[] = {DAMPED, DRAG, DRIVEN};
     struct verdict verdict = {0, 0};
     for (size_t m = 0; m < method_catalog.count; m++)
@@ -251,9 +245,8 @@ static void test_drag_variants(void **state)
 }
 
 /* Every row that is only for forces without velocity says so, and with what to go on. */
-static void test_velocity_is_refused(void **state)
+TEST(test_velocity_is_refused)
 {
-    (void)state;
     int refused = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -272,9 +265,8 @@ static void test_velocity_is_refused(void **state)
     assert_true(refused >= 3);
 }
 
-static void test_exact_has_no_error(void **state)
+TEST(test_exact_has_no_error)
 {
-    (void)state;
     const struct method *exact = method_named("exact");
     for (int p = 0; p < PROBLEMS; p++) {
         if (!applies(exact, &problems[p].system, DRAG_DEFAULT))
@@ -287,9 +279,8 @@ static void test_exact_has_no_error(void **state)
 
 /* Through a turning point quadratic drag is only C^1: high order is lost there, which is why the
  * arc above has none. */
-static void test_order_is_lost_at_turning_points(void **state)
+TEST(test_order_is_lost_at_turning_points)
 {
-    (void)state;
     struct problem swing = problems[DRAG];
     swing.span = 3.7;
     solve_reference(&swing);
@@ -298,14 +289,4 @@ static void test_order_is_lost_at_turning_points(void **state)
         fail_msg("order %.3f through a turning point", got.value);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_row),
-        cmocka_unit_test(test_drag_variants),
-        cmocka_unit_test(test_velocity_is_refused),
-        cmocka_unit_test(test_exact_has_no_error),
-        cmocka_unit_test(test_order_is_lost_at_turning_points),
-    };
-    return cmocka_run_group_tests(tests, set_up, NULL);
-}
+RUN_TESTS(set_up, NULL)

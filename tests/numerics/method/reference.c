@@ -2,11 +2,7 @@
 /* The lab's spring, 1000 steps of 10 ms, against independently computed values; and single steps
  * against the formulas.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -40,9 +36,8 @@ static double digits9(double value)
     return 1e-9 * fabs(value);
 }
 
-static void test_spring_after_10_s(void **state)
+TEST(test_spring_after_10_s)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(references); i++) {
         const struct reference *r = &references[i];
         struct system system = SPRING({"gamma", r->gamma});
@@ -66,9 +61,8 @@ static double flow_of(const struct oscillator *oscillator, double v, double h)
     return drag_flow_apply(&flow, v);
 }
 
-static void test_drag_variants_by_formula(void **state)
+TEST(test_drag_variants_by_formula)
 {
-    (void)state;
     struct system system = SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2});
     const struct oscillator *o = &system.oscillator;
     const double W = o->stiffness, G = o->damping, C = o->quadratic, h = 0.03, q = 0.04, v = -0.7;
@@ -146,9 +140,8 @@ static void test_drag_variants_by_formula(void **state)
 
 /* The implicit equations hold for what the closed forms return, with every term of the oscillator
  * at once. */
-static void test_implicit_equations(void **state)
+TEST(test_implicit_equations)
 {
-    (void)state;
     struct system system =
         SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"g", 9.81}, {"F0", 0.3}, {"omega", 5});
     const double h = 0.07, t = 1.3, y0[2] = {0.04, -0.7};
@@ -178,9 +171,8 @@ static void test_implicit_equations(void **state)
 }
 
 /* The closed form and Newton's iteration are two ways to the same root. */
-static void test_newton_agrees_with_closed_form(void **state)
+TEST(test_newton_agrees_with_closed_form)
 {
-    (void)state;
     static const char *const names[] = {"backward-euler", "implicit-midpoint", "trapezoid"};
     struct system closed = SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"F0", 0.3}),
                   iterated = closed;
@@ -195,9 +187,8 @@ static void test_newton_agrees_with_closed_form(void **state)
 }
 
 /* k = 1e300: backward Euler goes to rest at once, it does not overflow to NaN. */
-static void test_extreme_stiffness(void **state)
+TEST(test_extreme_stiffness)
 {
-    (void)state;
     struct system system = SPRING({"k", 1e300}, {"gamma", 0.8}, {"C", 3}, {"area", 0.2});
     double y[2] = {0.05, 0};
     assert_int_equal(advance(method_named("backward-euler"), &system, 0.01, 2, y), STEP_OK);
@@ -217,9 +208,8 @@ static int gsl_force(double t, const double y[], double dydt[], void *params)
 }
 
 /* GSL's RK4 answers with two half steps (the whole one is for its error estimate). */
-static void test_rk4_agrees_with_gsl(void **state)
+TEST(test_rk4_agrees_with_gsl)
 {
-    (void)state;
     const int n = 1000;
     const double h = 0.02;
     struct system system = SPRING({"gamma", 0.3}, {"C", 1}, {"F0", 0.2});
@@ -236,15 +226,4 @@ static void test_rk4_agrees_with_gsl(void **state)
     assert_above("and it moved", distance(&system, ours, (double[]){0.05, 0.1}), 0.1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spring_after_10_s),
-        cmocka_unit_test(test_drag_variants_by_formula),
-        cmocka_unit_test(test_implicit_equations),
-        cmocka_unit_test(test_newton_agrees_with_closed_form),
-        cmocka_unit_test(test_extreme_stiffness),
-        cmocka_unit_test(test_rk4_agrees_with_gsl),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

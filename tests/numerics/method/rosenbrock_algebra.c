@@ -4,11 +4,7 @@
  * vertex with one branch takes alpha + Gamma and one with more takes alpha (Hairer, Wanner II,
  * IV.7, theorem 7.4); and what a step reuses.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "method/step/step.h"
 #include "numerics/trees.h"
@@ -78,9 +74,8 @@ static struct textbook weigh(const struct rosenbrock *row)
     return book;
 }
 
-static void test_orders(void **state)
+TEST(test_orders)
 {
-    (void)state;
     int rows = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
@@ -103,9 +98,8 @@ static void test_orders(void **state)
 }
 
 /* alpha_i and d_i are the row sums: the same method for scenes that depend on time. */
-static void test_row_sums(void **state)
+TEST(test_row_sums)
 {
-    (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
         const struct rosenbrock *row = rosenbrock_at(i, &name);
@@ -126,9 +120,8 @@ static void test_row_sums(void **state)
 
 /* R(infinity) = 1 - b beta^-1 1: 0 where the row says L-stable, and only there; inside the unit
  * circle everywhere. */
-static void test_damping_at_infinity(void **state)
+TEST(test_damping_at_infinity)
 {
-    (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
         const struct rosenbrock *row = rosenbrock_at(i, &name);
@@ -151,9 +144,8 @@ static void test_damping_at_infinity(void **state)
 
 /* A companion with the same stability function sees no error at all on linear scenes, as that of
  * ros3p does. */
-static void test_error_estimates_see_linear_motion(void **state)
+TEST(test_error_estimates_see_linear_motion)
 {
-    (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
         const struct rosenbrock *row = rosenbrock_at(i, &name);
@@ -182,9 +174,8 @@ static void test_error_estimates_see_linear_motion(void **state)
 
 /* y(theta) = (1 - theta) y + theta y' + theta (1 - theta) sum_m theta^m D_m: of order p - 1
  * everywhere. */
-static void test_dense_orders(void **state)
+TEST(test_dense_orders)
 {
-    (void)state;
     int interpolants = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
@@ -209,9 +200,8 @@ static void test_dense_orders(void **state)
 }
 
 /* A typo in the last digits of one coefficient is seen. */
-static void test_a_typo_is_seen(void **state)
+TEST(test_a_typo_is_seen)
 {
-    (void)state;
     struct rosenbrock row = *method_named("rodas4")->rosenbrock;
     double m[STAGES_MAX], b[STAGES_MAX];
     memcpy(m, row.m, (size_t)row.stages * sizeof *m);
@@ -250,9 +240,8 @@ static const struct term_row copies_row = {.row = {"copies", "m/s^2", "", "", NU
                                            .jacobian = copies_jacobian};
 
 /* Few unknowns are solved in another way than many. */
-static void test_many_variables(void **state)
+TEST(test_many_variables)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         struct system one = other_system(&copies_row, 1), many = other_system(&copies_row, COPIES);
@@ -273,9 +262,8 @@ static void test_many_variables(void **state)
 
 /* A step that is tried again, shorter, takes f, J and df/dt from the work space, and comes out the
  * same to the bit. */
-static void test_again(void **state)
+TEST(test_again)
 {
-    (void)state;
     static double work[2][WORK_CAPACITY];
     const struct system systems[] = {SPRING({"gamma", 0.4}, {"F0", 0.1}), duffing(1)};
     for (size_t m = 0; m < method_catalog.count; m++)
@@ -298,17 +286,4 @@ static void test_again(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orders),
-        cmocka_unit_test(test_row_sums),
-        cmocka_unit_test(test_dense_orders),
-        cmocka_unit_test(test_damping_at_infinity),
-        cmocka_unit_test(test_error_estimates_see_linear_motion),
-        cmocka_unit_test(test_many_variables),
-        cmocka_unit_test(test_again),
-        cmocka_unit_test(test_a_typo_is_seen),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

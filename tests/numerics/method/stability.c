@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Linear stability: limits against independent tables and closed forms, one-step matrices, and the
  * A and L flags. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -108,9 +104,8 @@ static const struct row_of_limits limits[] = {
 };
 /* clang-format on */
 
-static void test_limits_table(void **state)
+TEST(test_limits_table)
 {
-    (void)state;
     for (size_t r = 0; r < COUNT_OF(limits); r++)
         for (size_t m = 0; m < 3 && limits[r].methods[m]; m++)
             for (size_t z = 0; z < COUNT_OF(zetas); z++) {
@@ -172,9 +167,8 @@ static const struct {
     {"bdf6", 0.843138162, HUGE_VAL},
 };
 
-static void test_limits_on_the_axes(void **state)
+TEST(test_limits_on_the_axes)
 {
-    (void)state;
     /* the fast decay is exp(-fast t) */
     const double zeta = 100, fast = zeta + sqrt((zeta - 1) * (zeta + 1));
     for (size_t i = 0; i < COUNT_OF(axes); i++) {
@@ -188,9 +182,8 @@ static void test_limits_on_the_axes(void **state)
     }
 }
 
-static void test_closed_forms(void **state)
+TEST(test_closed_forms)
 {
-    (void)state;
     for (double zeta = 0.03; zeta < 8; zeta *= 1.7) {
         double euler = zeta <= 1 ? 2 * zeta : 2 * (zeta - sqrt(zeta * zeta - 1));
         assert_near("euler", method_stable_limit(method_named("euler"), DRAG_DEFAULT, zeta), euler,
@@ -234,9 +227,8 @@ static bool damps_at_infinity(const struct method *method)
     return true;
 }
 
-static void test_stability_flags(void **state)
+TEST(test_stability_flags)
 {
-    (void)state;
     for (size_t i = 0; i < own_methods(); i++) {
         const struct method *method = method_at(i);
         bool a = stable_everywhere(method);
@@ -257,9 +249,8 @@ static void assert_matrix(const char *name, enum drag drag, double x, double zet
         assert_near(name, got[i], want[i], 4e-15 * (1 + x * x));
 }
 
-static void test_one_step_matrices(void **state)
+TEST(test_one_step_matrices)
 {
-    (void)state;
     for (double zeta = 0; zeta < 3; zeta += 0.37)
         for (double x = 0.01; x < 30; x *= 1.9) {
             double c = 2 * zeta * x, a = 1 + c + x * x, e = exp(-c), m = 1 + c / 2 + x * x / 4;
@@ -281,20 +272,11 @@ static void test_one_step_matrices(void **state)
         }
 }
 
-static void test_spectral_radius(void **state)
+TEST(test_spectral_radius)
 {
-    (void)state;
     assert_near("rotation", matrix_spectral_radius((double[]){0.6, 0.8, -0.8, 0.6}), 1, 1e-15);
     assert_near("real pair", matrix_spectral_radius((double[]){-3, 0, 7, 2}), 3, 1e-15);
     assert_near("hyperbolic", matrix_spectral_radius((double[]){0, 2, 2, 0}), 2, 1e-15);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spectral_radius),    cmocka_unit_test(test_one_step_matrices),
-        cmocka_unit_test(test_limits_table),       cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_limits_on_the_axes), cmocka_unit_test(test_stability_flags),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

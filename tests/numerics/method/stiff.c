@@ -3,11 +3,7 @@
  * Implicit methods at work: orders on a stiff problem, van der Pol, the dissipation of structural
  * dynamics, the energy of the average vector field, costs, and equations without a solution.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "numerics/method/testing.h"
 
@@ -44,9 +40,8 @@ static double prothero_error(const struct method *method, const struct system *s
 }
 
 /* Order reduction, as known: orders from h = 1/64 and 1/128, error at 1/128. */
-static void test_stiff_orders(void **state)
+TEST(test_stiff_orders)
 {
-    (void)state;
     /* That of radau5 is 3.2e-17 at lambda = -1e8, below rounding; it goes with 1/lambda. */
     const struct {
         const char *name;
@@ -108,9 +103,8 @@ static double relaxation_error(const char *name, double tol, struct cost *cost)
     return fabs(y[0] / 1.7061677321704650 - 1);
 }
 
-static void test_van_der_pol(void **state)
+TEST(test_van_der_pol)
 {
-    (void)state;
     struct cost cost;
     assert_below("radau5, seven digits", relaxation_error("radau5", 1e-8, &cost), 1e-7);
     assert_below("evaluations", (double)cost.evals, 20000);
@@ -143,9 +137,8 @@ static void measure(const struct method *method, double x, double *frequency, do
     *damping = log(determinant) / 2;
 }
 
-static void test_structural(void **state)
+TEST(test_structural)
 {
-    (void)state;
     const struct {
         const char *name;
         double frequency, damping, at_infinity; /* of x^2; of x^4; amplitude factor at x = 1e6 */
@@ -239,9 +232,8 @@ static double energy_change(const char *name, const struct system *system, doubl
     return largest;
 }
 
-static void test_energy_of_the_average_field(void **state)
+TEST(test_energy_of_the_average_field)
 {
-    (void)state;
     struct system systems[] = {duffing(5), other_system(&pendulum_row, 4),
                                other_system(&galaxy_row, 1)};
     systems[2].n = 4;
@@ -254,9 +246,8 @@ static void test_energy_of_the_average_field(void **state)
 }
 
 /* A force without potential is refused, drag is not. */
-static void test_potential_is_wanted(void **state)
+TEST(test_potential_is_wanted)
 {
-    (void)state;
     const struct method *avf = method_named("avf");
     struct system driven = SPRING({"F0", 1}, {"omega", 2}), damped = SPRING({"gamma", 0.1});
     struct error error = {0};
@@ -277,9 +268,8 @@ static bool family(const struct method *method)
 
 /* A linear system: one solve for each set of equations, and one Jacobian for all steps of one size.
  */
-static void test_linear_systems_take_one_solve(void **state)
+TEST(test_linear_systems_take_one_solve)
 {
-    (void)state;
     static double work[WORK_CAPACITY];
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -313,9 +303,8 @@ static const struct term_row explosion_row = {
     .row = {"explosion", "", "", "", NULL}, .add = explosion_add, .jacobian = explosion_jacobian};
 
 /* z = y + h z^2 has no solution for 4 h y > 1: said so, and the state is as it was, bit for bit. */
-static void test_no_solution(void **state)
+TEST(test_no_solution)
 {
-    (void)state;
     static double work[WORK_CAPACITY];
     int failures = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
@@ -335,16 +324,4 @@ static void test_no_solution(void **state)
     assert_true(failures >= 5);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stiff_orders),
-        cmocka_unit_test(test_van_der_pol),
-        cmocka_unit_test(test_structural),
-        cmocka_unit_test(test_energy_of_the_average_field),
-        cmocka_unit_test(test_potential_is_wanted),
-        cmocka_unit_test(test_linear_systems_take_one_solve),
-        cmocka_unit_test(test_no_solution),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -6,11 +6,7 @@
  * of Nystrom's trees (Hairer, Norsett, Wanner I, II.14). An order must EQUAL the claim: the
  * conditions one order higher must fail.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "method/step/step.h"
 #include "numerics/method/testing.h"
@@ -70,9 +66,8 @@ static double series_violation(const struct series *series, int length)
 
 /* General splittings have their order word by word, those for positions alone only up to 4 (checked
  * here to be so). */
-static void test_word_orders(void **state)
+TEST(test_word_orders)
 {
-    (void)state;
     int general = 0, special = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -90,9 +85,8 @@ static void test_word_orders(void **state)
 }
 
 /* Residuals of the first conditions that fail, from an independent computation with 50 digits. */
-static void test_known_residuals(void **state)
+TEST(test_known_residuals)
 {
-    (void)state;
     static const struct {
         const char *name;
         int degree;
@@ -119,9 +113,8 @@ static void test_known_residuals(void **state)
 }
 
 /* A typo in the last digits of any weight is seen. */
-static void test_a_typo_is_seen(void **state)
+TEST(test_a_typo_is_seen)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         for (int i = 0; method->splitting && i < method->splitting->count; i++) {
@@ -233,9 +226,8 @@ static double tree_violation(const struct forest *forest, const struct stages *s
 static struct forest forest;
 static struct stages stages;
 
-static void test_number_of_trees(void **state)
+TEST(test_number_of_trees)
 {
-    (void)state;
     /* Hairer, Norsett, Wanner I, table II.14.2 */
     static const int known[] = {1, 1, 2, 3, 6, 10, 20};
     forest_grow(&forest);
@@ -245,9 +237,8 @@ static void test_number_of_trees(void **state)
 
 /* The words imply the trees, so every row is checked; for those of positions alone it is the only
  * proof. */
-static void test_tree_orders(void **state)
+TEST(test_tree_orders)
 {
-    (void)state;
     forest_grow(&forest);
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -266,9 +257,8 @@ static void test_tree_orders(void **state)
 
 /* ---- shape ---- */
 
-static void test_palindromes(void **state)
+TEST(test_palindromes)
 {
-    (void)state;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         const struct splitting *splitting = method->splitting;
@@ -287,9 +277,8 @@ static void test_palindromes(void **state)
 }
 
 /* The closed forms behind the decimals. */
-static void test_closed_forms(void **state)
+TEST(test_closed_forms)
 {
-    (void)state;
     double root2 = cbrt(2), root4 = cbrt(4), root19 = sqrt(19), root471 = sqrt(471);
     const struct {
         const char *name;
@@ -313,13 +302,4 @@ static void test_closed_forms(void **state)
                     rows[i].weight, 1e-15);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_word_orders),    cmocka_unit_test(test_known_residuals),
-        cmocka_unit_test(test_a_typo_is_seen), cmocka_unit_test(test_number_of_trees),
-        cmocka_unit_test(test_tree_orders),    cmocka_unit_test(test_palindromes),
-        cmocka_unit_test(test_closed_forms),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

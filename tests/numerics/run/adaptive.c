@@ -133,9 +133,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void test_oscillators(void **state)
+TEST(test_oscillators)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     for (size_t i = 0; i < COUNT_OF(oscillators); i++) {
@@ -196,10 +195,4 @@ static void test_oscillators(void **state)
     assert_true(runs > 150);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oscillators),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -67,9 +67,8 @@ static const char *const methods[] = {
  * What adaptive methods lose is of the size of their tolerance; the balance says no more than that,
  * also where steps are longer than a quintic through their ends can follow.
  */
-static void test_steps_of_high_order(void **state)
+TEST(test_steps_of_high_order)
 {
-    (void)state;
     static const char *const adaptive[] = {"dopri5", "tsit5",  "dop853",
                                            "odex",   "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(adaptive); i++)
@@ -90,9 +89,8 @@ static void test_steps_of_high_order(void **state)
         }
 }
 
-static void test_whatever_is_recorded(void **state)
+TEST(test_whatever_is_recorded)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
         for (size_t m = 0; m < COUNT_OF(methods); m++) {
@@ -115,9 +113,8 @@ static void test_whatever_is_recorded(void **state)
 }
 
 /* Adaptive methods, too. */
-static void test_adaptive(void **state)
+TEST(test_adaptive)
 {
-    (void)state;
     static const char *const adaptive[] = {"dopri5", "dop853", "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
@@ -139,9 +136,8 @@ static void test_adaptive(void **state)
 }
 
 /* One call, or many of them with questions between. */
-static void test_however_it_is_cut(void **state)
+TEST(test_however_it_is_cut)
 {
-    (void)state;
     static const int cut[] = {1, 2, 63, 64, 65, 700, 5, 4096, 129};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
@@ -171,9 +167,8 @@ static void test_however_it_is_cut(void **state)
 
 /* Back to a row, the balance is what it was there; going on again, it becomes what it would have
  * been. */
-static void test_back(void **state)
+TEST(test_back)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
         for (size_t r = 0; r < COUNT_OF(rules); r++) {
@@ -212,9 +207,8 @@ static void disturb(struct run *run, const struct scene *scene, int round)
     }
 }
 
-static void test_jumps_and_changes(void **state)
+TEST(test_jumps_and_changes)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
         struct ledger wanted = {0};
@@ -246,9 +240,8 @@ static double *column_of(const struct run *run, const char *name)
 }
 
 /* Each row has the balance up to it, whatever was left out before. */
-static void test_columns(void **state)
+TEST(test_columns)
 {
-    (void)state;
     static const char *const names[] = {"work", "dissipated", "energy-error"};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
@@ -275,9 +268,8 @@ static void test_columns(void **state)
 }
 
 /* Rows inside of steps: the balance there is as good as that at the ends. */
-static void test_rows_inside_of_steps(void **state)
+TEST(test_rows_inside_of_steps)
 {
-    (void)state;
     struct scene scene = make_scene(1);
     struct run *run =
         start(&scene, "dop853",
@@ -294,9 +286,8 @@ static void test_rows_inside_of_steps(void **state)
 }
 
 /* Where nobody is going to ask, a decimated run keeps no balance, and says so. */
-static void test_nobody_asks(void **state)
+TEST(test_nobody_asks)
 {
-    (void)state;
     struct scene scene = make_scene(1);
     struct run_settings settings = rules[3];
     settings.unbalanced = true;
@@ -314,9 +305,8 @@ static void test_nobody_asks(void **state)
 
 /* Over many decimations: what the balance of a long run says is that of the same run recorded in
  * full. */
-static void test_long_runs(void **state)
+TEST(test_long_runs)
 {
-    (void)state;
     /* what rk4 takes in 1e6 steps of omega dt = 0.087 */
     static const double max[] = {0, 2e-6, 2e-4, 3e-4};
     for (size_t i = 1; i <= 3; i++) {
@@ -350,9 +340,8 @@ static double counted_power(const double *c, double t, const double *y)
 
 /* Asked after each step, it costs what one step costs, however long the run is; unasked, nothing.
  */
-static void test_cost_of_a_question(void **state)
+TEST(test_cost_of_a_question)
 {
-    (void)state;
     struct scene scene = make_scene(1);
     struct run *run =
         start(&scene, "rk4", (struct run_settings){.dt = 0.01, .kernel = KERNEL_GENERAL}, HUGE_VAL);
@@ -372,20 +361,4 @@ static void test_cost_of_a_question(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps_of_high_order),
-        cmocka_unit_test(test_whatever_is_recorded),
-        cmocka_unit_test(test_adaptive),
-        cmocka_unit_test(test_however_it_is_cut),
-        cmocka_unit_test(test_back),
-        cmocka_unit_test(test_jumps_and_changes),
-        cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_rows_inside_of_steps),
-        cmocka_unit_test(test_nobody_asks),
-        cmocka_unit_test(test_long_runs),
-        cmocka_unit_test(test_cost_of_a_question),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -59,9 +59,8 @@ static double pendulum_condition(double theta0, double end)
  * unit of time, times what the equation makes of them, which is thousands near the upper
  * equilibrium; runs that are wrong are off by radians.
  */
-static void test_pendulums(void **state)
+TEST(test_pendulums)
 {
-    (void)state;
     static const char *const names[] = {"radau5", "tr-bdf2", "rodas5p", "dopri5"};
     static const double tols[] = {1e-4, 1e-6, 1e-7};
     int wrong = 0;
@@ -94,9 +93,8 @@ struct lines_case {
 };
 
 /* Wrong at exit status 0 while Newton's iteration went by the rate of the first step.. */
-static void test_smooth_scenes_of_radau(void **state)
+TEST(test_smooth_scenes_of_radau)
 {
-    (void)state;
     static const struct lines_case cases[] = {
         {"var x = 2.5;x'' = -sin(x) - 0.05*x'", 100, 0.1345, 1e3},
         {"var x = 0.9;x'' = -x + x^3", 50, -0.2968, 1e3},
@@ -174,9 +172,8 @@ static const struct kinked {
  * Switches that the equations do not show: what is left is the method's own estimate of the error,
  * which did not see the last twelfth of a step.
  */
-static void test_odex_sees_hidden_switches(void **state)
+TEST(test_odex_sees_hidden_switches)
 {
-    (void)state;
     static const struct {
         const char *lines;
         double t, (*exact)(double t);
@@ -212,9 +209,8 @@ static void test_odex_sees_hidden_switches(void **state)
  * the next ones are as short as rounding, and begin on a branch whose guard has not risen above 0
  * yet.
  */
-static void test_ends_near_switches(void **state)
+TEST(test_ends_near_switches)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     const struct scene scene = typed_scene(models, "var x = 1;x'' = -sign(x)");
@@ -246,9 +242,8 @@ static void test_ends_near_switches(void **state)
 }
 
 /* Every adaptive method, tolerance and first step: within 100 tol of the closed form. */
-static void test_switches(void **state)
+TEST(test_switches)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     int wrong = 0;
@@ -282,9 +277,8 @@ static void test_switches(void **state)
  * that keeps it there (Filippov 1988), until one side turns away; where switches pile up it comes
  * to rest. Both are noted.
  */
-static void test_sliding_and_piling_up(void **state)
+TEST(test_sliding_and_piling_up)
 {
-    (void)state;
     static const struct {
         const char *lines;
         double t;           /* of the first sliding, NAN: not known in closed form */
@@ -332,9 +326,8 @@ static void test_sliding_and_piling_up(void **state)
 
 /* Typed forces on a built-in scene are switched as well: a spring with dry friction, k = 15 N/m, m
  * = 0.2 kg. */
-static void test_typed_force_on_a_spring(void **state)
+TEST(test_typed_force_on_a_spring)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     const struct scene scene = typed_scene(models, "force -0.03*sign(v)");
@@ -348,9 +341,8 @@ static void test_typed_force_on_a_spring(void **state)
 
 /* A chain of heat whose far end the trial for natural sizes does not reach; by dopri5, which needs
  * no solution. */
-static void test_chain_of_heat(void **state)
+TEST(test_chain_of_heat)
 {
-    (void)state;
     enum { MANY = 40 };
     static const char *const names[] = {"radau5", "gauss4", "backward-euler", "sdirk2"};
     char lines[MANY * 80] = "";
@@ -378,17 +370,4 @@ static void test_chain_of_heat(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pendulums),
-        cmocka_unit_test(test_smooth_scenes_of_radau),
-        cmocka_unit_test(test_odex_sees_hidden_switches),
-        cmocka_unit_test(test_ends_near_switches),
-        cmocka_unit_test(test_switches),
-        cmocka_unit_test(test_sliding_and_piling_up),
-        cmocka_unit_test(test_typed_force_on_a_spring),
-        cmocka_unit_test(test_chain_of_heat),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

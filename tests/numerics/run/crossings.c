@@ -5,11 +5,7 @@
  * functions of time are known; those of the state are counted along rows between the steps, and
  * where a method follows the closed form, x = cos t, along that.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/scene/typing.h"

@@ -24,9 +24,8 @@ static struct run *begin(const struct scene *scene, const char *name, double tol
 }
 
 /* Errors follow the tolerance; costs are counted. */
-static void test_error_follows_tolerance(void **state)
+TEST(test_error_follows_tolerance)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -53,9 +52,8 @@ static void test_error_follows_tolerance(void **state)
 
 /* A time on the way is met exactly, without a new start; a change of the scene and a turn are new
  * starts. */
-static void test_stops_turns_and_changes(void **state)
+TEST(test_stops_turns_and_changes)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -90,9 +88,8 @@ static void test_stops_turns_and_changes(void **state)
 }
 
 /* y = 0 inside a step; cos(omega t) = 0. */
-static void test_condition_is_located(void **state)
+TEST(test_condition_is_located)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -119,9 +116,8 @@ static void test_condition_is_located(void **state)
 
 /* Between the ends of a step it is the polynomial of its own memory; asked for or not, the next
  * step is the same. */
-static void test_dense_output(void **state)
+TEST(test_dense_output)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -175,9 +171,8 @@ static const struct term_row wall = {
 
 /* A failed step leaves the state before it, bit for bit; so does one without the library's memory.
  */
-static void test_failure(void **state)
+TEST(test_failure)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -204,9 +199,8 @@ static void test_failure(void **state)
 }
 
 /* A step that is given is refused, with a word; a stalled or singular run ends. */
-static void test_refusals_and_ends(void **state)
+TEST(test_refusals_and_ends)
 {
-    (void)state;
     if (!is_there())
         return;
     for (size_t k = 0; k < COUNT_OF(names); k++) {
@@ -227,15 +221,4 @@ static void test_refusals_and_ends(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_error_follows_tolerance),
-        cmocka_unit_test(test_stops_turns_and_changes),
-        cmocka_unit_test(test_condition_is_located),
-        cmocka_unit_test(test_dense_output),
-        cmocka_unit_test(test_failure),
-        cmocka_unit_test(test_refusals_and_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -20,9 +20,8 @@ struct value {
 
 /* Every fixed-step method on scenes at the ends of the range: ends, or stops with a reason and a
  * finite prefix. */
-static void test_every_method_ends(void **state)
+TEST(test_every_method_ends)
 {
-    (void)state;
     static const struct value scenes[][4] = {
         {{"k", 0}, {"v0", 1}},
         {{"k", 0}, {"gamma", 2}, {"v0", 1}},
@@ -80,9 +79,8 @@ static void test_every_method_ends(void **state)
 
 /* NUMERICS: forward Euler overflows after 2 ln(max/A) / ln(1 + x^2) steps; here max is the 1e150 of
  * hooke. */
-static void test_divergence_is_predicted(void **state)
+TEST(test_divergence_is_predicted)
 {
-    (void)state;
     static const double xs[] = {2, 0.2, 0.05};
     for (size_t i = 0; i < COUNT_OF(xs); i++) {
         struct scene scene = spring();
@@ -99,9 +97,8 @@ static void test_divergence_is_predicted(void **state)
 
 /* Free particle with drag, and falling from an unstable equilibrium: right where a formula with
  * omega would not be. */
-static void test_degenerate_scenes_are_right(void **state)
+TEST(test_degenerate_scenes_are_right)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "k", 0);
     set(&scene, "gamma", 0.5);
@@ -129,12 +126,4 @@ static void test_degenerate_scenes_are_right(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_method_ends),
-        cmocka_unit_test(test_divergence_is_predicted),
-        cmocka_unit_test(test_degenerate_scenes_are_right),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -153,9 +153,8 @@ static int check_methods(const struct case_of *c, double dt)
     return checked;
 }
 
-static void test_a_force_that_ends(void **state)
+TEST(test_a_force_that_ends)
 {
-    (void)state;
     const struct case_of cases[] = {
         {"a force until 1.5 s", TYPED("var x = 1", "x'' = -x + sqrt(1.5 - t) - sqrt(1.5 - t)"),
          SPAN, 1.5, false},
@@ -173,9 +172,8 @@ static void test_a_force_that_ends(void **state)
     }
 }
 
-static void test_a_state_that_ends(void **state)
+TEST(test_a_state_that_ends)
 {
-    (void)state;
     const struct case_of cases[] = {
         {"a root that goes", TYPED("var x = 1", "x'' = -1 - sqrt(x)"), SPAN, 1.2, false},
         {"a quartic hill", TYPED("var x = 1", "var x' = 1", "x'' = -x + 2*x^3"), SPAN, HUGE_VAL,
@@ -185,9 +183,8 @@ static void test_a_state_that_ends(void **state)
         assert_true(check_methods(&cases[i], 0.01) > 100);
 }
 
-static void test_numbers_that_end(void **state)
+TEST(test_numbers_that_end)
 {
-    (void)state;
     const struct case_of cases[] = {
         {"an inverted spring", preset_with("inverted", "k", -1500), 100, HUGE_VAL, false},
         {"quadratic drag backwards", preset_with("drag", "v0", -3), -10, HUGE_VAL, true},
@@ -211,12 +208,4 @@ static int free_models(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_force_that_ends),
-        cmocka_unit_test(test_a_state_that_ends),
-        cmocka_unit_test(test_numbers_that_end),
-    };
-    return cmocka_run_group_tests(tests, set_up_models, free_models);
-}
+RUN_TESTS(set_up_models, free_models)

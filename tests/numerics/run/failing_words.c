@@ -78,9 +78,8 @@ static bool passed(const struct failing *c, const struct run *run)
     return c->truth == POLE && run->plan.adaptive && run->stop == STOP_END;
 }
 
-static void test_words(void **state)
+TEST(test_words)
 {
-    (void)state;
     static const char *const adaptive[] = {"dopri5", "radau5",           "dop853", "rodas5p",
                                            "odex",   "bogacki-shampine", "tsit5"};
     static const char *const fixed[] = {"rk4",    "euler", "backward-euler", "gauss4",
@@ -127,10 +126,4 @@ static void test_words(void **state)
     assert_true(failures > runs / 3 && named > runs / 4);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_words),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -75,9 +75,8 @@ static int compare_kernels(const struct scene *scene)
     return special;
 }
 
-static void test_kernels_give_the_same_bits(void **state)
+TEST(test_kernels_give_the_same_bits)
 {
-    (void)state;
     int special = 0;
     for (unsigned which = 0; which < 64; which++) {
         struct scene scene;
@@ -88,9 +87,8 @@ static void test_kernels_give_the_same_bits(void **state)
     assert_true(special > 150);
 }
 
-static void test_kernels_of_models(void **state)
+TEST(test_kernels_of_models)
 {
-    (void)state;
     static const char *const with_kernels[] = {"pendulum", "kepler", "henon-heiles"};
     int special = 0;
     for (size_t p = 0; p < preset_catalog.count; p++) {
@@ -113,9 +111,8 @@ static void test_kernels_of_models(void **state)
 }
 
 /* Diverging: the same last good state. */
-static void test_kernels_stop_at_the_same_step(void **state)
+TEST(test_kernels_stop_at_the_same_step)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     set(&scene, "C", 0.5);
@@ -137,9 +134,8 @@ static void test_kernels_stop_at_the_same_step(void **state)
 
 /* ---- the propagator ---- */
 
-static void test_propagator_within_rounding(void **state)
+TEST(test_propagator_within_rounding)
 {
-    (void)state;
     int compared = 0;
     for (size_t p = 0; p < preset_catalog.count; p++)
         for (size_t m = 0; m < method_catalog.count; m++) {
@@ -182,9 +178,8 @@ static void test_propagator_within_rounding(void **state)
     assert_true(compared > 100);
 }
 
-static void test_propagator_in_pieces(void **state)
+TEST(test_propagator_in_pieces)
 {
-    (void)state;
     static const char *const names[] = {"euler", "verlet", "rk4", "implicit-midpoint", "exact"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         struct scene scene;
@@ -208,9 +203,8 @@ static void test_propagator_in_pieces(void **state)
 
 /* Nothing drifts: the energy of a symplectic method stays where it was after 1e7 steps, as far as
  * rounding allows. */
-static void test_propagator_does_not_drift(void **state)
+TEST(test_propagator_does_not_drift)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run =
         start(&scene, "implicit-midpoint",
@@ -224,15 +218,4 @@ static void test_propagator_does_not_drift(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels_give_the_same_bits),
-        cmocka_unit_test(test_kernels_of_models),
-        cmocka_unit_test(test_kernels_stop_at_the_same_step),
-        cmocka_unit_test(test_propagator_within_rounding),
-        cmocka_unit_test(test_propagator_in_pieces),
-        cmocka_unit_test(test_propagator_does_not_drift),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -67,9 +67,8 @@ static double measured_order(const char *method)
     return order;
 }
 
-static void test_order_of_fixed_steps(void **state)
+TEST(test_order_of_fixed_steps)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.1);
     struct system system;
     struct error error;
@@ -93,9 +92,8 @@ static void test_order_of_fixed_steps(void **state)
 }
 
 /* NUMERICS 0.5: across the turning points the same errors are 6.3e-8 1.3e-9 4e-10 6e-10. */
-static void test_eighth_order(void **state)
+TEST(test_eighth_order)
 {
-    (void)state;
     const double error[] = {fixed_error("dop853", 20), fixed_error("dop853", 40),
                             fixed_error("dop853", 80), fixed_error("dop853", 160)};
     if (getenv("VERBOSE"))
@@ -104,9 +102,8 @@ static void test_eighth_order(void **state)
     assert_true(error[3] < 1e-14);
 }
 
-static void test_adaptive_steps_are_as_good_as_the_tolerance(void **state)
+TEST(test_adaptive_steps_are_as_good_as_the_tolerance)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.1);
     static const char *const names[] = {"dop853", "dopri5", "tsit5", "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
@@ -121,9 +118,8 @@ static void test_adaptive_steps_are_as_good_as_the_tolerance(void **state)
         }
 }
 
-static void test_references(void **state)
+TEST(test_references)
 {
-    (void)state;
     static const struct {
         const char *name;
         double b, gamma;
@@ -169,9 +165,8 @@ static const struct {
             {"dopri5", {.dt = 0.01, .tol = 1e-8}},
             {"rodas5p", {.dt = 0.01, .tol = 1e-6}}};
 
-static void test_rows_do_not_depend_on_the_calls(void **state)
+TEST(test_rows_do_not_depend_on_the_calls)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.5);
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
         struct run *whole = start(&scene, ways[i].method, ways[i].settings, HUGE_VAL);
@@ -187,9 +182,8 @@ static void test_rows_do_not_depend_on_the_calls(void **state)
 
 /* Kernels, which know nothing of turning points, take the steps between them: the same rows, to the
  * bit. */
-static void test_kernels_between_turning_points(void **state)
+TEST(test_kernels_between_turning_points)
 {
-    (void)state;
     static const char *const names[] = {"rk4", "dopri5", "dop853", "verlet"};
     static const double steps[] = {0.7, 0.1, 0.01, 0.0013};
     const struct scene scene = drag_scene(0.5);
@@ -211,9 +205,8 @@ static void test_kernels_between_turning_points(void **state)
 }
 
 /* The rows stand on the grid. */
-static void test_rows_stay_on_the_grid(void **state)
+TEST(test_rows_stay_on_the_grid)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.5);
     struct run *run = solve(&scene, "rk4", (struct run_settings){.dt = 0.1}, SPAN);
     struct run *general =
@@ -228,9 +221,8 @@ static void test_rows_stay_on_the_grid(void **state)
 }
 
 /* A condition at the turning point itself is found there, whichever side the step to it ends on. */
-static void test_conditions(void **state)
+TEST(test_conditions)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.1);
     double first = NAN;
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
@@ -260,9 +252,8 @@ static void test_conditions(void **state)
     }
 }
 
-static void test_nothing_to_locate(void **state)
+TEST(test_nothing_to_locate)
 {
-    (void)state;
     struct scene rest = drag_scene(0.1), fall = drag_scene(0.1);
     set(&rest, "y0", 0);
     set(&fall, "k", 0);
@@ -281,9 +272,8 @@ static void test_nothing_to_locate(void **state)
     run_destroy(run);
 }
 
-static void test_backwards(void **state)
+TEST(test_backwards)
 {
-    (void)state;
     const struct scene scene = drag_scene(0.1);
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
         struct run_settings settings = ways[i].settings;
@@ -300,29 +290,12 @@ static void test_backwards(void **state)
 }
 
 /* The strongest drag: turning points where the velocity changes within a small part of a step. */
-static void test_violent_drag(void **state)
+TEST(test_violent_drag)
 {
-    (void)state;
     struct scene scene = drag_scene(1e6);
     struct run *run = solve(&scene, "radau5", (struct run_settings){.dt = 1e-6, .tol = 1e-8}, 100);
     assert_true(isfinite(run->y[0]) && fabs(run->y[0]) <= 1 && run->cost.evals < 100000);
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order_of_fixed_steps),
-        cmocka_unit_test(test_eighth_order),
-        cmocka_unit_test(test_adaptive_steps_are_as_good_as_the_tolerance),
-        cmocka_unit_test(test_references),
-        cmocka_unit_test(test_rows_do_not_depend_on_the_calls),
-        cmocka_unit_test(test_kernels_between_turning_points),
-        cmocka_unit_test(test_rows_stay_on_the_grid),
-        cmocka_unit_test(test_conditions),
-        cmocka_unit_test(test_nothing_to_locate),
-        cmocka_unit_test(test_backwards),
-        cmocka_unit_test(test_violent_drag),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -16,9 +16,8 @@ static struct ledger ledger_of(const struct scene *scene, const char *method, do
 
 /* NUMERICS 2.1: the energy of forward Euler grows by 1 + x^2 a step, that of backward Euler falls
  * by it; energy keepers keep it. */
-static void test_undamped_closed_forms(void **state)
+TEST(test_undamped_closed_forms)
 {
-    (void)state;
     struct scene scene = spring();
     double dt = 0.01, x2 = 75 * dt * dt;
     static const int counts[] = {1, 10, 1000};
@@ -40,9 +39,8 @@ static void test_undamped_closed_forms(void **state)
 
 /* With drag and drive the ledger shows the method's error only: it falls with the method's order.
  */
-static void test_balance_has_the_order_of_the_method(void **state)
+TEST(test_balance_has_the_order_of_the_method)
 {
-    (void)state;
     static const struct {
         const char *method;
         double dt, order, max; /* slope at least, error at dt/2 at most */
@@ -72,9 +70,8 @@ static void test_balance_has_the_order_of_the_method(void **state)
 }
 
 /* Forward Euler gains energy that no force gave: positive; backward Euler loses: negative. */
-static void test_sign(void **state)
+TEST(test_sign)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "gamma", 0.4);
     assert_true(ledger_of(&scene, "euler", 0.01, 5).error > 0.1);
@@ -82,9 +79,8 @@ static void test_sign(void **state)
 }
 
 /* An accurate run: the work is what the exact energies say, drag and drive apart. */
-static void test_work_is_right(void **state)
+TEST(test_work_is_right)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "gamma", 0.4);
     set(&scene, "F0", 0.1);
@@ -135,9 +131,8 @@ static void creep_and_jump(double h, double *y)
  * from the solution from where each began adds up to as much, and no quadrature of the work is
  * involved in it. The balance is no more than that.
  */
-static void test_a_jump_is_the_solvers(void **state)
+TEST(test_a_jump_is_the_solvers)
 {
-    (void)state;
     static const struct {
         const char *method;
         double tol;
@@ -183,9 +178,8 @@ static double cubic_power(const double *c, double t, const double *y)
     return y[0] * y[0] * y[0] * y[1];
 }
 
-static void test_power_of_position(void **state)
+TEST(test_power_of_position)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "gamma", 0.4);
     struct run *run = start(&scene, "dopri5", (struct run_settings){.dt = 1e-2}, HUGE_VAL);
@@ -200,9 +194,8 @@ static void test_power_of_position(void **state)
 
 /* The value at the present state is carried along; it is the one that a pass over all rows gives,
  * decimated or not. */
-static void test_running_balance(void **state)
+TEST(test_running_balance)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "gamma", 0.1);
     struct run *run =
@@ -221,9 +214,8 @@ static void test_running_balance(void **state)
 }
 
 /* Squares of 1e-200 and 1e200 leave the range of double, ratios of energies do not. */
-static void test_extreme_amplitudes(void **state)
+TEST(test_extreme_amplitudes)
 {
-    (void)state;
     static const double sizes[] = {1e-310, 1e-250, 1e-160, 1, 1e140};
     for (size_t i = 0; i < COUNT_OF(sizes); i++) {
         struct scene scene = spring();
@@ -267,9 +259,8 @@ static void test_extreme_amplitudes(void **state)
 
 /* A change of the scene that is taken back between two recorded rows leaves the balance of that
  * step. */
-static void test_change_taken_back(void **state)
+TEST(test_change_taken_back)
 {
-    (void)state;
     static const enum record_rule rules[] = {RECORD_ALL, RECORD_EVERY};
     for (size_t i = 0; i < COUNT_OF(rules); i++) {
         struct scene scene = spring();
@@ -292,18 +283,4 @@ static void test_change_taken_back(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undamped_closed_forms),
-        cmocka_unit_test(test_balance_has_the_order_of_the_method),
-        cmocka_unit_test(test_sign),
-        cmocka_unit_test(test_work_is_right),
-        cmocka_unit_test(test_a_jump_is_the_solvers),
-        cmocka_unit_test(test_power_of_position),
-        cmocka_unit_test(test_running_balance),
-        cmocka_unit_test(test_extreme_amplitudes),
-        cmocka_unit_test(test_change_taken_back),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

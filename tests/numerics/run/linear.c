@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs of typed oscillators are those of built-in ones: plans, steps by every method, errors;
  * linear systems, too. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/typing.h"
 #include <hooke/base/catalog.h>
@@ -80,9 +76,8 @@ static bool agree(const char *what, const char *by, double a, double b, double t
 
 /* Every method, every way of drag, fixed steps and adaptive ones, by the propagator and without it.
  */
-static void test_runs_are_the_same(void **state)
+TEST(test_runs_are_the_same)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     bool fine = true;
@@ -149,9 +144,8 @@ static void test_runs_are_the_same(void **state)
 
 /* What is nearly linear is run as such: dry friction has no one-step matrix, and an implicit step
  * iterates. */
-static void test_friction_is_not_linear(void **state)
+TEST(test_friction_is_not_linear)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -177,9 +171,8 @@ static void test_friction_is_not_linear(void **state)
 
 /* Two equations of first order by powers of the one-step matrix: within rounding of the steps, and
  * of the exact end. */
-static void test_first_order_propagates(void **state)
+TEST(test_first_order_propagates)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -215,9 +208,8 @@ static void test_first_order_propagates(void **state)
 
 /* Coupled masses: `exact` steps to the normal modes, errors are known, and stay so when a parameter
  * changes. */
-static void test_coupled(void **state)
+TEST(test_coupled)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -254,13 +246,4 @@ static void test_coupled(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_runs_are_the_same),
-        cmocka_unit_test(test_friction_is_not_linear),
-        cmocka_unit_test(test_first_order_propagates),
-        cmocka_unit_test(test_coupled),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

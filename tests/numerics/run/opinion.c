@@ -140,9 +140,8 @@ static bool brief_is_silent(struct run *run, double error)
  * In nine of ten cases within a factor of ten, and where the error is above 100 tolerances the
  * estimate says so: or one that is so near that the difference does not matter.
  */
-static void test_estimates_are_true(void **state)
+TEST(test_estimates_are_true)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     int count = 0, near = 0, silent = 0, none = 0, over = 0, brief_silent = 0;
@@ -195,9 +194,8 @@ static void test_estimates_are_true(void **state)
  * end. The pendulum's period is wrong by 1e-7 of itself at tol 1e-6, so that no digit is left after
  * some thousand seconds.
  */
-static void test_what_it_can_afford(void **state)
+TEST(test_what_it_can_afford)
 {
-    (void)state;
     static const char *const presets[] = {"pendulum", "duffing", "elastic-pendulum",
                                           "duffing-driven"};
     for (size_t i = 0; i < (is_long() ? COUNT_OF(presets) : 1); i++)
@@ -224,9 +222,8 @@ static void test_what_it_can_afford(void **state)
  * what it does later. The errors are below 2 tol (references.csv of the tests of the command), and
  * are not said to be above 100.
  */
-static void test_jumps_are_no_growth(void **state)
+TEST(test_jumps_are_no_growth)
 {
-    (void)state;
     static const struct {
         const char *lines;
         double t;
@@ -250,9 +247,8 @@ static void test_jumps_are_no_growth(void **state)
 
 /* E5 of the stiff DETEST: y2 = y3 = 8.9e-23 at the end. What the second solution did not follow is
  * withheld, too. */
-static void test_what_sinks_beyond_it(void **state)
+TEST(test_what_sinks_beyond_it)
 {
-    (void)state;
     struct typed_models *models = typed_create(&(struct error){0});
     struct scene scene = typed_scene(
         models, "var a = 1.76e-3;var b = 0;var c = 0;var d = 0;a' = -7.89e-10*a - 1.1e7*a*c;"
@@ -338,9 +334,8 @@ static bool is_said(struct run *run, double exact, double error)
  * What comes to rest within its tolerance and grows again. By the closed form, and where the values
  * stay above the tolerance nothing is withheld that is right.
  */
-static void test_slow_passages(void **state)
+TEST(test_slow_passages)
 {
-    (void)state;
     static const struct passage passages[] = {
         {30, 30, 5, 0, false, 0},    {30, 45, 5, 0, false, 0},      {30, 22, 2, 0, false, 0},
         {40, 32, 0, 0, false, 0},    {40, 20, 1, 0, false, 0},      {20, 30, 3, 0, false, 0},
@@ -391,9 +386,8 @@ static void test_slow_passages(void **state)
 }
 
 /* What ends before the second solution does is not known: no number stands for the rest. */
-static void test_no_extrapolation(void **state)
+TEST(test_no_extrapolation)
 {
-    (void)state;
     struct typed_models *models = typed_create(&(struct error){0});
     const struct scene scene = typed_scene(models, "var x = 0;x' = sin(91734.5*t)^2");
     struct run *run = reach(&scene, "dop853", 1e-6, 1e-3, 30);
@@ -406,9 +400,8 @@ static void test_no_extrapolation(void **state)
 }
 
 /* The closed form is asked at new rows only, and says what it says when it is asked once. */
-static void test_closed_form_on_the_way(void **state)
+TEST(test_closed_form_on_the_way)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, preset_by_name(TEXT("damped")));
     struct run *whole = reach(&scene, "dopri5", 1e-5, 1e-3, 3), *parts;
@@ -431,13 +424,4 @@ static void test_closed_form_on_the_way(void **state)
     run_destroy(parts);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_estimates_are_true),     cmocka_unit_test(test_what_it_can_afford),
-        cmocka_unit_test(test_jumps_are_no_growth),    cmocka_unit_test(test_what_sinks_beyond_it),
-        cmocka_unit_test(test_closed_form_on_the_way), cmocka_unit_test(test_slow_passages),
-        cmocka_unit_test(test_no_extrapolation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -182,9 +182,8 @@ static bool is_reached(const struct known *problem, const struct attempt *by)
     return good;
 }
 
-static void test_references_are_reached(void **state)
+TEST(test_references_are_reached)
 {
-    (void)state;
     need_table();
     int wrong = 0;
     for (size_t i = 0; i < COUNT_OF(known); i++) {
@@ -209,9 +208,8 @@ static void test_references_are_reached(void **state)
 }
 
 /* The tolerance means the same for every method. */
-static void test_errors_are_about_the_tolerance(void **state)
+TEST(test_errors_are_about_the_tolerance)
 {
-    (void)state;
     static struct proportions proportions;
     need_table();
     for (size_t i = 0; i < COUNT_OF(known); i++) {
@@ -223,9 +221,8 @@ static void test_errors_are_about_the_tolerance(void **state)
 
 /* The pendulum's period from rest at 90 degrees: 2 pi / agm(1, cos(theta0/2)); a quarter of it to
  * the bottom. */
-static void test_period_of_the_pendulum(void **state)
+TEST(test_period_of_the_pendulum)
 {
-    (void)state;
     static const struct attempt by[] = {{"dop853", 1e-14, 1e-13},
                                         {"gauss6", 1e-2, 1e-13},
                                         {"kahan-li8", 1e-2, 1e-13},
@@ -273,9 +270,8 @@ static void test_period_of_the_pendulum(void **state)
  * some thirty, and the errors made on the way with them; by t = 400 all of them are gone, and two
  * good methods give two different answers.
  */
-static void test_chaos(void **state)
+TEST(test_chaos)
 {
-    (void)state;
     static const struct known chaos = {
         "duffing_chaotic", "", "duffing-driven", {NOTHING}, {{NULL, 0, 0}}};
     static const struct attempt by[] = {{"dop853", 1e-14, 0}, {"gauss6", 1e-2, 0}};
@@ -303,21 +299,10 @@ static void test_chaos(void **state)
     assert_true(fabs(at[0][1] - at[1][1]) > 0.01);
 }
 
-static void test_no_row_is_left_over(void **state)
+TEST(test_no_row_is_left_over)
 {
-    (void)state;
     need_table();
     assert_all_reached(table, rows, false);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_references_are_reached),
-        cmocka_unit_test(test_errors_are_about_the_tolerance),
-        cmocka_unit_test(test_period_of_the_pendulum),
-        cmocka_unit_test(test_chaos),
-        cmocka_unit_test(test_no_row_is_left_over),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

@@ -28,9 +28,8 @@ static enum stop state_after(const struct scene *scene, const char *method, doub
  * side of 0, and the negative one leads away. Concentrations are not negative where the method
  * damps what is stiff.
  */
-static void test_concentrations_stay_positive(void **state)
+TEST(test_concentrations_stay_positive)
 {
-    (void)state;
     static const char *const methods[] = {"backward-euler", "bdf1",   "bdf2",   "bdf3",  "bdf4",
                                           "tr-bdf2",        "sdirk2", "radau3", "radau5"};
     static const double steps[] = {1e-3, 2e-3, 5e-3, 7e-3, 1e-2, 2e-2, 5e-2, 0.1};
@@ -50,9 +49,8 @@ static void test_concentrations_stay_positive(void **state)
 }
 
 /* Those that do not damp ring, but have a solution. */
-static void test_there_is_a_solution(void **state)
+TEST(test_there_is_a_solution)
 {
-    (void)state;
     static const char *const methods[] = {"trapezoid", "implicit-midpoint", "gauss4", "gauss6"};
     static const double steps[] = {1e-3, 1e-2, 2e-2, 5e-2, 0.1};
     struct scene scene;
@@ -105,9 +103,8 @@ static double pitch_slope(double x)
     return 15 * cos(3 * x) - 1;
 }
 
-static void test_one_step_belongs_to_its_start(void **state)
+TEST(test_one_step_belongs_to_its_start)
 {
-    (void)state;
     static const struct {
         const char *start, *line;
         double (*f)(double), (*slope)(double);
@@ -185,9 +182,8 @@ static double step_down_slope(double x)
     return -160 / (cosh(8 * x) * cosh(8 * x));
 }
 
-static void test_structural_steps_belong_to_their_start(void **state)
+TEST(test_structural_steps_belong_to_their_start)
 {
-    (void)state;
     static const struct structure methods[] = {
         {"newmark", 1, 0, 0, 0.25, 0.5},
         {"hht", 1, 0, 0.1, 0.3025, 0.6},
@@ -229,9 +225,8 @@ static void test_structural_steps_belong_to_their_start(void **state)
  * A creeping solution is followed to the jump at 807 s, beyond which such long steps have none
  * beside it. (Wilson's method rings by itself here: it carries an acceleration that nothing damps.)
  */
-static void test_no_jump_before_its_time(void **state)
+TEST(test_no_jump_before_its_time)
 {
-    (void)state;
     static const char *const methods[] = {
         "backward-euler", "bdf2",    "trapezoid", "tr-bdf2",
         "radau5",         "newmark", "hht",       "generalised-alpha"};
@@ -246,14 +241,4 @@ static void test_no_jump_before_its_time(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_concentrations_stay_positive),
-        cmocka_unit_test(test_there_is_a_solution),
-        cmocka_unit_test(test_one_step_belongs_to_its_start),
-        cmocka_unit_test(test_structural_steps_belong_to_their_start),
-        cmocka_unit_test(test_no_jump_before_its_time),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Solutions that go to infinity in finite time, against their closed forms; and what must not be
  * taken for one. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/typing.h"
 #include <hooke/run.h>
@@ -64,9 +60,8 @@ static double duffing_time(void)
     return sum;
 }
 
-static void test_closed_forms(void **state)
+TEST(test_closed_forms)
 {
-    (void)state;
     static const struct {
         const char *lines;
         double at; /* NAN: duffing_time() */
@@ -118,9 +113,8 @@ static void test_closed_forms(void **state)
 }
 
 /* x = sqrt(1 - 2 t) ends at 1/2 with an infinite slope: methods bounce there for ever. */
-static void test_end_of_a_root(void **state)
+TEST(test_end_of_a_root)
 {
-    (void)state;
     static const char *const methods[] = {"dopri5",  "tsit5", "dop853",        "radau5",
                                           "rodas5p", "rk4",   "backward-euler"};
     struct error error;
@@ -141,9 +135,8 @@ static void test_end_of_a_root(void **state)
 
 /* Adaptive steps of a loose tolerance jump across an infinite slope, or bounce beyond it, and get
  * where they should. */
-static void test_loose_tolerances(void **state)
+TEST(test_loose_tolerances)
 {
-    (void)state;
     static const struct {
         const char *lines;
         double at;
@@ -184,9 +177,8 @@ static void test_loose_tolerances(void **state)
 
 /* A pole that comes after a long time of its own, beyond what one search from the start would
  * reach. */
-static void test_late(void **state)
+TEST(test_late)
 {
-    (void)state;
     static const char *const methods[] = {"dopri5", "radau5", "rodas5p", "rk4"};
     struct error error;
     struct typed_models *models = typed_create(&error);
@@ -205,9 +197,8 @@ static void test_late(void **state)
 }
 
 /* The built-in soft spring beyond its barrier, whatever integrates it, forwards and backwards. */
-static void test_built_in(void **state)
+TEST(test_built_in)
 {
-    (void)state;
     static const char *const methods[] = {"euler",          "symplectic-euler", "verlet", "rk4",
                                           "backward-euler", "dop853",           "radau5"};
     static const struct {
@@ -237,9 +228,8 @@ static void test_built_in(void **state)
 }
 
 /* Methods of fixed steps that get past the end of a solution, and go on. */
-static void test_steps_across(void **state)
+TEST(test_steps_across)
 {
-    (void)state;
     const struct {
         const char *lines;
         double at;
@@ -270,9 +260,8 @@ static void test_steps_across(void **state)
 
 /* One step of a long run jumps across a pole, and those beside it are smooth: it is found among the
  * rows that are looked at, which are one in a hundred. */
-static void test_one_step_of_many(void **state)
+TEST(test_one_step_of_many)
 {
-    (void)state;
     static const char *const methods[] = {"ros3p", "rodas4", "rodas5p"};
     static const double steps[] = {1.7e-5, 1.3e-5, 0.9e-5};
     struct error error;
@@ -291,9 +280,8 @@ static void test_one_step_of_many(void **state)
 }
 
 /* Steps of fixed size that leave nothing of the values are seen, others are not taken for such. */
-static void test_unsound_steps(void **state)
+TEST(test_unsound_steps)
 {
-    (void)state;
     static const struct {
         const char *lines, *preset, *by;
         double dt, span;
@@ -344,9 +332,8 @@ static void test_unsound_steps(void **state)
 
 /* A method that is unstable, a scene that grows on and on, a step that is too large: none of them
  * is a blow-up. */
-static void test_others(void **state)
+TEST(test_others)
 {
-    (void)state;
     static const struct {
         const char *lines, *preset, *by;
         double dt, tol, span;
@@ -421,7 +408,7 @@ static void test_others(void **state)
 
 /* A pole ahead does not loosen the tolerance: sizes of a scene are not those that a trial meets
  * next to the pole. */
-static void test_accuracy_before_a_pole(void **state)
+TEST(test_accuracy_before_a_pole)
 {
     static const struct {
         const char *lines;
@@ -452,14 +439,4 @@ static void test_accuracy_before_a_pole(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),     cmocka_unit_test(test_end_of_a_root),
-        cmocka_unit_test(test_loose_tolerances), cmocka_unit_test(test_late),
-        cmocka_unit_test(test_built_in),         cmocka_unit_test(test_others),
-        cmocka_unit_test(test_steps_across),     cmocka_unit_test(test_one_step_of_many),
-        cmocka_unit_test(test_unsound_steps),    cmocka_unit_test(test_accuracy_before_a_pole),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -92,9 +92,8 @@ static void compare(const struct method *method, const struct system *system, en
 }
 
 /* Every preset, and every combination of terms of the oscillator. */
-static void test_same_bits(void **state)
+TEST(test_same_bits)
 {
-    (void)state;
     static const struct {
         const char *name;
         double value;
@@ -125,9 +124,8 @@ static void test_same_bits(void **state)
 }
 
 /* What a kernel is not for, it hands on: compensated sums. */
-static void test_compensated_sums(void **state)
+TEST(test_compensated_sums)
 {
-    (void)state;
     const struct scene scene = spring();
     const struct run_settings settings = {.dt = 0.01, .compensated = true};
     struct run_settings general = settings;
@@ -142,9 +140,8 @@ static void test_compensated_sums(void **state)
 }
 
 /* The linear shapes are those of a spring with and without damping, and of nothing else. */
-static void test_shapes(void **state)
+TEST(test_shapes)
 {
-    (void)state;
     struct scene plain = spring(), damped = spring(), weight = spring(), steady = spring();
     struct system system;
     struct error error;
@@ -166,12 +163,4 @@ static void test_shapes(void **state)
                 march[2] == march[3]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_compensated_sums),
-        cmocka_unit_test(test_shapes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -115,7 +115,7 @@ static double order_of(struct typed_models *models, const struct problem *proble
 }
 
 /* Each method on one of the problems; LONG=1: on all of them. */
-static void test_methods_keep_their_order(void **state)
+TEST(test_methods_keep_their_order)
 {
     struct typed_models *models = *state;
     int count = 0, wrong = 0;
@@ -144,7 +144,7 @@ static const struct method *method_of(const char *name)
 }
 
 /* Across the jump they are of the first order at best. */
-static void test_across(void **state)
+TEST(test_across)
 {
     struct typed_models *models = *state;
     bool ignored;
@@ -155,7 +155,7 @@ static void test_across(void **state)
 }
 
 /* Both sides lead back: x stays where it is, and the run knows. */
-static void test_slides(void **state)
+TEST(test_slides)
 {
     struct typed_models *models = *state;
     static const char *const names[] = {"euler",          "rk4",    "dopri5",  "dop853",
@@ -301,7 +301,7 @@ static bool is_sampled(const struct method *method, size_t k)
 }
 
 /* LONG=1: at more tolerances. */
-static void test_rests(void **state)
+TEST(test_rests)
 {
     static const char *const fixed[] = {"rk4", "euler",  "dopri5", "gauss4", "backward-euler",
                                         "ab4", "rodas5p"};
@@ -336,7 +336,7 @@ static const struct problem wall = {
         "w' = -4.317*x + 0.2316*(1 - x^2)*w - 0.4857*w - 22.38*max(x - 0.4017, 0)", NULL},
     20, wall_at_20};
 
-static void test_first_steps(void **state)
+TEST(test_first_steps)
 {
     struct typed_models *models = *state;
     static const double first[] = {1e-12, 1e-6, 1e-3, 0.1, 3, 30, 1e3}, tol = 1e-5;
@@ -369,7 +369,7 @@ static void test_first_steps(void **state)
 }
 
 /* Rows are the same whatever the calls. */
-static void test_calls(void **state)
+TEST(test_calls)
 {
     struct typed_models *models = *state;
     static const char *const names[] = {"rk4", "dop853", "gauss6", "ab4", "verlet"};
@@ -399,15 +399,4 @@ static int teardown(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_methods_keep_their_order),
-        cmocka_unit_test(test_across),
-        cmocka_unit_test(test_slides),
-        cmocka_unit_test(test_rests),
-        cmocka_unit_test(test_first_steps),
-        cmocka_unit_test(test_calls),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

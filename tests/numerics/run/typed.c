@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes typed as equations against built-in ones; their kernels, splittings and ledger.
  * command_references.c has what they reach. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/cpu_time.h"
 #include "unit/scene/typing.h"
@@ -48,9 +44,8 @@ static struct run *typed_run(const struct scene *scene, const struct method *by,
 
 /* Every symplectic method that takes Henon and Heiles' star takes the typed one, too, and to the
  * same bits. */
-static void test_symplectic(void **state)
+TEST(test_symplectic)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     struct scene typed, built_in;
@@ -92,9 +87,8 @@ static void test_symplectic(void **state)
 
 /* Splittings with drag of another kind than linear and quadratic: explicit only, and refused
  * otherwise with the way out. */
-static void test_splitting_with_drag(void **state)
+TEST(test_splitting_with_drag)
 {
-    (void)state;
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -119,9 +113,8 @@ static void test_splitting_with_drag(void **state)
 }
 
 /* The energy balance of a force without a potential: all of it is work. */
-static void test_ledger(void **state)
+TEST(test_ledger)
 {
-    (void)state;
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -142,9 +135,8 @@ static void test_ledger(void **state)
 /* A search for what no step has seen takes no more than the run did, and 1e8 instructions or so:
  * also where bounds of a force that turns often prove nothing; 100 pulses are found in nine tenths
  * of the runs that see nothing of them. */
-static void test_search_of_bursts(void **state)
+TEST(test_search_of_bursts)
 {
-    (void)state;
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct burst missed;
@@ -191,13 +183,4 @@ static void test_search_of_bursts(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_symplectic),
-        cmocka_unit_test(test_splitting_with_drag),
-        cmocka_unit_test(test_ledger),
-        cmocka_unit_test(test_search_of_bursts),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -152,9 +152,8 @@ static bool same_ways(const struct typed_case *c, const struct method *by, enum 
     return there;
 }
 
-static void test_fixed_steps(void **state)
+TEST(test_fixed_steps)
 {
-    (void)state;
     int count = 0, splittings = 0;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         int here = 0;
@@ -175,9 +174,8 @@ static void test_fixed_steps(void **state)
     assert_true(splittings > 200);
 }
 
-static void test_adaptive_steps(void **state)
+TEST(test_adaptive_steps)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         for (size_t m = 0; m < method_catalog.count; m++) {
             const struct method *by = method_at(m);
@@ -188,9 +186,8 @@ static void test_adaptive_steps(void **state)
 }
 
 /* Many variables, some frames too large for the small kernels. */
-static void test_many_variables(void **state)
+TEST(test_many_variables)
 {
-    (void)state;
     struct buffer lines = {0};
     for (int i = 0; i < 40; i++)
         buffer_format(&lines, "%svar x%d = %s", i ? ";" : "", i, i == 7 ? "8.01" : "8");
@@ -214,9 +211,8 @@ static void test_many_variables(void **state)
 }
 
 /* What the tests before have run: the first way with machine code, the others without. */
-static void test_refusing(void **state)
+TEST(test_refusing)
 {
-    (void)state;
 #if defined(__x86_64__) && defined(__linux__)
     assert_true(allowed > 100 && refused > allowed);
 #else
@@ -224,13 +220,4 @@ static void test_refusing(void **state)
 #endif
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fixed_steps),
-        cmocka_unit_test(test_adaptive_steps),
-        cmocka_unit_test(test_many_variables),
-        cmocka_unit_test(test_refusing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -29,9 +29,8 @@ static double decades(double from, double to)
     return pow(10, uniform(from, to));
 }
 
-static void test_closed_forms_balance(void **state)
+TEST(test_closed_forms_balance)
 {
-    (void)state;
     int unknown = 0;
     for (int i = 0; i < 200; i++) {
         struct scene scene = spring();
@@ -73,9 +72,8 @@ static void solve_jumping(double omega, double centre, double w, double phase, d
     }
 }
 
-static void test_jumping_forces_balance(void **state)
+TEST(test_jumping_forces_balance)
 {
-    (void)state;
     static const char *const methods[] = {"gauss6", "dop853",  "yoshida8",
                                           "dopri5", "rodas5p", "radau5"};
     const double k = 15, omega = sqrt(75), end = 6;
@@ -137,9 +135,8 @@ static void solve_switching(double omega, double centre, const double line[3], d
     }
 }
 
-static void test_switching_forces_balance(void **state)
+TEST(test_switching_forces_balance)
 {
-    (void)state;
     static const char *const methods[] = {"gauss6", "dop853", "radau5", "dopri5", "rodas5p"};
     const double k = 15, omega = sqrt(75), end = 6;
     for (int i = 0; i < 60; i++) {
@@ -181,9 +178,8 @@ static void test_switching_forces_balance(void **state)
 
 /* Quadratic drag bends where the body turns, and a force that depends on its place works there,
  * too: between the two parts of such a step the place counts as well as the velocity. */
-static void test_work_by_place_where_drag_turns(void **state)
+TEST(test_work_by_place_where_drag_turns)
 {
-    (void)state;
     for (int i = 0; i < 40; i++) {
         struct scene scene = spring();
         set(&scene, "C", uniform(10, 200));
@@ -200,13 +196,4 @@ static void test_work_by_place_where_drag_turns(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms_balance),
-        cmocka_unit_test(test_jumping_forces_balance),
-        cmocka_unit_test(test_switching_forces_balance),
-        cmocka_unit_test(test_work_by_place_where_drag_turns),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -98,9 +98,8 @@ static struct system oscillating(struct oscillator o, double q0, double v0, doub
                            .t0 = t0};
 }
 
-static void test_every_regime(void **state)
+TEST(test_every_regime)
 {
-    (void)state;
     uint64_t seed = 1;
     const int rounds = is_long() ? 20000 : 1000;
     for (int i = 0; i < rounds; i++) {
@@ -145,9 +144,8 @@ static void test_every_regime(void **state)
 }
 
 /* Nodes of the divided differences at every distance from each other: no branch may show. */
-static void test_meeting_roots(void **state)
+TEST(test_meeting_roots)
 {
-    (void)state;
     for (int decade = -18; decade <= 0; decade++)
         for (int sign = -1; sign <= 1; sign += 2) {
             double off = sign * pow(10, decade);
@@ -188,9 +186,8 @@ static void exact_at(const struct system *system, double t, double y[2])
     system_exact(system, system->t0, system->start, t, y, NULL);
 }
 
-static void test_without_spring(void **state)
+TEST(test_without_spring)
 {
-    (void)state;
     double y[2];
     struct system free = oscillating((struct oscillator){0}, 2, 3, 1);
     exact_at(&free, 5, y);
@@ -213,9 +210,8 @@ static void test_without_spring(void **state)
     expect_near(y[0], -7 * expm1(-1.5) / 0.5, 1e-14);
 }
 
-static void test_equilibrium_is_kept(void **state)
+TEST(test_equilibrium_is_kept)
 {
-    (void)state;
     struct system system = BOUND({"g", 9.81}, {"gamma", 0.3}, {"y0", -0.2 * 9.81 / 15});
     double y[2];
     for (double t = 0; t < 100; t += 7.3) {
@@ -225,9 +221,8 @@ static void test_equilibrium_is_kept(void **state)
     }
 }
 
-static void test_forced_amplitude(void **state)
+TEST(test_forced_amplitude)
 {
-    (void)state;
     /* Long after the start only |f| / |w2 - omega^2 + i gamma omega| is left. */
     struct oscillator o = {.stiffness = 75, .damping = 0.3, .drive = 0.1, .omega = 8.2, .phase = 1};
     struct system system = oscillating(o, 0.05, 0, 0);
@@ -239,9 +234,8 @@ static void test_forced_amplitude(void **state)
     expect_near(top / (0.1 / hypot(75 - 8.2 * 8.2, 0.3 * 8.2)), 1, 1e-6);
 }
 
-static void test_stiff_driven(void **state)
+TEST(test_stiff_driven)
 {
-    (void)state;
     /* Damping far beyond the spring: a slow drift and a small forced motion, both without
      * cancellation. */
     struct oscillator o = {.stiffness = 1, .damping = 1e9, .drive = 1, .omega = 1};
@@ -257,9 +251,8 @@ static void test_stiff_driven(void **state)
 
 /* ---- extremes ---- */
 
-static void test_any_amplitude(void **state)
+TEST(test_any_amplitude)
 {
-    (void)state;
     static const struct oscillator all[] = {{.stiffness = 75, .damping = 0.25},
                                             {.stiffness = 75, .damping = 40},
                                             {.stiffness = -3},
@@ -284,9 +277,8 @@ static void test_any_amplitude(void **state)
     expect_near(y[0] / 1e300, cos(sqrt(75) * 0.1), 1e-15);
 }
 
-static void test_growth_ends_as_infinity(void **state)
+TEST(test_growth_ends_as_infinity)
 {
-    (void)state;
     static const struct oscillator all[] = {{.stiffness = 1, .damping = -1e9},
                                             {.stiffness = -1e12},
                                             {.stiffness = 1, .damping = -1},
@@ -306,9 +298,8 @@ static void test_growth_ends_as_infinity(void **state)
 
 /* ---- what every flow satisfies ---- */
 
-static void test_semigroup(void **state)
+TEST(test_semigroup)
 {
-    (void)state;
     uint64_t seed = 2;
     for (int i = 0; i < 2000; i++) {
         struct oscillator o = {.stiffness = random_between(&seed, -2, 20),
@@ -342,9 +333,8 @@ static void test_semigroup(void **state)
     }
 }
 
-static void test_start_is_exact(void **state)
+TEST(test_start_is_exact)
 {
-    (void)state;
     struct system system = BOUND({"gamma", 0.25}, {"F0", 1}, {"g", 9.81}, {"t0", 3}, {"v0", 0.1});
     double y[2], floor[2];
     system_exact(&system, system.t0, system.start, 3, y, floor);
@@ -354,9 +344,8 @@ static void test_start_is_exact(void **state)
 /* One ulp in the coefficients must move the answer by no more than the floor, and the floor must
  * not hide real errors.
  */
-static void test_floor(void **state)
+TEST(test_floor)
 {
-    (void)state;
     uint64_t seed = 3;
     double tightest = 0;
     for (int i = 0; i < 3000; i++) {
@@ -393,9 +382,8 @@ static void test_floor(void **state)
 /* Many times a step apart, with the rounding that a grid has, and one between: as found one by one,
  * to an ulp of the largest so far. Forwards and backwards, in every regime; where steps are coarse
  * there is no table. */
-static void test_table(void **state)
+TEST(test_table)
 {
-    (void)state;
     uint64_t seed = 5;
     int tables = 0;
     for (int i = 0; i < 300; i++) {
@@ -434,9 +422,8 @@ static void test_table(void **state)
     assert_null(exact_table_create(&coarse, 0, coarse.start, 1));
 }
 
-static void test_which_systems_have_one(void **state)
+TEST(test_which_systems_have_one)
 {
-    (void)state;
     struct system plain = BOUND({"gamma", 1}), drag = BOUND({"C", 0.5}),
                   driven = BOUND({"F0", 1}, {"g", 9.81});
     assert_true(system_has_exact(&plain));
@@ -480,9 +467,8 @@ static int split(char *line, char *field[], int max)
     return count;
 }
 
-static void test_reference_table(void **state)
+TEST(test_reference_table)
 {
-    (void)state;
     const char *path = getenv("HOOKE_REFERENCES");
     FILE *file = fopen(path && *path ? path : "../shared/references.csv", "r");
     if (!file) {
@@ -526,23 +512,4 @@ static void test_reference_table(void **state)
     assert_int_equal(rows, 21);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_regime),
-        cmocka_unit_test(test_meeting_roots),
-        cmocka_unit_test(test_without_spring),
-        cmocka_unit_test(test_equilibrium_is_kept),
-        cmocka_unit_test(test_forced_amplitude),
-        cmocka_unit_test(test_stiff_driven),
-        cmocka_unit_test(test_any_amplitude),
-        cmocka_unit_test(test_growth_ends_as_infinity),
-        cmocka_unit_test(test_semigroup),
-        cmocka_unit_test(test_start_is_exact),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_table),
-        cmocka_unit_test(test_which_systems_have_one),
-        cmocka_unit_test(test_reference_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

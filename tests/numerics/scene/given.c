@@ -49,9 +49,8 @@ static double any_value(struct forest *f)
     return pick(f, 4) ? random_between(&f->seed, -3, 3) : special[pick(f, (int)COUNT_OF(special))];
 }
 
-static void test_random_expressions(void **state)
+TEST(test_random_expressions)
 {
-    (void)state;
     static struct forest f;
     f.seed = 77;
     const int rounds = is_long() ? 200000 : 5000;
@@ -88,9 +87,8 @@ static void test_random_expressions(void **state)
 }
 
 /* What is kept and what remains. */
-static void test_what_is_kept(void **state)
+TEST(test_what_is_kept)
 {
-    (void)state;
     static const char *const text[] = {"-d/e*a - 2*sqrt(d/e)*f*b", "sin(f) + 3*d"};
     struct equations *equations = equations_of(text, 2);
     struct program *program = given_program(equations, 2, 3, 8, false);
@@ -105,11 +103,4 @@ static void test_what_is_kept(void **state)
     equations_destroy(equations);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_expressions),
-        cmocka_unit_test(test_what_is_kept),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -2,11 +2,7 @@
 /* What typed equations are recognised as, and exact solutions of linear systems against closed
  * forms. */
 #include <hooke/base/catalog.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/fixture.h"
 
@@ -522,20 +518,20 @@ static void test_derived(void **state)
     assert_true(alike(derived(&f->scene, "omega0"), sqrt(75), 0));
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define WITH_MODELS(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_like_the_built_in),
-        TEST(test_not_recognised),
-        TEST(test_extremes),
-        TEST(test_normal_modes),
-        TEST(test_like_the_closed_form),
-        TEST(test_stiff),
-        TEST(test_floor),
-        TEST(test_chain),
-        TEST(test_derived),
+        WITH_MODELS(test_like_the_built_in),
+        WITH_MODELS(test_not_recognised),
+        WITH_MODELS(test_extremes),
+        WITH_MODELS(test_normal_modes),
+        WITH_MODELS(test_like_the_closed_form),
+        WITH_MODELS(test_stiff),
+        WITH_MODELS(test_floor),
+        WITH_MODELS(test_chain),
+        WITH_MODELS(test_derived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

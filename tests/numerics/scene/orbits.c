@@ -24,9 +24,8 @@ static struct system bind_or_fail(const struct scene *scene)
 }
 
 /* The exact solution goes through its start and its slope is the derivative, whatever the start. */
-static void test_exact_solutions_satisfy_the_equation(void **state)
+TEST(test_exact_solutions_satisfy_the_equation)
 {
-    (void)state;
     uint64_t seed = 12;
     int seen = 0;
     for (size_t m = 0; scene_models[m]; m++) {
@@ -76,9 +75,8 @@ static void test_exact_solutions_satisfy_the_equation(void **state)
     assert_true(seen >= 2);
 }
 
-static void test_kepler(void **state)
+TEST(test_kepler)
 {
-    (void)state;
     struct scene scene =
         scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
     static const double pi = 3.14159265358979323846;
@@ -112,9 +110,8 @@ static void test_kepler(void **state)
     assert_true(fabs(y[0] - (1 - d * d)) < 1e-14 * 5 && fabs(y[1] - 2 * d) < 1e-14 * 5);
 }
 
-static void test_prothero_robinson(void **state)
+TEST(test_prothero_robinson)
 {
-    (void)state;
     struct scene scene =
         scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("prothero-robinson")));
     struct system system = bind_or_fail(&scene);
@@ -127,12 +124,4 @@ static void test_prothero_robinson(void **state)
     assert_true(y == cos(10));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_solutions_satisfy_the_equation),
-        cmocka_unit_test(test_kepler),
-        cmocka_unit_test(test_prothero_robinson),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Potentials that are formulas: of random forces against a quadrature of the force, to 1e-12. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 #include <hooke/scene.h>
 #include <hooke/scene/typed.h>
 
@@ -151,9 +146,8 @@ static int cases(int quick)
     return is_long() ? 20 * quick : quick;
 }
 
-static void a_force_along_one_coordinate_has_a_formula(void **state)
+TEST(a_force_along_one_coordinate_has_a_formula)
 {
-    (void)state;
     srand(1);
     for (int i = cases(400); i > 0; i--) {
         char line[1000] = "x'' = ";
@@ -164,9 +158,8 @@ static void a_force_along_one_coordinate_has_a_formula(void **state)
     }
 }
 
-static void springs_between_masses_have_a_formula(void **state)
+TEST(springs_between_masses_have_a_formula)
 {
-    (void)state;
     srand(2);
     for (int i = cases(100); i > 0; i--) {
         char spring[2][300], own[3][400], line[3][1200];
@@ -189,9 +182,8 @@ static void springs_between_masses_have_a_formula(void **state)
 }
 
 /* Powers of the distance, also where that of the origin is a pole, and other forces beside them. */
-static void a_force_towards_a_point_has_a_formula(void **state)
+TEST(a_force_towards_a_point_has_a_formula)
 {
-    (void)state;
     srand(3);
     for (int i = cases(60); i > 0; i--) {
         char line[3][600];
@@ -210,9 +202,8 @@ static void a_force_towards_a_point_has_a_formula(void **state)
 }
 
 /* What has no formula keeps its quadrature; a force that is no gradient has no potential. */
-static void what_is_not_found_is_integrated_along_a_path(void **state)
+TEST(what_is_not_found_is_integrated_along_a_path)
 {
-    (void)state;
     static const char *const force[] = {
         "x'' = -x*sin(x)",  "x'' = -sin(x^2)",        "x'' = if(x > 0.2, -x, -4*x)",
         "x'' = -exp(-x^2)", "x'' = -mod(x, 0.3) - x", "x'' = -(x + floor(x))^3"};
@@ -232,13 +223,4 @@ static void what_is_not_found_is_integrated_along_a_path(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_force_along_one_coordinate_has_a_formula),
-        cmocka_unit_test(springs_between_masses_have_a_formula),
-        cmocka_unit_test(a_force_towards_a_point_has_a_formula),
-        cmocka_unit_test(what_is_not_found_is_integrated_along_a_path),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

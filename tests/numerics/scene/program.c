@@ -120,9 +120,8 @@ static void expect_ieee(const char *text, const double *x, double output)
     arena_reset(&arena);
 }
 
-static void test_random_expressions(void **state)
+TEST(test_random_expressions)
 {
-    (void)state;
     static struct forest f;
     f.seed = 2026;
     enum { POINTS = 5 };
@@ -171,9 +170,8 @@ static double value_of(const char *text, const bool *bound, const double *x)
     return output;
 }
 
-static void test_absent_terms(void **state)
+TEST(test_absent_terms)
 {
-    (void)state;
     static const bool first[NAMES] = {true}; /* a is known */
     const double x[NAMES] = {0, INFINITY, NAN, -0.0, -1, 4};
     static const struct {
@@ -199,9 +197,8 @@ static void test_absent_terms(void **state)
                      cases[i].value);
 }
 
-static void test_sharing(void **state)
+TEST(test_sharing)
 {
-    (void)state;
     /* Two bodies under an inverse square law: the cube of the distance is computed once for both.
      */
     static const char *const text[] = {"-c*a/(a^2 + b^2)^1.5", "-c*b/(b^2 + a^2)^1.5", "a^2 + b^2"};
@@ -224,9 +221,8 @@ static void test_sharing(void **state)
     equations_destroy(equations);
 }
 
-static void test_linear_and_separable(void **state)
+TEST(test_linear_and_separable)
 {
-    (void)state;
     /* a: position, b: velocity, c: damping; the derivatives say what kind of scene it is. */
     static const char *const text[] = {"-4*a - c*b"};
     struct equations *equations = equations_of(text, 1);
@@ -248,9 +244,8 @@ static void test_linear_and_separable(void **state)
     equations_destroy(equations);
 }
 
-static void test_definitions(void **state)
+TEST(test_definitions)
 {
-    (void)state;
     struct arena arena = {0};
     struct error error;
     struct equations *equations = equations_create(NAMES, &error);
@@ -267,9 +262,8 @@ static void test_definitions(void **state)
 }
 
 /* More values alive at once than there are registers, and calls in between. */
-static void test_many_values(void **state)
+TEST(test_many_values)
 {
-    (void)state;
     struct buffer text = {0};
     for (int i = 0; i < 60; i++)
         buffer_format(&text, "(%d.5*a + b*%d)*", i + 1, 60 - i);
@@ -293,9 +287,8 @@ static void test_many_values(void **state)
 
 /* As large as an expression may be, all its derivatives, and equations beyond what is allowed:
  * quick, or refused. */
-static void test_limits(void **state)
+TEST(test_limits)
 {
-    (void)state;
     struct buffer text = {0};
     struct arena arena = {0};
     struct error error = {0};
@@ -325,9 +318,8 @@ static void test_limits(void **state)
     arena_reset(&arena);
 }
 
-static void test_machine_code_is_there(void **state)
+TEST(test_machine_code_is_there)
 {
-    (void)state;
     struct equations *equations = equations_of((const char *const[]){"a + 1"}, 1);
     struct program *program = program_of(equations, 0, 1, NULL, NULL, true);
 #if defined(__x86_64__) && defined(__linux__)
@@ -346,9 +338,8 @@ static void test_machine_code_is_there(void **state)
 
 /* Machine code remembers calls whose argument depends on the first name only: their bits are those
  * of the other form, whatever came before. */
-static void test_remembered_calls(void **state)
+TEST(test_remembered_calls)
 {
-    (void)state;
     static const char *const text[] = {
         "b*sin(a) + cos(2*a)^2 + exp(-a^2)", "tan(a) + atan(a)*b", "sinh(a) + cosh(a)*c + tanh(a)",
         "log(abs(a)) + sin(3*a) + sin(4*a) + sin(5*a)", "sin(a*b) + sin(-a)"};
@@ -380,14 +371,4 @@ static void test_remembered_calls(void **state)
     equations_destroy(equations);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_absent_terms),          cmocka_unit_test(test_sharing),
-        cmocka_unit_test(test_linear_and_separable),  cmocka_unit_test(test_definitions),
-        cmocka_unit_test(test_many_values),           cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_machine_code_is_there), cmocka_unit_test(test_random_expressions),
-        cmocka_unit_test(test_remembered_calls),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

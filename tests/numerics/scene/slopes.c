@@ -142,9 +142,8 @@ static double complex complex_value(const struct tree *t, const double *x, int n
     return complex_of(real, cimag(made)); /* the last bit matters to log near 1 */
 }
 
-static void test_derivatives(void **state)
+TEST(test_derivatives)
 {
-    (void)state;
     static struct forest f;
     f.seed = 12;
     const int rounds = is_long() ? 200000 : 6000;
@@ -181,10 +180,4 @@ static void test_derivatives(void **state)
     assert_true(compared - zero > rounds / 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_derivatives),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

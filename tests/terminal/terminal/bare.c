@@ -2,11 +2,7 @@
 /* The static program at a terminal, in a root that holds nothing but it and a recording: panes and
  * prompt without terminfo, locales or a list of users. */
 #include <hooke/base/file.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "terminal/person.h"

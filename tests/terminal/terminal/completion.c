@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tab completes names of files in quotes, behind a backslash and behind ~, so that they can be
  * read; at the prompt and in the panes. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* --safe kept by the kernel: what a program that has been taken over could not do, and that those
  * who use it notice nothing. */
-
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <netinet/in.h>
 #include <sys/resource.h>
@@ -92,9 +87,8 @@ static void skip_without(int version)
     }
 }
 
-static void test_nothing_else_is_written(void **state)
+TEST(test_nothing_else_is_written)
 {
-    (void)state;
     /* where lines are counted (scripts/coverage) their counts are written, too */
     const char *const counts = getenv("GCOV_PREFIX"), *const folders[] = {".", "../state", counts};
     char folder[] = "/tmp/hooke-panes-XXXXXX", line[128] = "";
@@ -150,9 +144,8 @@ static bool is_kept(const char *begin)
     return found;
 }
 
-static void test_nobody_notices(void **state)
+TEST(test_nobody_notices)
 {
-    (void)state;
     struct person p;
     skip_without(confine_version());
     snprintf(state_folder, sizeof state_folder, "%s", "/tmp/hooke-panes-XXXXXX");
@@ -172,11 +165,4 @@ static void test_nobody_notices(void **state)
     quit(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing_else_is_written),
-        cmocka_unit_test(test_nobody_notices),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Locales: numbers never follow them, and text that does not fit them harms nothing. */
 #include <hooke/base/file.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 #include <locale.h>
 
 #include "terminal/person.h"

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Readline without memory: its own handler would end the program without a word to the session. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -50,9 +46,8 @@ static void run_out(int pipe_end)
     _exit(7);
 }
 
-static void test_readline_without_memory(void **state)
+TEST(test_readline_without_memory)
 {
-    (void)state;
     const char *config = getenv("CONFIG");
     if (config && strcmp(config, "asan") == 0) {
         print_message("# sanitizers keep an address space of their own\n");
@@ -79,10 +74,4 @@ static void test_readline_without_memory(void **state)
     assert_string_equal(said, "savedhooke: error: out of memory\n");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_readline_without_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

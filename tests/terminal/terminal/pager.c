@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* $PAGER at the plain prompt: only where it was asked for by typing, only with what is longer than
  * the screen, and whatever becomes of it what was said is seen and the terminal is as it was. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

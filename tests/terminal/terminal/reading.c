@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is longer than the log, read on the whole screen: footers that fit, a recipe that a key
  * runs, sizes that change, what was half typed. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Standard input and output that are no terminal, one or both: batch, byte for byte, whatever the
  * bytes are. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "terminal/person.h"
 #include "terminal/terminal.h"

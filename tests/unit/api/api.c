@@ -5,18 +5,15 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 static struct hooke *opened(unsigned flags)
 {
@@ -34,7 +31,7 @@ static void run_ok(struct hooke *hooke, const char *lines)
 
 /* ---- what lines say and find ---- */
 
-static void test_lines(void **state)
+TEST(test_lines)
 {
     double value = 0, uncertainty = -1;
     (void)state;
@@ -54,9 +51,8 @@ static void test_lines(void **state)
     hooke_close(hooke);
 }
 
-static void test_errors(void **state)
+TEST(test_errors)
 {
-    (void)state;
     struct hooke *hooke = opened(0);
     assert_int_equal(hooke_run(hooke, "m = 0.3\nk = 10; gamam = 2\nm = 0.4"), 1);
     const struct hooke_error *error = hooke_error(hooke);
@@ -82,7 +78,7 @@ static void test_errors(void **state)
     hooke_close(hooke);
 }
 
-static void test_error_in_a_file(void **state)
+TEST(test_error_in_a_file)
 {
     char path[] = "/tmp/hooke-api-XXXXXX", line[100];
     (void)state;
@@ -99,9 +95,8 @@ static void test_error_in_a_file(void **state)
 
 /* ---- tables ---- */
 
-static void test_tables(void **state)
+TEST(test_tables)
 {
-    (void)state;
     struct hooke *hooke = opened(0);
     assert_null(hooke_table(hooke, "t y"));
     assert_non_null(strstr(hooke_error(hooke)->message, "run"));
@@ -130,7 +125,7 @@ static void test_tables(void **state)
     hooke_table_free(run);
 }
 
-static void test_results(void **state)
+TEST(test_results)
 {
     struct error error;
     bool compared = false;
@@ -162,7 +157,7 @@ static void test_results(void **state)
     hooke_close(hooke);
 }
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
     double value;
     (void)state;
@@ -188,9 +183,8 @@ static void test_nothing(void **state)
 
 /* ---- others beside it ---- */
 
-static void test_safe(void **state)
+TEST(test_safe)
 {
-    (void)state;
     struct hooke *hooke = opened(HOOKE_SAFE);
     run_ok(hooke, "scene spring; run 1 s");
     assert_true(hooke_run(hooke, "export /tmp/hooke-api.csv --force") != 0);
@@ -215,7 +209,7 @@ static void *cancel_soon(void *context)
     return NULL;
 }
 
-static void test_cancel(void **state)
+TEST(test_cancel)
 {
     pthread_t other;
     (void)state;
@@ -251,7 +245,7 @@ static void *work(void *context)
     return NULL;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
     struct worker worker[4], alone;
     pthread_t thread[4];
@@ -269,14 +263,4 @@ static void test_threads(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lines),   cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_tables),  cmocka_unit_test(test_error_in_a_file),
-        cmocka_unit_test(test_results), cmocka_unit_test(test_nothing),
-        cmocka_unit_test(test_safe),    cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_threads),
-    };
-    return cmocka_run_group_tests_name("api", tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Work in a process of its own: whatever happens there, here it is done or an error. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 #include <hooke/base/child.h>
@@ -75,7 +70,7 @@ static bool makes_much(const void *context, struct buffer *out, struct error *er
     return true;
 }
 
-static void what_is_made_comes_whole(void **state)
+TEST(what_is_made_comes_whole)
 {
     static const char *const made[] = {"", "a picture"};
     struct buffer out;
@@ -109,7 +104,7 @@ static bool has_no_memory(const void *context, struct buffer *out, struct error 
     return out->failed = true;
 }
 
-static void what_fails_says_why(void **state)
+TEST(what_fails_says_why)
 {
     struct buffer out;
     struct error error;
@@ -136,7 +131,7 @@ static bool leaves(const void *context, struct buffer *out, struct error *error)
 }
 
 /* Every signal that ends a process, whatever this program makes of it. */
-static void what_dies_is_an_error(void **state)
+TEST(what_dies_is_an_error)
 {
     static const int ending[] = {SIGSEGV, SIGABRT, SIGBUS,  SIGFPE,  SIGILL,  SIGKILL, SIGTERM,
                                  SIGINT,  SIGHUP,  SIGPIPE, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM,
@@ -170,7 +165,7 @@ static bool stopped_later(const void *context)
     return --*looks < 0;
 }
 
-static void what_does_not_end_is_ended(void **state)
+TEST(what_does_not_end_is_ended)
 {
     int looks = 3;
     struct child child = {never_ends, NULL, NULL, "it was not made", 0.1};
@@ -210,7 +205,7 @@ static bool looks_around(const void *context, struct buffer *out, struct error *
     return true;
 }
 
-static void the_child_has_nothing_of_ours(void **state)
+TEST(the_child_has_nothing_of_ours)
 {
     struct buffer out;
     struct error error;
@@ -237,7 +232,7 @@ static void at_end(void)
 }
 
 /* What a stream holds is written once, by us, and what is done at the end is done once. */
-static void streams_are_not_flushed_twice(void **state)
+TEST(streams_are_not_flushed_twice)
 {
     struct buffer out;
     struct error error;
@@ -264,7 +259,7 @@ static void streams_are_not_flushed_twice(void **state)
 }
 
 /* A process that nobody waits for says that it was done as well. */
-static void ignored_children_are_heard(void **state)
+TEST(ignored_children_are_heard)
 {
     struct buffer out;
     struct error error;
@@ -296,7 +291,7 @@ static bool leaves_another(const void *context, struct buffer *out, struct error
     return pid > 0 && says(context, out, error);
 }
 
-static void nobody_else_is_waited_for(void **state)
+TEST(nobody_else_is_waited_for)
 {
     struct buffer out;
     struct error error;
@@ -309,7 +304,7 @@ static void nobody_else_is_waited_for(void **state)
 }
 
 /* The program is killed: its child does not go on for ever. */
-static void it_dies_with_us(void **state)
+TEST(it_dies_with_us)
 {
     int ends[2], status;
     pid_t child = 0;
@@ -330,7 +325,7 @@ static void it_dies_with_us(void **state)
     close(ends[0]);
 }
 
-static void no_process_is_an_error(void **state)
+TEST(no_process_is_an_error)
 {
     struct rlimit before, none;
     struct buffer out;
@@ -348,19 +343,4 @@ static void no_process_is_an_error(void **state)
     buffer_free(&out);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_made_comes_whole),
-        cmocka_unit_test(what_fails_says_why),
-        cmocka_unit_test(what_dies_is_an_error),
-        cmocka_unit_test(what_does_not_end_is_ended),
-        cmocka_unit_test(the_child_has_nothing_of_ours),
-        cmocka_unit_test(streams_are_not_flushed_twice),
-        cmocka_unit_test(ignored_children_are_heard),
-        cmocka_unit_test(nobody_else_is_waited_for),
-        cmocka_unit_test(it_dies_with_us),
-        cmocka_unit_test(no_process_is_an_error),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

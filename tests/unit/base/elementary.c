@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Elementary functions: within 0.9 units of the last place of long double's, the special values of
  * annex F, many as one, and the very bits that they have on other machines. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "base/elementary/logarithm.h"
 #include "hooke/base/elementary.h"
@@ -111,7 +106,7 @@ static int draws(void)
     return is_long() ? 10000000 : 2000;
 }
 
-static void test_one_unit(void **state)
+TEST(test_one_unit)
 {
     uint64_t random = 1;
     if (LDBL_MANT_DIG < 64)
@@ -129,7 +124,7 @@ static void test_one_unit(void **state)
     (void)state;
 }
 
-static void test_one_unit_of_two(void **state)
+TEST(test_one_unit_of_two)
 {
     uint64_t random = 2;
     if (LDBL_MANT_DIG < 64)
@@ -150,7 +145,7 @@ static void test_one_unit_of_two(void **state)
 
 /* Where tables and series change over: the rows of log, halfway between those of exp, and on from
  * one formula to the next. */
-static void test_edges(void **state)
+TEST(test_edges)
 {
     static const double borders[] = {0x1p-54, 0x1p-28, 0x1p-27, 0.125, 0.1875, 0.25,
                                      0.5,     0.785,   1,       20,    40,     690};
@@ -179,7 +174,7 @@ static void test_edges(void **state)
 
 /* x^y where it is next to the largest or the smallest numbers, below the normal ones, and of
  * negative x. */
-static void test_powers_far(void **state)
+TEST(test_powers_far)
 {
     static const struct range bases[] = {POWER(-1074, 1023), EVEN(0.5, 2), EVEN(0.9999, 1.0001)},
                               logs[] = {EVEN(680, 709.7), EVEN(-745, -680), EVEN(-1e-3, 1e-3)};
@@ -204,7 +199,7 @@ static void test_powers_far(void **state)
 }
 
 /* Next to multiples of pi/2 what is left has lost most digits. */
-static void test_next_to_zeros(void **state)
+TEST(test_next_to_zeros)
 {
     if (LDBL_MANT_DIG < 64)
         skip();
@@ -264,7 +259,7 @@ static const double special[] = {
 };
 
 /* As long double has it, where that is exact or a limit; the library's sign of zero. */
-static void test_special_values(void **state)
+TEST(test_special_values)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         for (size_t j = 0; j < COUNT_OF(special); j++) {
@@ -287,7 +282,7 @@ static void test_special_values(void **state)
 }
 
 /* Powers and logarithms whose value is a double give it. */
-static void test_exact_values(void **state)
+TEST(test_exact_values)
 {
     double ten = 1;
     for (int i = 0; i <= 22; i++, ten *= 10) {
@@ -321,7 +316,7 @@ static void check_many(const char *name, void (*many)(int, const double *, doubl
     }
 }
 
-static void test_many(void **state)
+TEST(test_many)
 {
     check_many("sin", fixed_sines, fixed_sin);
     check_many("cos", fixed_cosines, fixed_cos);
@@ -332,7 +327,7 @@ static void test_many(void **state)
 /* ---- the bits ---- */
 
 /* Products that are rounded once, and in halves: of those machines that can, and of others. */
-static void test_fused(void **state)
+TEST(test_fused)
 {
     uint64_t random = 6;
     for (int j = 0; j < 9; j++)
@@ -361,7 +356,7 @@ static void take(uint64_t *hash, double value) /* FNV-1a; one NaN */
 
 /* Of a thousand arguments from each range: another machine, compiler or optimisation would give
  * another number. */
-static void test_known_bits(void **state)
+TEST(test_known_bits)
 {
     uint64_t random = 4, hash = UINT64_C(0xCBF29CE484222325);
     for (size_t i = 0; i < COUNT_OF(rows); i++)
@@ -379,14 +374,4 @@ static void test_known_bits(void **state)
     (void)state;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_unit),      cmocka_unit_test(test_one_unit_of_two),
-        cmocka_unit_test(test_edges),         cmocka_unit_test(test_powers_far),
-        cmocka_unit_test(test_next_to_zeros), cmocka_unit_test(test_special_values),
-        cmocka_unit_test(test_exact_values),  cmocka_unit_test(test_many),
-        cmocka_unit_test(test_fused),         cmocka_unit_test(test_known_bits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numbers in and out, against libc: every double survives, no decimal could be shorter, every
  * rounding is correct. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include <hooke/base/number.h>
@@ -100,9 +95,8 @@ static void check_value(double value, bool shortest)
         fail_msg("%.17g has a shorter form than %s", value, z);
 }
 
-static void every_bit_pattern_survives(void **state)
+TEST(every_bit_pattern_survives)
 {
-    (void)state;
     uint64_t seed = 1;
     const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
@@ -112,9 +106,8 @@ static void every_bit_pattern_survives(void **state)
     }
 }
 
-static void every_laboratory_number_survives(void **state)
+TEST(every_laboratory_number_survives)
 {
-    (void)state;
     uint64_t seed = 2;
     const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
@@ -128,9 +121,8 @@ static void every_laboratory_number_survives(void **state)
     }
 }
 
-static void borders_survive(void **state)
+TEST(borders_survive)
 {
-    (void)state;
     for (int e = -1074; e <= 1023; e++) {
         double power = ldexp(1.0, e);
         check_value(power, true);
@@ -150,9 +142,8 @@ static void borders_survive(void **state)
     check_value(1.7976931348623157e308, true);
 }
 
-static void forms(void **state)
+TEST(forms)
 {
-    (void)state;
     static const struct {
         double value;
         const char *text;
@@ -203,9 +194,8 @@ static void check_against_library(const char *z)
     assert_int_equal(status, right);
 }
 
-static void reading_rounds_correctly(void **state)
+TEST(reading_rounds_correctly)
 {
-    (void)state;
     uint64_t seed = 3;
     const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
@@ -220,9 +210,8 @@ static void reading_rounds_correctly(void **state)
 
 /* Decimals exactly between two doubles, and just beside: the hardest cases. A long double holds the
  * middle exactly. */
-static void ties_go_to_even(void **state)
+TEST(ties_go_to_even)
 {
-    (void)state;
 #if __LDBL_MANT_DIG__ >= 64
     uint64_t seed = 4;
     for (long i = 0; i < (is_long() ? 50000 : 10000); i++) {
@@ -243,9 +232,8 @@ static void ties_go_to_even(void **state)
 #endif
 }
 
-static void what_is_no_number(void **state)
+TEST(what_is_no_number)
 {
-    (void)state;
     static const struct {
         const char *text;
         enum real_status status;
@@ -313,9 +301,8 @@ static void what_is_no_number(void **state)
 }
 
 /* A million digits are read in linear time and still rounded correctly. */
-static void very_long_numbers(void **state)
+TEST(very_long_numbers)
 {
-    (void)state;
     const size_t len = 1000000;
     char *z = malloc(len);
     assert_non_null(z);
@@ -338,17 +325,4 @@ static void very_long_numbers(void **state)
     free(z);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(forms),
-        cmocka_unit_test(borders_survive),
-        cmocka_unit_test(every_bit_pattern_survives),
-        cmocka_unit_test(every_laboratory_number_survives),
-        cmocka_unit_test(reading_rounds_correctly),
-        cmocka_unit_test(ties_go_to_even),
-        cmocka_unit_test(what_is_no_number),
-        cmocka_unit_test(very_long_numbers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numbers as people read them: few digits, uncertainties, and the same in every locale. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/number.h>
 
@@ -48,9 +43,8 @@ static const char *uncertain(struct buffer *b, double value, double uncertainty)
     return b->data;
 }
 
-static void numbers_for_people(void **state)
+TEST(numbers_for_people)
 {
-    (void)state;
     struct buffer b = {0};
     assert_string_equal(shown(&b, 0.1 + 0.2, 3), "0.3");
     assert_string_equal(shown(&b, 1.9390, 4), "1.939");
@@ -93,9 +87,8 @@ static void numbers_for_people(void **state)
 /* Whatever the value and its uncertainty, both read back within half of the last place shown (1
  * unit of 1.95 at worst).
  */
-static void uncertainties_read_back(void **state)
+TEST(uncertainties_read_back)
 {
-    (void)state;
     struct buffer b = {0};
     uint64_t seed = 5;
     for (int i = 0; i < 200000; i++) {
@@ -151,9 +144,8 @@ static int forget(const char *path, const struct stat *st, int kind, struct FTW 
     return remove(path);
 }
 
-static void a_comma_locale_changes_nothing(void **state)
+TEST(a_comma_locale_changes_nothing)
 {
-    (void)state;
     const char *base = getenv("TMPDIR");
     char folder[256], z[REAL_TEXT_SIZE];
     snprintf(folder, sizeof folder, "%s/hooke-locale-XXXXXX", base && *base ? base : "/tmp");
@@ -178,9 +170,8 @@ static void a_comma_locale_changes_nothing(void **state)
     setlocale(LC_ALL, "C");
 }
 
-static void phases_say_their_turns(void **state)
+TEST(phases_say_their_turns)
 {
-    (void)state;
     static const struct {
         double degrees;
         const char *text;
@@ -206,13 +197,4 @@ static void phases_say_their_turns(void **state)
     buffer_free(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_for_people),
-        cmocka_unit_test(uncertainties_read_back),
-        cmocka_unit_test(phases_say_their_turns),
-        cmocka_unit_test(a_comma_locale_changes_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

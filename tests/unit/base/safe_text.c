@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/safe_text.h>
 
@@ -21,9 +16,8 @@ static const char *safe(struct buffer *b, struct text text, bool keep_layout)
     return b->data ? b->data : "";
 }
 
-static void what_is_shown(void **state)
+TEST(what_is_shown)
 {
-    (void)state;
     static const struct {
         const char *text, *shown;
     } cases[] = {
@@ -69,9 +63,8 @@ static bool is_unsafe(uint32_t c)
 
 /* Random bytes, and random mixtures of pieces that mean harm: nothing unsafe and nothing invalid
  * comes out; it is stable. */
-static void nothing_unsafe_comes_out(void **state)
+TEST(nothing_unsafe_comes_out)
 {
-    (void)state;
     static const char *const pieces[] = {"\033", "[31m",         "]0;title\a",  "\xE2\x80", "\xAE",
                                          "\xC2", "\x9B",         "\xF0\x9F",    "ok",       "\r",
                                          "\n",   "\xEF\xBB\xBF", "\xC3\xA9",    "P",        "\\",
@@ -102,9 +95,8 @@ static void nothing_unsafe_comes_out(void **state)
     buffer_free(&twice);
 }
 
-static void every_code_point_decodes(void **state)
+TEST(every_code_point_decodes)
 {
-    (void)state;
     struct buffer b = {0};
     for (uint32_t c = 0; c <= 0x10FFFF; c++) {
         if (c >= 0xD800 && c <= 0xDFFF)
@@ -125,9 +117,8 @@ static void every_code_point_decodes(void **state)
     buffer_free(&b);
 }
 
-static void widths(void **state)
+TEST(widths)
 {
-    (void)state;
     assert_int_equal(text_width(TEXT("hooke")), 5);
     assert_int_equal(text_width(TEXT("")), 0);
     assert_int_equal(text_width(TEXT("gr\xC3\xBC\xC3\x9F")), 4);
@@ -141,9 +132,8 @@ static void widths(void **state)
 }
 
 /* Against the C library where it has a UTF-8 locale; Unicode versions differ in few code points. */
-static void widths_agree_with_the_library(void **state)
+TEST(widths_agree_with_the_library)
 {
-    (void)state;
     if (!setlocale(LC_CTYPE, "C.UTF-8") && !setlocale(LC_CTYPE, "C.utf8")) {
         print_message("no C.UTF-8 locale\n");
         skip();
@@ -174,14 +164,4 @@ static void widths_agree_with_the_library(void **state)
     setlocale(LC_CTYPE, "C");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_shown),
-        cmocka_unit_test(nothing_unsafe_comes_out),
-        cmocka_unit_test(every_code_point_decodes),
-        cmocka_unit_test(widths),
-        cmocka_unit_test(widths_agree_with_the_library),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Slices, arenas, buffers, errors, catalogs and suggestions. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 #include <hooke/base/catalog.h>
@@ -15,9 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void slices(void **state)
+TEST(slices)
 {
-    (void)state;
     assert_true(text_is(text_of(NULL), ""));
     assert_true(text_is(text_trim(TEXT(" \t a b\r ")), "a b"));
     assert_true(text_is(text_trim(TEXT(" \t\r ")), ""));
@@ -29,9 +23,8 @@ static void slices(void **state)
     assert_true(text_equal((struct text){NULL, 0}, TEXT("")));
 }
 
-static void splitting_gives_every_field_once(void **state)
+TEST(splitting_gives_every_field_once)
 {
-    (void)state;
     static const char *const fields[] = {"a", "", "bc", ""};
     struct text rest = TEXT("a,,bc,"), head;
     for (size_t i = 0; i < COUNT_OF(fields); i++) {
@@ -45,9 +38,8 @@ static void splitting_gives_every_field_once(void **state)
     assert_false(text_split(&rest, ',', &head));
 }
 
-static void distances(void **state)
+TEST(distances)
 {
-    (void)state;
     static const struct {
         const char *a, *b;
         int distance;
@@ -78,9 +70,8 @@ static void distances(void **state)
         0);
 }
 
-static void arena_memory_is_zeroed_aligned_and_apart(void **state)
+TEST(arena_memory_is_zeroed_aligned_and_apart)
 {
-    (void)state;
     struct arena arena = {0};
     unsigned char *last = NULL;
     size_t last_size = 0;
@@ -109,9 +100,8 @@ static void arena_memory_is_zeroed_aligned_and_apart(void **state)
 }
 
 /* Stopped, it leaves what another arena takes over, with what that has. */
-static void arenas_are_given_back_until_stopped(void **state)
+TEST(arenas_are_given_back_until_stopped)
 {
-    (void)state;
     struct cancel cancel = {0};
     struct arena one = {0}, two = {0}, none = {0};
     for (int i = 0; i < 5; i++)
@@ -131,9 +121,8 @@ static void arenas_are_given_back_until_stopped(void **state)
     assert_null(two.blocks);
 }
 
-static void buffers_grow_and_stay_terminated(void **state)
+TEST(buffers_grow_and_stay_terminated)
 {
-    (void)state;
     struct buffer b = {0};
     assert_int_equal(buffer_text(&b).len, 0);
     buffer_put(&b, TEXT(""));
@@ -162,9 +151,8 @@ static void buffers_grow_and_stay_terminated(void **state)
     assert_null(b.data);
 }
 
-static void errors_carry_a_sentence(void **state)
+TEST(errors_carry_a_sentence)
 {
-    (void)state;
     struct error e = {0};
     struct text line = TEXT("set gama 0.1");
     struct text word = {line.at + 4, 4};
@@ -188,9 +176,8 @@ static void errors_carry_a_sentence(void **state)
 }
 
 /* Whatever the cut falls on, what is left is whole UTF-8. */
-static void long_errors_end_between_characters(void **state)
+TEST(long_errors_end_between_characters)
 {
-    (void)state;
     char z[1000];
     for (size_t pad = 0; pad < 4; pad++) {
         struct error e = {0};
@@ -234,9 +221,8 @@ static int found(const struct row *row)
     return row ? ((const struct thing *)(const void *)row)->value : 0;
 }
 
-static void catalogs_find(void **state)
+TEST(catalogs_find)
 {
-    (void)state;
     assert_int_equal(found(catalog_find(&catalog, TEXT("gamma"))), 1);
     assert_int_equal(found(catalog_find(&catalog, TEXT("fe"))), 2);
     assert_int_equal(found(catalog_find(&catalog, TEXT("explicit-euler"))), 2);
@@ -257,9 +243,8 @@ static void catalogs_find(void **state)
     assert_int_equal(found(catalog_prefix(&catalog, TEXT(""), 0)), 0);
 }
 
-static void unknown_names_get_suggestions(void **state)
+TEST(unknown_names_get_suggestions)
 {
-    (void)state;
     static const struct {
         const char *name, *hint;
     } cases[] = {
@@ -294,9 +279,8 @@ static void unknown_names_get_suggestions(void **state)
     assert_non_null(strstr(e.text, "...'"));
 }
 
-static void at_most_three_nearest_first(void **state)
+TEST(at_most_three_nearest_first)
 {
-    (void)state;
     static const char *const names[] = {"abxy", "abcx", "abzz", "abcd", "abcy", "abcx", "zzzz"};
     struct suggestion s = {.wanted = TEXT("abce")};
     for (size_t i = 0; i < COUNT_OF(names); i++)
@@ -307,9 +291,8 @@ static void at_most_three_nearest_first(void **state)
     assert_string_equal(e.hint, "did you mean 'abcx', 'abcd' or 'abcy'?");
 }
 
-static void limits_are_named_once(void **state)
+TEST(limits_are_named_once)
 {
-    (void)state;
     for (size_t i = 0; i < limit_catalog.count; i++) {
         const struct row *row = catalog_row(&limit_catalog, i);
         assert_ptr_equal(catalog_find(&limit_catalog, text_of(row->name)), row);
@@ -318,9 +301,8 @@ static void limits_are_named_once(void **state)
     }
 }
 
-static void the_clock_goes_forward(void **state)
+TEST(the_clock_goes_forward)
 {
-    (void)state;
     int64_t last = clock_ns();
     const int64_t begin = last;
     while (last - begin < 2000000) {
@@ -330,9 +312,8 @@ static void the_clock_goes_forward(void **state)
     }
 }
 
-static void cancellation_is_seen(void **state)
+TEST(cancellation_is_seen)
 {
-    (void)state;
     struct cancel cancel = {0};
     assert_false(cancelled(NULL));
     assert_false(cancelled(&cancel));
@@ -341,9 +322,8 @@ static void cancellation_is_seen(void **state)
 }
 
 /* What is left out are whole items; else whole words, and it is said that something follows. */
-static void test_lines_are_cut_between_items(void **state)
+TEST(test_lines_are_cut_between_items)
 {
-    (void)state;
     static const struct {
         const char *text;
         int width;
@@ -372,24 +352,4 @@ static void test_lines_are_cut_between_items(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slices),
-        cmocka_unit_test(splitting_gives_every_field_once),
-        cmocka_unit_test(distances),
-        cmocka_unit_test(arena_memory_is_zeroed_aligned_and_apart),
-        cmocka_unit_test(arenas_are_given_back_until_stopped),
-        cmocka_unit_test(buffers_grow_and_stay_terminated),
-        cmocka_unit_test(errors_carry_a_sentence),
-        cmocka_unit_test(long_errors_end_between_characters),
-        cmocka_unit_test(catalogs_find),
-        cmocka_unit_test(unknown_names_get_suggestions),
-        cmocka_unit_test(at_most_three_nearest_first),
-        cmocka_unit_test(limits_are_named_once),
-        cmocka_unit_test(the_clock_goes_forward),
-        cmocka_unit_test(cancellation_is_seen),
-        cmocka_unit_test(test_lines_are_cut_between_items),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
@@ -15,9 +10,8 @@
 
 #define PI 3.14159265358979323846
 
-static void every_unit_is_found_and_fits_its_quantity(void **state)
+TEST(every_unit_is_found_and_fits_its_quantity)
 {
-    (void)state;
     for (size_t i = 0; i < unit_catalog.count; i++) {
         const struct unit *unit = unit_at(i);
         assert_ptr_equal(unit_find(text_of(unit->row.name)), unit);
@@ -36,9 +30,8 @@ static void every_unit_is_found_and_fits_its_quantity(void **state)
     }
 }
 
-static void every_quantity_has_a_name_and_its_si_unit(void **state)
+TEST(every_quantity_has_a_name_and_its_si_unit)
 {
-    (void)state;
     for (int q = 0; q < QUANTITY_COUNT; q++) {
         assert_true(quantity_name((enum quantity)q)[0] != '\0');
         const char *si_name = quantity_unit((enum quantity)q);
@@ -60,9 +53,8 @@ static void every_quantity_has_a_name_and_its_si_unit(void **state)
     buffer_free(&b);
 }
 
-static void the_longest_whole_unit_matches(void **state)
+TEST(the_longest_whole_unit_matches)
 {
-    (void)state;
     static const struct {
         const char *text, *unit;
     } cases[] = {
@@ -102,9 +94,8 @@ static double converted(double number, const char *unit, enum quantity wanted)
     return si;
 }
 
-static void conversion_rounds_once(void **state)
+TEST(conversion_rounds_once)
 {
-    (void)state;
     assert_true(converted(57, "cm", QUANTITY_LENGTH) == 0.57);
     assert_true(converted(5.7, "cm", QUANTITY_LENGTH) == 0.057);
     assert_true(converted(1.1, "mg", QUANTITY_MASS) == 1.1e-6);
@@ -133,9 +124,8 @@ static const char *shown(struct buffer *b, double value, enum quantity quantity,
     return b->data;
 }
 
-static void display(void **state)
+TEST(display)
 {
-    (void)state;
     static const struct {
         double value;
         enum quantity quantity;
@@ -185,9 +175,8 @@ static void display(void **state)
 
 /* What is shown with all digits reads back to the same double, the way the command line reads it.
  */
-static void quantities_read_back(void **state)
+TEST(quantities_read_back)
 {
-    (void)state;
     struct buffer b = {0};
     uint64_t r = 88172645463325252u;
     for (int i = 0; i < 200000; i++) {
@@ -214,15 +203,4 @@ static void quantities_read_back(void **state)
     buffer_free(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_unit_is_found_and_fits_its_quantity),
-        cmocka_unit_test(every_quantity_has_a_name_and_its_si_unit),
-        cmocka_unit_test(the_longest_whole_unit_matches),
-        cmocka_unit_test(conversion_rounds_once),
-        cmocka_unit_test(display),
-        cmocka_unit_test(quantities_read_back),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

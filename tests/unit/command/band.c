@@ -191,9 +191,8 @@ static void check_draws(const char *line, enum plot_kind kind)
     bench_close(&bench);
 }
 
-static void test_band_holds_95_percent(void **state)
+TEST(test_band_holds_95_percent)
 {
-    (void)state;
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
     record("disk.csv", 0, 2, 0, 1e-3, 2);
     record("rub.csv", 0, 0, 0.08, 1e-3, 4);
@@ -256,9 +255,8 @@ static void check_scatter(const char *scene, const char *fit, double gamma, doub
         fail_msg("%s: mean square %.3f, %.1f %% inside", fit, square / count, 100 * inside / count);
 }
 
-static void test_band_covers_the_truth(void **state)
+TEST(test_band_covers_the_truth)
 {
-    (void)state;
     check_scatter("scene spring", "fit", 0.2, 0, 0, 2e-3);
     check_scatter("scene spring", "fit scene free=k,gamma,y0,v0", 0.2, 0, 0, 2e-3);
     check_scatter("scene drag; gamma = 0", "fit drag", 0, 2, 0, 1e-3);
@@ -311,9 +309,8 @@ static size_t read_longest(const char *svg, bool area, double (*point)[2], size_
     return n;
 }
 
-static void test_picture_has_the_curve_in_its_band(void **state)
+TEST(test_picture_has_the_curve_in_its_band)
 {
-    (void)state;
     enum { MAX_POINTS = 20000 };
     static double band[MAX_POINTS][2], line[MAX_POINTS][2];
     struct bench bench;
@@ -349,9 +346,8 @@ static void test_picture_has_the_curve_in_its_band(void **state)
 }
 
 /* Cells of the band in both character sets, and its name; none without --band. */
-static void test_text_has_the_band(void **state)
+TEST(test_text_has_the_band)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     record("wide.csv", 0.2, 0, 0, 1e-2, 3);
@@ -372,9 +368,8 @@ static void take_offer(void *context, const char *candidate, const char *brief)
     *(bool *)context |= strcmp(candidate, "--band") == 0;
 }
 
-static void test_option_is_completed(void **state)
+TEST(test_option_is_completed)
 {
-    (void)state;
     const char *line = "plot position --ba";
     struct bench bench;
     bool offered = false;
@@ -394,9 +389,8 @@ static void refused(struct bench *bench, const char *line, const char *why)
     assert_says(&bench->err, why);
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
@@ -443,9 +437,8 @@ static void check_kept(struct bench *bench, enum plot_kind kind)
     arena_reset(&arena);
 }
 
-static void test_panes_keep_the_band(void **state)
+TEST(test_panes_keep_the_band)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     record("damped.csv", 0.2, 0, 0, 2e-3, 1);
@@ -468,9 +461,8 @@ static void test_panes_keep_the_band(void **state)
     bench_close(&bench);
 }
 
-static void test_file_has_the_band(void **state)
+TEST(test_file_has_the_band)
 {
-    (void)state;
     struct bench bench;
     struct arena arena = {0};
     struct figure figure;
@@ -506,17 +498,4 @@ static void test_file_has_the_band(void **state)
     bench_close(&bench);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_band_holds_95_percent),
-        cmocka_unit_test(test_band_covers_the_truth),
-        cmocka_unit_test(test_picture_has_the_curve_in_its_band),
-        cmocka_unit_test(test_text_has_the_band),
-        cmocka_unit_test(test_option_is_completed),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_panes_keep_the_band),
-        cmocka_unit_test(test_file_has_the_band),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

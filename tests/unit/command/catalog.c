@@ -24,9 +24,8 @@ static void collect(void *context, const char *candidate, const char *brief)
     found->count++;
 }
 
-static void every_command_is_described(void **state)
+TEST(every_command_is_described)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     b.session->front.watched = true; /* long lines are broken by the log, not by help */
@@ -57,9 +56,8 @@ static void every_command_is_described(void **state)
 
 /* An option that no command has, and a quote without end: an error with a caret, for every command
  * that does not take any text. */
-static void every_command_refuses_nonsense(void **state)
+TEST(every_command_refuses_nonsense)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t i = 0; i < command_catalog.count; i++) {
@@ -87,9 +85,8 @@ static void every_command_refuses_nonsense(void **state)
 
 /* A slip of the finger in its name is answered with the name, the beginning of it is completed; in
  * a script only the whole name will do. */
-static void every_command_is_suggested_and_completed(void **state)
+TEST(every_command_is_suggested_and_completed)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t i = 0; i < command_catalog.count; i++) {
@@ -128,9 +125,8 @@ static void every_row_is_explained(struct bench *b, const struct catalog *catalo
 }
 
 /* Every name that can be chosen is found by help, completion and apropos. */
-static void every_row_has_help(void **state)
+TEST(every_row_has_help)
 {
-    (void)state;
     const struct catalog *const catalogs[] = {&setting_catalog,    &method_catalog,
                                               &preset_catalog,     &unit_catalog,
                                               &observable_catalog, &function_catalog};
@@ -147,9 +143,8 @@ static void every_row_has_help(void **state)
 }
 
 /* What F1 asks for: the word at the cursor |, inside an argument the argument. */
-static void help_is_about_the_cursor(void **state)
+TEST(help_is_about_the_cursor)
 {
-    (void)state;
     static const char *const cases[][2] = {
         {"|", "help"},
         {"compare|", "help compare"},
@@ -187,9 +182,8 @@ static void help_is_about_the_cursor(void **state)
 }
 
 /* Every argument that has a name is explained, as the command's and nothing else of that name. */
-static void every_argument_is_explained(void **state)
+TEST(every_argument_is_explained)
 {
-    (void)state;
     static const char *const marks[] = {[FORM_KEY] = "=", [FORM_OPTION] = "", [FORM_WORD] = ""};
     struct bench b;
     bench_open(&b, false);
@@ -223,9 +217,8 @@ static void complete(struct bench *b, const char *line, struct found *found, siz
     buffer_put(&found->names, TEXT(""));
 }
 
-static void completion_follows_the_type(void **state)
+TEST(completion_follows_the_type)
 {
-    (void)state;
     static const struct {
         const char *line, *with, *without;
         size_t start;
@@ -352,9 +345,8 @@ static int check_offers(struct bench *b, const struct command *command, const ch
     return wrong;
 }
 
-static void offers_are_accepted(void **state)
+TEST(offers_are_accepted)
 {
-    (void)state;
     struct bench b;
     int wrong = 0;
     bench_open(&b, true);
@@ -380,9 +372,8 @@ static void offers_are_accepted(void **state)
     bench_close(&b);
 }
 
-static void completion_survives_anything(void **state)
+TEST(completion_survives_anything)
 {
-    (void)state;
     static const char bytes[] = "run set m=5 ;'\"#,>--\\ y<\t:";
     struct bench b;
     uint32_t random = 1;
@@ -403,18 +394,4 @@ static void completion_survives_anything(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_command_is_described),
-        cmocka_unit_test(every_command_refuses_nonsense),
-        cmocka_unit_test(every_command_is_suggested_and_completed),
-        cmocka_unit_test(every_row_has_help),
-        cmocka_unit_test(help_is_about_the_cursor),
-        cmocka_unit_test(every_argument_is_explained),
-        cmocka_unit_test(completion_follows_the_type),
-        cmocka_unit_test(offers_are_accepted),
-        cmocka_unit_test(completion_survives_anything),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -26,9 +26,8 @@ static struct cursor_reading read_them(const struct bench *b)
     return r;
 }
 
-static void crossings_of_a_run(void **state)
+TEST(crossings_of_a_run)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method exact; run 10 s; cursor");
@@ -70,9 +69,8 @@ static void crossings_of_a_run(void **state)
     bench_close(&b);
 }
 
-static void columns_never_stick(void **state)
+TEST(columns_never_stick)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method exact; run 10 s; cursor");
@@ -99,9 +97,8 @@ static void columns_never_stick(void **state)
     bench_close(&b);
 }
 
-static void peaks_and_decrement(void **state)
+TEST(peaks_and_decrement)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method exact; gamma = 0.2; run 20 s; cursor snap peak");
@@ -141,9 +138,8 @@ static void write_recording(double noise, double spike)
     buffer_free(&text);
 }
 
-static void noisy_recording(void **state)
+TEST(noisy_recording)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     write_recording(0.05, 0);
@@ -173,9 +169,8 @@ static void noisy_recording(void **state)
 }
 
 /* Missed echoes of a motion sensor cross the level and stand above every peak: they are neither. */
-static void spikes_are_no_places(void **state)
+TEST(spikes_are_no_places)
 {
-    (void)state;
     static const double spikes[] = {15, -15};
     for (size_t i = 0; i < COUNT_OF(spikes); i++) {
         struct bench b;
@@ -191,9 +186,8 @@ static void spikes_are_no_places(void **state)
     }
 }
 
-static void follow_what_they_stand_on(void **state)
+TEST(follow_what_they_stand_on)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method exact; run 5 s; cursor; cursor A 2 s");
@@ -210,9 +204,8 @@ static void follow_what_they_stand_on(void **state)
     bench_close(&b);
 }
 
-static void refusals_leave_them(void **state)
+TEST(refusals_leave_them)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_false(type(&b, "cursor"));
@@ -244,13 +237,4 @@ static void refusals_leave_them(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crossings_of_a_run),   cmocka_unit_test(columns_never_stick),
-        cmocka_unit_test(peaks_and_decrement),  cmocka_unit_test(noisy_recording),
-        cmocka_unit_test(spikes_are_no_places), cmocka_unit_test(follow_what_they_stand_on),
-        cmocka_unit_test(refusals_leave_them),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

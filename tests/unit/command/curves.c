@@ -107,7 +107,7 @@ static const char *const setups[] = {
 };
 
 /* Every sample of every curve has its place in the figure, and ink. */
-static void curves_of_different_size_are_whole(void **state)
+TEST(curves_of_different_size_are_whole)
 {
     static const int sizes[][2] = {{80, 24}, {40, 12}, {100, 30}, {120, 16}, {51, 15}};
     static const struct charset *const charsets[] = {&charset_ascii, &charset_block,
@@ -137,9 +137,8 @@ static void curves_of_different_size_are_whole(void **state)
 }
 
 /* On an axis that was asked for, a curve that leaves is named. */
-static void what_leaves_is_said(void **state)
+TEST(what_leaves_is_said)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, setups[0]);
@@ -183,7 +182,7 @@ static struct extent longest_path(const char *svg, const char *color)
     return longest;
 }
 
-static void both_are_whole_in_pictures(void **state)
+TEST(both_are_whole_in_pictures)
 {
     static const char *const colors[] = {"#0072b2", "#1a1a1a"};
     (void)state;
@@ -226,7 +225,7 @@ static void both_are_whole_in_pictures(void **state)
 
 /* A drift far below what matters is drawn as a line, and as narrow as it is where that is asked
  * for. */
-static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
+TEST(a_small_drift_is_not_drawn_from_top_to_bottom)
 {
     static const struct figure_range narrow = {.end = {NAN, NAN}, .quantity = QUANTITY_OTHER};
     (void)state;
@@ -266,9 +265,8 @@ static void assert_passes(const struct curve *curve, double t, double y, double 
 
 /* A ball that bounces moves along parabolas, and a spring that was changed on the way along the
  * sines of both. */
-static void adaptive_runs_are_smooth_between_jumps(void **state)
+TEST(adaptive_runs_are_smooth_between_jumps)
 {
-    (void)state;
     struct bench bench;
     struct arena arena = {0};
     bench_open(&bench, false);
@@ -295,9 +293,8 @@ static void adaptive_runs_are_smooth_between_jumps(void **state)
     bench_close(&bench);
 }
 
-static void logarithmic_errors_are_sizes(void **state)
+TEST(logarithmic_errors_are_sizes)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, "method rk4; run 10 s; plot error --log");
@@ -306,15 +303,4 @@ static void logarithmic_errors_are_sizes(void **state)
     bench_close(&bench);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(adaptive_runs_are_smooth_between_jumps),
-        cmocka_unit_test(logarithmic_errors_are_sizes),
-        cmocka_unit_test(curves_of_different_size_are_whole),
-        cmocka_unit_test(what_leaves_is_said),
-        cmocka_unit_test(both_are_whole_in_pictures),
-        cmocka_unit_test(a_small_drift_is_not_drawn_from_top_to_bottom),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

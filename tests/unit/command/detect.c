@@ -68,25 +68,18 @@ static void count_of(const struct kind *kind, size_t kinds, int *oscillate, int 
     bench_close(&bench);
 }
 
-static void what_does_not_oscillate_is_refused_by_all(void **state)
+TEST(what_does_not_oscillate_is_refused_by_all)
 {
-    (void)state;
     int oscillate, all;
     count_of(still, COUNT_OF(still), &oscillate, &all);
     assert_int_equal(oscillate, 0);
 }
 
-static void what_oscillates_is_accepted_by_all(void **state)
+TEST(what_oscillates_is_accepted_by_all)
 {
-    (void)state;
     int oscillate, all;
     count_of(moving, COUNT_OF(moving), &oscillate, &all);
     assert_int_equal(oscillate, all);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_does_not_oscillate_is_refused_by_all),
-                                       cmocka_unit_test(what_oscillates_is_accepted_by_all)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

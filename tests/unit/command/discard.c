@@ -126,9 +126,8 @@ static double number(const char *json, const char *key)
     return at ? strtod(at + strlen(quoted), NULL) : NAN;
 }
 
-static void nothing_that_discards_a_fifth_converges(void **state)
+TEST(nothing_that_discards_a_fifth_converges)
 {
-    (void)state;
     int answers = 0, refused = 0, bad = 0;
     for (size_t k = 0; k < COUNT_OF(shapes); k++) {
         struct bench bench;
@@ -186,9 +185,8 @@ static void write_far_recording(double offset, double omega, double spikes)
 
 /* The fit is the judge: a run leaves out the samples that it leaves out, whatever the run does. The
  * offset that made the recording is the judge of the hint. */
-static void runs_and_fits_agree_on_the_bad_samples(void **state)
+TEST(runs_and_fits_agree_on_the_bad_samples)
 {
-    (void)state;
     const int cases = 20;
     int refused = 0;
     random_state = 21;
@@ -226,9 +224,4 @@ static void runs_and_fits_agree_on_the_bad_samples(void **state)
     assert_true(refused * 20 <= cases);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(nothing_that_discards_a_fifth_converges),
-                                       cmocka_unit_test(runs_and_fits_agree_on_the_bad_samples)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -95,9 +95,8 @@ static bool read_nist(const char *name, struct nist *set)
     return true;
 }
 
-static void certified_values_are_found(void **state)
+TEST(certified_values_are_found)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(sets); i++) {
         struct nist set = {.parameters = 0};
         if (!read_nist(sets[i].name, &set))
@@ -147,9 +146,8 @@ static double fitted_k(const char *file, const char *before)
     return k;
 }
 
-static void one_spring_has_one_stiffness(void **state)
+TEST(one_spring_has_one_stiffness)
 {
-    (void)state;
     const double bare = fitted_k("uoft-pandhi/position data.txt", "m = 199.9 +- 0.1 g");
     const double disk =
         fitted_k("uoft-pandhi/damped position.txt", "scene drag; m = 216.6 +- 0.1 g");
@@ -163,9 +161,8 @@ static void one_spring_has_one_stiffness(void **state)
 
 /* ---- what stays ---- */
 
-static void scene_fits_are_adopted(void **state)
+TEST(scene_fits_are_adopted)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, "scene duffing; k3 = 0.8 +- 0.1; k = 1.1 +- 0.1; gamma = 0.05 +- 0.01; y0 = "
@@ -189,9 +186,8 @@ static void scene_fits_are_adopted(void **state)
     bench_close(&bench);
 }
 
-static void records_hold_every_key(void **state)
+TEST(records_hold_every_key)
 {
-    (void)state;
     static const char *const keys[] = {
         "model",      "period",    "omega",    "gamma",    "amplitude", "phase",
         "offset",     "k",         "rms",      "used",     "rejected",  "window",
@@ -213,9 +209,8 @@ static void records_hold_every_key(void **state)
     bench_close(&bench);
 }
 
-static void what_does_not_converge_says_so(void **state)
+TEST(what_does_not_converge_says_so)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, "method rk4; gamma = 0.2; run 10 s");
@@ -239,9 +234,8 @@ static void take_offer(void *context, const char *candidate, const char *brief)
     snprintf(offered->all + len, sizeof offered->all - len, "%s ", candidate);
 }
 
-static void names_after_free_complete(void **state)
+TEST(names_after_free_complete)
 {
-    (void)state;
     struct bench bench;
     bench_open(&bench, true);
     struct offered offered = {""};
@@ -259,9 +253,8 @@ static void names_after_free_complete(void **state)
 }
 
 /* A long recording is more precise than the digits that are usual: they follow the uncertainty. */
-static void small_uncertainties_are_shown(void **state)
+TEST(small_uncertainties_are_shown)
 {
-    (void)state;
     FILE *out = fopen("long.txt", "w");
     assert_non_null(out);
     fprintf(out, "t (s)\ty (m)\n");
@@ -291,16 +284,4 @@ static int enter(void **state)
     return getcwd(home, sizeof home) ? enter_folder(state) : -1;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(certified_values_are_found),
-        cmocka_unit_test(one_spring_has_one_stiffness),
-        cmocka_unit_test(scene_fits_are_adopted),
-        cmocka_unit_test(records_hold_every_key),
-        cmocka_unit_test(what_does_not_converge_says_so),
-        cmocka_unit_test(names_after_free_complete),
-        cmocka_unit_test(small_uncertainties_are_shown),
-    };
-    return cmocka_run_group_tests(tests, enter, leave_folder);
-}
+RUN_TESTS(enter, leave_folder)

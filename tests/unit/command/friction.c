@@ -61,9 +61,8 @@ static double number_behind(const char *text, const char *key)
     return strtod(at + strlen(key), NULL);
 }
 
-static void test_adopted_friction_lies_on_the_data(void **state)
+TEST(test_adopted_friction_lies_on_the_data)
 {
-    (void)state;
     static const struct {
         double gamma, C, friction, sigma;
     } law[] = {
@@ -101,8 +100,4 @@ static void test_adopted_friction_lies_on_the_data(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_adopted_friction_lies_on_the_data)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -109,9 +109,8 @@ static void batch(const char *lines, const char *file)
 /* Few rows of many steps. */
 #define ENDLESS "set record every 1000; dt = 1e-6; run 1000 s"
 
-static void watched_run_exports_the_same_bytes(void **state)
+TEST(watched_run_exports_the_same_bytes)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     from_step(&w, 200, NULL);
@@ -138,9 +137,8 @@ static void watched_run_exports_the_same_bytes(void **state)
     assert_same_files("watched.csv", "batch.csv");
 }
 
-static void adaptive_and_until_go_on_after_a_pause(void **state)
+TEST(adaptive_and_until_go_on_after_a_pause)
 {
-    (void)state;
     static const char *const runs[] = {
         "set record every 20; method dopri5 tol=1e-13; gamma = 0.01; run 300 s",
         "set record every 20; dt = 1e-6; run until t > 0.23456789"};
@@ -166,9 +164,8 @@ static void adaptive_and_until_go_on_after_a_pause(void **state)
 
 /* At speed 2, 0.3 simulated seconds take about 0.15 s; at most one step more than the clock allows
  * is there at any time. */
-static void follows_the_clock(void **state)
+TEST(follows_the_clock)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     type_ok(&w.bench, "speed 2; dt = 5ms");
@@ -191,9 +188,8 @@ static void follows_the_clock(void **state)
     bench_close(&w.bench);
 }
 
-static void says_what_it_achieves(void **state)
+TEST(says_what_it_achieves)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     w.pause_ns = 30000000; /* a slow front end */
@@ -208,9 +204,8 @@ static void says_what_it_achieves(void **state)
     bench_close(&w.bench);
 }
 
-static void refuses_what_would_disturb(void **state)
+TEST(refuses_what_would_disturb)
 {
-    (void)state;
     static const char *const refused[] = {
         "run 1 s", "scene damped",  "method verlet", "source x.hk", "load x.txt",
         "adopt",   "compare euler", "fit",           "reset",       "undo",
@@ -231,9 +226,8 @@ static void refuses_what_would_disturb(void **state)
     }
 }
 
-static void allows_what_looks(void **state)
+TEST(allows_what_looks)
 {
-    (void)state;
     static const char *const allowed[] = {"show k",
                                           "print t",
                                           "plot position",
@@ -261,9 +255,8 @@ static void allows_what_looks(void **state)
     }
 }
 
-static void cursor_and_quit_pause(void **state)
+TEST(cursor_and_quit_pause)
 {
-    (void)state;
     static const char *const lines[] = {"cursor", "quit"};
     for (size_t i = 0; i < COUNT_OF(lines); i++) {
         struct watcher w;
@@ -278,9 +271,8 @@ static void cursor_and_quit_pause(void **state)
     }
 }
 
-static void cancel_pauses(void **state)
+TEST(cancel_pauses)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     w.cancel_at = 2;
@@ -296,9 +288,8 @@ static void cancel_pauses(void **state)
 
 /* A scene of one's own, with an event that makes it jump: what is changed while it goes on and
  * while it is paused, lines that are typed between, all of it comes back from what is saved. */
-static void a_typed_scene_changes_on_the_way(void **state)
+TEST(a_typed_scene_changes_on_the_way)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     type_ok(
@@ -338,9 +329,8 @@ static void a_typed_scene_changes_on_the_way(void **state)
 /* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out
  * if that is paused.
  */
-static void pause_ends_line_and_file(void **state)
+TEST(pause_ends_line_and_file)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     type_ok(&w.bench, "dt = 1e-6; run 0.5 s; let after = t");
@@ -361,9 +351,8 @@ static void pause_ends_line_and_file(void **state)
     bench_close(&w.bench);
 }
 
-static void parameter_changes_on_the_way(void **state)
+TEST(parameter_changes_on_the_way)
 {
-    (void)state;
     struct watcher w;
     struct error error;
     struct buffer file = {0};
@@ -405,9 +394,8 @@ static void parameter_changes_on_the_way(void **state)
 }
 
 /* A line typed during a run must not spoil what the run says: neither its record nor its form. */
-static void replies_stay_apart(void **state)
+TEST(replies_stay_apart)
 {
-    (void)state;
     struct watcher w;
     watcher_open(&w);
     type_ok(&w.bench, "set format json; dt = 1e-4; speed 1");
@@ -433,21 +421,4 @@ static void replies_stay_apart(void **state)
     bench_close(&w.bench);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(watched_run_exports_the_same_bytes),
-        cmocka_unit_test(adaptive_and_until_go_on_after_a_pause),
-        cmocka_unit_test(follows_the_clock),
-        cmocka_unit_test(says_what_it_achieves),
-        cmocka_unit_test(refuses_what_would_disturb),
-        cmocka_unit_test(allows_what_looks),
-        cmocka_unit_test(cursor_and_quit_pause),
-        cmocka_unit_test(cancel_pauses),
-        cmocka_unit_test(pause_ends_line_and_file),
-        cmocka_unit_test(parameter_changes_on_the_way),
-        cmocka_unit_test(a_typed_scene_changes_on_the_way),
-        cmocka_unit_test(replies_stay_apart),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

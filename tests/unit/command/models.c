@@ -15,9 +15,8 @@ static void collect(void *context, const char *candidate, const char *brief)
 }
 
 /* What it has can be listed, set, completed, saved and read again. */
-static void every_scene_has_its_parameters(void **state)
+TEST(every_scene_has_its_parameters)
 {
-    (void)state;
     struct bench b, other;
     bench_open(&b, false);
     for (size_t p = 0; p < preset_catalog.count; p++) {
@@ -55,9 +54,8 @@ static void every_scene_has_its_parameters(void **state)
 }
 
 /* What only another scene has is refused, and that scene is named. */
-static void foreign_names_are_explained(void **state)
+TEST(foreign_names_are_explained)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t p = 0; p < preset_catalog.count; p++) {
@@ -85,9 +83,8 @@ static void foreign_names_are_explained(void **state)
 
 /* A run is said, printed, exported and drawn under the names of its variables; plots it cannot have
  * are refused. */
-static void every_run_can_be_looked_at(void **state)
+TEST(every_run_can_be_looked_at)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "set format json; method rk4 dt=1e-9");
@@ -131,9 +128,8 @@ static void every_run_can_be_looked_at(void **state)
 }
 
 /* Forces change on the way, the start does not. */
-static void what_can_change_on_the_way(void **state)
+TEST(what_can_change_on_the_way)
 {
-    (void)state;
     static const char *const starts[] = {"t0", "y0",  "v0",  "theta0",   "rate0",
                                          "x0", "vx0", "vy0", "stretch0", "e"};
     struct bench b;
@@ -164,9 +160,8 @@ static void what_can_change_on_the_way(void **state)
 
 /* A session with runs of several models, one changed on the way, gives the same exports after
  * autosave and undo. */
-static void sessions_with_several_models(void **state)
+TEST(sessions_with_several_models)
 {
-    (void)state;
     static const char *const files[] = {"1.csv", "2.csv", "3.csv"};
     struct bench b, other;
     bench_open(&b, false);
@@ -196,9 +191,8 @@ static void sessions_with_several_models(void **state)
 }
 
 /* However few rows a screen takes of a long run, no coordinate loses its extremes. */
-static void long_runs_keep_every_envelope(void **state)
+TEST(long_runs_keep_every_envelope)
 {
-    (void)state;
     struct bench b;
     struct arena arena = {0};
     struct figure figure;
@@ -242,15 +236,4 @@ static void long_runs_keep_every_envelope(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_scene_has_its_parameters),
-        cmocka_unit_test(foreign_names_are_explained),
-        cmocka_unit_test(every_run_can_be_looked_at),
-        cmocka_unit_test(what_can_change_on_the_way),
-        cmocka_unit_test(sessions_with_several_models),
-        cmocka_unit_test(long_runs_keep_every_envelope),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

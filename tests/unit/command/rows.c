@@ -81,9 +81,8 @@ static bool is_of_one_command(const char *name, const struct catalog *a, const s
     return kinds == 2;
 }
 
-static void every_name_has_one_meaning(void **state)
+TEST(every_name_has_one_meaning)
 {
-    (void)state;
     bool used[COUNT_OF(shared)] = {false};
     struct buffer wrong = {0};
     for (size_t c = 0; catalog_number(c); c++)
@@ -106,9 +105,8 @@ static void every_name_has_one_meaning(void **state)
     buffer_free(&wrong);
 }
 
-static void every_name_is_explained(void **state)
+TEST(every_name_is_explained)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t c = 0; catalog_number(c); c++)
@@ -149,9 +147,8 @@ static const struct {
     {&snap_catalog, "cursor snap "}, {&result_catalog, "export x.csv table of "},
 };
 
-static void every_name_is_completed(void **state)
+TEST(every_name_is_completed)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t p = 0; p < COUNT_OF(places); p++)
@@ -167,10 +164,4 @@ static void every_name_is_completed(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_name_has_one_meaning),
-                                       cmocka_unit_test(every_name_is_explained),
-                                       cmocka_unit_test(every_name_is_completed)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -18,9 +18,8 @@ static bool run_script(struct bench *b, const char *name, const char *bytes, siz
 
 #define SCRIPT(bench, literal) run_script((bench), "s.hk", (literal), sizeof(literal) - 1)
 
-static void dialects_of_text_files(void **state)
+TEST(dialects_of_text_files)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_true(SCRIPT(&b, "\xEF\xBB\xBFm\t=\t300 g\r\n\trun 1 s \\\r\n\r\n# c \\\nmethod \\\n  "
@@ -34,9 +33,8 @@ static void dialects_of_text_files(void **state)
     bench_close(&b);
 }
 
-static void a_script_stops_at_its_first_error(void **state)
+TEST(a_script_stops_at_its_first_error)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun 1 s\n\nset gama 3; echo no\nm = 400 g\n"));
@@ -50,7 +48,7 @@ static void a_script_stops_at_its_first_error(void **state)
 }
 
 /* Where it stands in the file: behind what indents it, on the line that continues another. */
-static void an_error_has_its_place_in_the_file(void **state)
+TEST(an_error_has_its_place_in_the_file)
 {
     static const struct {
         const char *script, *said;
@@ -76,9 +74,8 @@ static void an_error_has_its_place_in_the_file(void **state)
 }
 
 /* One line that was typed needs no word about where it stopped. */
-static void a_typed_line_just_fails(void **state)
+TEST(a_typed_line_just_fails)
 {
-    (void)state;
     struct bench b;
     struct script script;
     bench_open(&b, true);
@@ -90,9 +87,8 @@ static void a_typed_line_just_fails(void **state)
     bench_close(&b);
 }
 
-static void keep_going_goes_on(void **state)
+TEST(keep_going_goes_on)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     b.session->options.keep_going = true;
@@ -103,9 +99,8 @@ static void keep_going_goes_on(void **state)
     bench_close(&b);
 }
 
-static void the_status_says_what_failed(void **state)
+TEST(the_status_says_what_failed)
 {
-    (void)state;
     static const struct {
         const char *line;
         int status;
@@ -136,9 +131,8 @@ static void the_status_says_what_failed(void **state)
     }
 }
 
-static void a_diverged_run_is_kept_and_explained(void **state)
+TEST(a_diverged_run_is_kept_and_explained)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_false(type(&b, "method verlet; dt = 0.5; run 1000; echo never"));
@@ -151,9 +145,8 @@ static void a_diverged_run_is_kept_and_explained(void **state)
     bench_close(&b);
 }
 
-static void nul_bytes_and_long_lines_are_errors(void **state)
+TEST(nul_bytes_and_long_lines_are_errors)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun\0 1 s\n"));
@@ -193,9 +186,8 @@ static void nul_bytes_and_long_lines_are_errors(void **state)
     bench_close(&b);
 }
 
-static void files_source_files(void **state)
+TEST(files_source_files)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     write_file("inner.hk", "k = 20\nfoo\n", 11);
@@ -225,7 +217,7 @@ static void files_source_files(void **state)
 }
 
 /* Beside the file that names it, where the path as it stands leads nowhere. */
-static void a_script_finds_what_lies_beside_it(void **state)
+TEST(a_script_finds_what_lies_beside_it)
 {
     static const char step[] = "load swing.txt", outer[] = "source inner/step.hk\n";
     static const char near[] = "t [s]\ty [cm]\n0\t1\n1\t2\n2\t3\n",
@@ -255,9 +247,8 @@ static void a_script_finds_what_lies_beside_it(void **state)
     bench_close(&b);
 }
 
-static void quit_ends_a_script_without_error(void **state)
+TEST(quit_ends_a_script_without_error)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     assert_true(SCRIPT(&b, "m = 1 kg\nquit; m = 2 kg\nfoo\n"));
@@ -267,9 +258,8 @@ static void quit_ends_a_script_without_error(void **state)
     bench_close(&b);
 }
 
-static void a_full_output_ends_with_status_4(void **state)
+TEST(a_full_output_ends_with_status_4)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     b.full = true;
@@ -280,9 +270,8 @@ static void a_full_output_ends_with_status_4(void **state)
     bench_close(&b);
 }
 
-static void cancelling_stops_a_run_and_the_script(void **state)
+TEST(cancelling_stops_a_run_and_the_script)
 {
-    (void)state;
     struct bench b;
     struct cancel cancel = {1};
     bench_open(&b, false);
@@ -298,9 +287,8 @@ static bool refuse(void *context, const char *question)
     return false;
 }
 
-static void prefixes_and_questions_are_for_the_prompt(void **state)
+TEST(prefixes_and_questions_are_for_the_prompt)
 {
-    (void)state;
     struct bench b;
     char question[200] = "";
     bench_open(&b, true);
@@ -317,9 +305,8 @@ static void prefixes_and_questions_are_for_the_prompt(void **state)
 }
 
 /* What came from outside cannot command the terminal. */
-static void control_characters_become_visible(void **state)
+TEST(control_characters_become_visible)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     write_file("e\033[2J.hk", "foo\n", 4);
@@ -341,9 +328,8 @@ static void control_characters_become_visible(void **state)
     bench_close(&b);
 }
 
-static void lines_are_shown_where_it_is_asked_for(void **state)
+TEST(lines_are_shown_where_it_is_asked_for)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     write_file("inner.hk", "let two = 2\n", 12);
@@ -353,25 +339,4 @@ static void lines_are_shown_where_it_is_asked_for(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dialects_of_text_files),
-        cmocka_unit_test(a_script_stops_at_its_first_error),
-        cmocka_unit_test(an_error_has_its_place_in_the_file),
-        cmocka_unit_test(a_typed_line_just_fails),
-        cmocka_unit_test(keep_going_goes_on),
-        cmocka_unit_test(the_status_says_what_failed),
-        cmocka_unit_test(a_diverged_run_is_kept_and_explained),
-        cmocka_unit_test(nul_bytes_and_long_lines_are_errors),
-        cmocka_unit_test(files_source_files),
-        cmocka_unit_test(a_script_finds_what_lies_beside_it),
-        cmocka_unit_test(quit_ends_a_script_without_error),
-        cmocka_unit_test(a_full_output_ends_with_status_4),
-        cmocka_unit_test(cancelling_stops_a_run_and_the_script),
-        cmocka_unit_test(prefixes_and_questions_are_for_the_prompt),
-        cmocka_unit_test(control_characters_become_visible),
-        cmocka_unit_test(lines_are_shown_where_it_is_asked_for),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

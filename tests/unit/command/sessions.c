@@ -43,9 +43,8 @@ static void read_back(struct bench *again, const struct buffer *typed)
     buffer_free(&content);
 }
 
-static void what_is_saved_comes_back(void **state)
+TEST(what_is_saved_comes_back)
 {
-    (void)state;
     struct buffer typed = {0}, wanted = {0}, got = {0};
     write_recordings();
     for (int i = 0; i < sessions(); i++) {
@@ -77,9 +76,8 @@ static void assert_step(struct bench *b, const char *statement, unsigned parts,
     buffer_free(&now);
 }
 
-static void a_resumed_session_is_the_same(void **state)
+TEST(a_resumed_session_is_the_same)
 {
-    (void)state;
     const unsigned parts = PART_SETUP | PART_RECORDINGS | PART_RUNS | PART_CURRENT | PART_NOTES;
     struct buffer typed = {0}, wanted = {0}, got = {0};
     for (int i = 0; i < sessions(); i++) {
@@ -103,9 +101,8 @@ static void a_resumed_session_is_the_same(void **state)
     buffer_free(&got);
 }
 
-static void undo_and_redo_go_through_the_same_states(void **state)
+TEST(undo_and_redo_go_through_the_same_states)
 {
-    (void)state;
     const unsigned parts = PART_SETUP | PART_RECORDINGS | PART_RUNS | PART_CURRENT | PART_STOPS;
     static struct buffer at[LINES * 4 + 1];
     struct buffer typed = {0};
@@ -143,9 +140,8 @@ static void interrupt_it(void *context, const struct run *run, double fraction)
 
 /* What a person abbreviates stands in the file as it was understood; a run that ended in an error
  * is not in it, and such sessions are left out here. */
-static void what_was_recorded_does_it_again(void **state)
+TEST(what_was_recorded_does_it_again)
 {
-    (void)state;
     const unsigned parts = PART_SETUP | PART_RECORDINGS | PART_RUNS | PART_VIEW | PART_STOPS;
     struct buffer typed = {0}, wanted = {0}, got = {0};
     for (int i = 0; i < sessions(); i++) {
@@ -181,9 +177,8 @@ static void move_file(const char *from, const char *to)
 }
 
 /* A recording that has changed since is told; one that was moved is found, if it is the same. */
-static void saved_recordings_are_known_again(void **state)
+TEST(saved_recordings_are_known_again)
 {
-    (void)state;
     struct bench b, again;
     write_recordings();
     write_file("./gone.txt", TABLE "0.4\t1\n", strlen(TABLE) + 6);
@@ -210,9 +205,8 @@ static void saved_recordings_are_known_again(void **state)
 }
 
 /* The folder that a session was saved in, with its recordings, under another name. */
-static void moved_recordings_are_found(void **state)
+TEST(moved_recordings_are_found)
 {
-    (void)state;
     struct bench b, again;
     char command[128];
     assert_int_equal(system("rm -rf first second; mkdir first first/data"), 0); /* a test may */
@@ -234,9 +228,8 @@ static void moved_recordings_are_found(void **state)
 
 /* A parameter that is not chosen any more is not chosen where the file is read, either, also where
  * it changed a run that waits. */
-static void what_is_unset_is_recorded_so(void **state)
+TEST(what_is_unset_is_recorded_so)
 {
-    (void)state;
     struct bench b, again;
     struct buffer wanted = {0}, got = {0};
     remove("kept.hk");
@@ -259,9 +252,8 @@ static void what_is_unset_is_recorded_so(void **state)
 
 /* An interrupted run is an error that leaves a run: the file has it as far as it went, so that what
  * goes on with it does so. */
-static void an_interrupted_run_is_recorded(void **state)
+TEST(an_interrupted_run_is_recorded)
 {
-    (void)state;
     struct cancel cancel = {0};
     struct bench b, again;
     remove("kept.hk");
@@ -281,17 +273,4 @@ static void an_interrupted_run_is_recorded(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_comes_back),
-        cmocka_unit_test(a_resumed_session_is_the_same),
-        cmocka_unit_test(undo_and_redo_go_through_the_same_states),
-        cmocka_unit_test(what_was_recorded_does_it_again),
-        cmocka_unit_test(what_is_unset_is_recorded_so),
-        cmocka_unit_test(saved_recordings_are_known_again),
-        cmocka_unit_test(moved_recordings_are_found),
-        cmocka_unit_test(an_interrupted_run_is_recorded),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -29,9 +29,8 @@ static const char *const methods[] = {"euler",  "verlet", "rk4", "implicit-midpo
 
 /* Taken back and advanced again, a run has the same bits: fixed and adaptive steps, ends on and off
  * the grid. */
-static void undo_and_redo_keep_bits(void **state)
+TEST(undo_and_redo_keep_bits)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct bench b;
         char line[80];
@@ -63,9 +62,8 @@ static void undo_and_redo_keep_bits(void **state)
 
 /* What a change made of the plan goes with it: kernels round differently, and there is an exact
  * solution again. */
-static void an_undone_change_leaves_no_trace(void **state)
+TEST(an_undone_change_leaves_no_trace)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "run 0.275 s");
@@ -82,9 +80,8 @@ static void an_undone_change_leaves_no_trace(void **state)
 }
 
 /* Also from the middle of the way, where the way is a grid of steps. */
-static void undo_of_back_and_reset_keeps_bits(void **state)
+TEST(undo_of_back_and_reset_keeps_bits)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct bench b;
         char line[80];
@@ -108,9 +105,8 @@ static void undo_of_back_and_reset_keeps_bits(void **state)
     }
 }
 
-static void a_split_run_equals_a_long_one(void **state)
+TEST(a_split_run_equals_a_long_one)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct bench b;
         char line[80];
@@ -142,9 +138,8 @@ static void assert_same_setup(const struct setup *a, const struct setup *b)
     assert_memory_equal(a->let, b->let, (size_t)a->lets * sizeof a->let[0]);
 }
 
-static void save_recreates_the_setup_exactly(void **state)
+TEST(save_recreates_the_setup_exactly)
 {
-    (void)state;
     static const char *const setups[] = {
         "echo nothing",
         "m = 199.9 +- 0.1 g; k = 1/3; gamma = 1e-17; y0 = pi/100; v0 = -1e-300; phase = 30 deg; "
@@ -180,9 +175,8 @@ static void save_recreates_the_setup_exactly(void **state)
 }
 
 /* A statement that fails changes nothing, whatever it is. */
-static void failed_statements_change_nothing(void **state)
+TEST(failed_statements_change_nothing)
 {
-    (void)state;
     static const char *const failing[] = {
         "m = -1",
         "m = 5 cm",
@@ -235,9 +229,8 @@ static void failed_statements_change_nothing(void **state)
     bench_close(&b);
 }
 
-static void undo_keeps_the_last_levels(void **state)
+TEST(undo_keeps_the_last_levels)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (int i = 1; i <= LIMIT_UNDO + 5; i++) {
@@ -256,9 +249,8 @@ static void undo_keeps_the_last_levels(void **state)
 
 /* What entries share stays as it was in all of them: a list of many changes that goes on in two
  * ways, each to its end and back, has the bits of the run that went there at once. */
-static void shared_lists_stay_as_they_were(void **state)
+TEST(shared_lists_stay_as_they_were)
 {
-    (void)state;
     enum { CHANGES = 40 };
     struct end at[CHANGES + 1], other;
     struct bench b, once;
@@ -303,9 +295,8 @@ static void shared_lists_stay_as_they_were(void **state)
     bench_close(&once);
 }
 
-static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
+TEST(a_run_dropped_lives_as_long_as_undo_needs_it)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b,
@@ -346,9 +337,8 @@ static void change_setting(struct bench *b, const struct setting *setting)
 
 /* undo gives a setting its value back, or, where it only shows, passes it over and says what it
  * took back instead. */
-static void undo_of_every_setting_does_what_it_says(void **state)
+TEST(undo_of_every_setting_does_what_it_says)
 {
-    (void)state;
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
         /* it is set back to read the answers */
@@ -377,9 +367,8 @@ static void undo_of_every_setting_does_what_it_says(void **state)
 }
 
 /* Nothing to go back to: no entry, whatever the command. */
-static void what_changes_nothing_is_no_step_of_undo(void **state)
+TEST(what_changes_nothing_is_no_step_of_undo)
 {
-    (void)state;
     static const char *const lines[] = {
         "set charset ascii", "unset charset",   "note x",      "use 1",
         "set k 20",          "set duration 10", "method euler"};
@@ -395,20 +384,4 @@ static void what_changes_nothing_is_no_step_of_undo(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(undo_and_redo_keep_bits),
-        cmocka_unit_test(an_undone_change_leaves_no_trace),
-        cmocka_unit_test(undo_of_back_and_reset_keeps_bits),
-        cmocka_unit_test(a_split_run_equals_a_long_one),
-        cmocka_unit_test(save_recreates_the_setup_exactly),
-        cmocka_unit_test(failed_statements_change_nothing),
-        cmocka_unit_test(undo_keeps_the_last_levels),
-        cmocka_unit_test(shared_lists_stay_as_they_were),
-        cmocka_unit_test(undo_of_every_setting_does_what_it_says),
-        cmocka_unit_test(what_changes_nothing_is_no_step_of_undo),
-        cmocka_unit_test(a_run_dropped_lives_as_long_as_undo_needs_it),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

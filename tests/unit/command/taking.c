@@ -64,9 +64,8 @@ static int commands_said(const char *hint, struct text name, bool *takes)
 }
 
 /* Every command is given what the others take: as an option and as NAME=VALUE. */
-static void says_which_takes_it(void **state)
+TEST(says_which_takes_it)
 {
-    (void)state;
     struct bench b;
     int pairs = 0, settings = 0;
     bench_open(&b, false);
@@ -101,9 +100,8 @@ static void says_which_takes_it(void **state)
 }
 
 /* Every command is given each word that introduces an argument of the others. */
-static void says_where_a_word_stands(void **state)
+TEST(says_where_a_word_stands)
 {
-    (void)state;
     struct bench b;
     int pairs = 0;
     bench_open(&b, false);
@@ -138,9 +136,8 @@ static void says_where_a_word_stands(void **state)
 }
 
 /* No guess is the word itself. */
-static void never_suggests_what_was_typed(void **state)
+TEST(never_suggests_what_was_typed)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (size_t i = 0; i < command_catalog.count; i++)
@@ -157,7 +154,7 @@ static void never_suggests_what_was_typed(void **state)
 }
 
 /* The cases of which the issue speaks. */
-static void says_it_of_these(void **state)
+TEST(says_it_of_these)
 {
     static const struct {
         const char *line, *says;
@@ -183,13 +180,4 @@ static void says_it_of_these(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(says_which_takes_it),
-        cmocka_unit_test(says_where_a_word_stands),
-        cmocka_unit_test(never_suggests_what_was_typed),
-        cmocka_unit_test(says_it_of_these),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -43,9 +43,8 @@ static void assert_same_state(const struct session *a, const struct session *b, 
 }
 
 /* Sourcing what save writes gives the same model: the same scene, the same bits of a run. */
-static void saved_lines_recreate_the_scene(void **state)
+TEST(saved_lines_recreate_the_scene)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(systems); i++) {
         struct bench b, other;
         struct buffer saved = {0}, again = {0};
@@ -69,9 +68,8 @@ static void saved_lines_recreate_the_scene(void **state)
 }
 
 /* Resuming brings back the runs of several models, with their events. */
-static void autosaves_bring_back_runs(void **state)
+TEST(autosaves_bring_back_runs)
 {
-    (void)state;
     struct bench b, other;
     bench_open(&b, false);
     type_ok(&b, "method dop853 tol=1e-9");
@@ -101,7 +99,7 @@ static void autosaves_bring_back_runs(void **state)
 
 /* Balls that bounce, cells that fire: with what events do to them, runs come back bit for bit from
  * what is saved, what is recorded, and what is undone. */
-static void jumps_are_done_again(void **state)
+TEST(jumps_are_done_again)
 {
     static const char *const scenes[] = {
         "var y = 1; y'' = -9.81; event bounce when y falling do \"y' = -0.8*y'; continue\"",
@@ -167,9 +165,8 @@ static double time_of(const struct bench *b)
 }
 
 /* undo and redo go through the states of a definition one by one, with the runs between them. */
-static void undo_takes_lines_back(void **state)
+TEST(undo_takes_lines_back)
 {
-    (void)state;
     static const char *const lines[] = {"var x = 1",
                                         "x' = -x",
                                         "event half when x - 0.5 do record",
@@ -227,9 +224,8 @@ static void assert_offers(struct bench *b, const char *line, const char *wanted,
 }
 
 /* The user's names are offered wherever they can stand. */
-static void names_are_completed(void **state)
+TEST(names_are_completed)
 {
-    (void)state;
     struct bench b;
     start(
         &b,
@@ -257,7 +253,7 @@ static void names_are_completed(void **state)
 }
 
 /* An operand where one can stand, a unit after a number, nothing where nothing fits. */
-static void expressions_are_completed(void **state)
+TEST(expressions_are_completed)
 {
     static const struct {
         const char *line, *with, *without;
@@ -323,9 +319,8 @@ static void expressions_are_completed(void **state)
 }
 
 /* Whatever is typed gets its answer at once, and leaves the session as it was. */
-static void hostile_lines_are_refused_quickly(void **state)
+TEST(hostile_lines_are_refused_quickly)
 {
-    (void)state;
     enum { MANY = 1000000 };
     const char *config = getenv("CONFIG");
     /* [ns] of work: ten times what it takes */
@@ -372,9 +367,8 @@ static void hostile_lines_are_refused_quickly(void **state)
 }
 
 /* An error points at its place in the line. */
-static void errors_have_their_caret(void **state)
+TEST(errors_have_their_caret)
 {
-    (void)state;
     static const struct {
         const char *line, *caret;
     } wrong[] = {
@@ -395,9 +389,8 @@ static void errors_have_their_caret(void **state)
 
 /* What `record` and the story write leads to the same runs: commands of events are executed once.
  */
-static void recorded_sessions_are_the_same(void **state)
+TEST(recorded_sessions_are_the_same)
 {
-    (void)state;
     struct bench b, other;
     bench_open(&b, false);
     type_ok(&b, "record kept.hk");
@@ -426,9 +419,8 @@ static void recorded_sessions_are_the_same(void **state)
 
 /* The steps of dop853 are long; what is drawn goes through what lies between them. Observed
  * quantities keep to rows. */
-static void adaptive_curves_are_smooth(void **state)
+TEST(adaptive_curves_are_smooth)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     type_ok(&b,
@@ -462,19 +454,4 @@ static void adaptive_curves_are_smooth(void **state)
     bench_close(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(adaptive_curves_are_smooth),
-        cmocka_unit_test(saved_lines_recreate_the_scene),
-        cmocka_unit_test(autosaves_bring_back_runs),
-        cmocka_unit_test(undo_takes_lines_back),
-        cmocka_unit_test(jumps_are_done_again),
-        cmocka_unit_test(names_are_completed),
-        cmocka_unit_test(expressions_are_completed),
-        cmocka_unit_test(hostile_lines_are_refused_quickly),
-        cmocka_unit_test(errors_have_their_caret),
-        cmocka_unit_test(recorded_sessions_are_the_same),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

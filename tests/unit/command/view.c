@@ -6,9 +6,8 @@
 #include <hooke/plot.h>
 #include "unit/command/testing.h"
 
-static void log_is_a_ring(void **state)
+TEST(log_is_a_ring)
 {
-    (void)state;
     struct log log = {0};
     assert_null(log_line(&log, 0));
     log_add(&log, TEXT("one\ntwo\n"));
@@ -49,9 +48,8 @@ static void rows_of(const char *line, int width, char rows[200])
     } while (from < text.len);
 }
 
-static void long_lines_go_on_in_the_next_row(void **state)
+TEST(long_lines_go_on_in_the_next_row)
 {
-    (void)state;
     static const struct {
         const char *line;
         int width;
@@ -95,9 +93,8 @@ static bool newest_part(void *context, const struct session *session, double spa
     return true;
 }
 
-static void zoom_starts_from_what_is_shown(void **state)
+TEST(zoom_starts_from_what_is_shown)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     b.session->front.time_shown = newest_part;
@@ -113,9 +110,8 @@ static void zoom_starts_from_what_is_shown(void **state)
     bench_close(&b);
 }
 
-static void ranges_zoom_and_pan(void **state)
+TEST(ranges_zoom_and_pan)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     const struct view *view = &b.session->view;
@@ -149,9 +145,8 @@ static void ranges_zoom_and_pan(void **state)
     bench_close(&b);
 }
 
-static void offered_panes(void **state)
+TEST(offered_panes)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     static const struct {
@@ -189,9 +184,8 @@ static void offered_panes(void **state)
     bench_close(&b);
 }
 
-static void scrolling(void **state)
+TEST(scrolling)
 {
-    (void)state;
     struct bench b;
     bench_open(&b, false);
     for (int i = 0; i < 50; i++)
@@ -244,9 +238,8 @@ static bool change_front(void *context, enum front_change change, struct error *
     return change != FRONT_PANES || error_set(error, ERROR_COMMAND, "too small");
 }
 
-static void front_end_requests(void **state)
+TEST(front_end_requests)
 {
-    (void)state;
     struct drawn d = {.change = FRONT_PANES};
     bench_open(&d.bench, false);
     assert_false(type(&d.bench, "screenshot"));
@@ -273,16 +266,4 @@ static void front_end_requests(void **state)
     bench_close(&d.bench);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(log_is_a_ring),
-        cmocka_unit_test(long_lines_go_on_in_the_next_row),
-        cmocka_unit_test(zoom_starts_from_what_is_shown),
-        cmocka_unit_test(ranges_zoom_and_pan),
-        cmocka_unit_test(offered_panes),
-        cmocka_unit_test(scrolling),
-        cmocka_unit_test(front_end_requests),
-    };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

@@ -148,9 +148,8 @@ static bool judged(struct bench *bench, double window[2])
            (window[0] > 0 || window[1] < LAST);
 }
 
-static void every_command_announces_the_same_window(void **state)
+TEST(every_command_announces_the_same_window)
 {
-    (void)state;
     for (size_t k = 0; k < COUNT_OF(shapes); k++) {
         struct bench bench;
         double wanted[2], window[2];
@@ -187,8 +186,4 @@ static void every_command_announces_the_same_window(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_command_announces_the_same_window)};
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
-}
+RUN_TESTS(enter_folder, leave_folder)

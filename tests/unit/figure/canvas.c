@@ -14,7 +14,7 @@ static void expect(struct canvas *canvas, bool color, const char *text)
     canvas_free(canvas);
 }
 
-static void test_text_is_clipped(void **state)
+TEST(test_text_is_clipped)
 {
     struct canvas canvas;
     (void)state;
@@ -26,7 +26,7 @@ static void test_text_is_clipped(void **state)
     expect(&canvas, false, "    ab\nz\n");
 }
 
-static void test_wide_characters(void **state)
+TEST(test_wide_characters)
 {
     struct canvas canvas;
     (void)state;
@@ -40,7 +40,7 @@ static void test_wide_characters(void **state)
     expect(&canvas, false, "日本x\n\n ab\ne|\n");
 }
 
-static void test_controls_never_printed(void **state)
+TEST(test_controls_never_printed)
 {
     struct canvas canvas;
     (void)state;
@@ -52,7 +52,7 @@ static void test_controls_never_printed(void **state)
     expect(&canvas, false, "a?[2Jb??c\xEF\xBF\xBD\n");
 }
 
-static void test_colors(void **state)
+TEST(test_colors)
 {
     struct canvas canvas;
     (void)state;
@@ -67,7 +67,7 @@ static void test_colors(void **state)
     expect(&canvas, true, "\033[36mab c\033[0md\n\033[2me\033[0m\033[31mf\033[0m\n\n");
 }
 
-static void test_no_color_no_escape(void **state)
+TEST(test_no_color_no_escape)
 {
     struct canvas canvas;
     (void)state;
@@ -77,7 +77,7 @@ static void test_no_color_no_escape(void **state)
     expect(&canvas, false, "xxxxxxxx\n");
 }
 
-static void test_empty_canvas(void **state)
+TEST(test_empty_canvas)
 {
     struct canvas canvas;
     (void)state;
@@ -88,12 +88,4 @@ static void test_empty_canvas(void **state)
     canvas_free(&canvas);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_is_clipped),        cmocka_unit_test(test_wide_characters),
-        cmocka_unit_test(test_controls_never_printed), cmocka_unit_test(test_colors),
-        cmocka_unit_test(test_no_color_no_escape),     cmocka_unit_test(test_empty_canvas),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -278,7 +278,7 @@ static struct figure of(const struct curve *curve, int curves)
     };
 }
 
-static void test_sine(void **state)
+TEST(test_sine)
 {
     struct samples s;
     struct curve curve = {.label = "verlet", .x = s.x, .y = s.y, .n = 1000};
@@ -290,7 +290,7 @@ static void test_sine(void **state)
     expect(&figure, 40, 12, &charset_block, drawn_sine_block);
 }
 
-static void test_overlays_have_their_own_marks(void **state)
+TEST(test_overlays_have_their_own_marks)
 {
     struct samples s, wide, data;
     struct curve curve[] = {
@@ -312,7 +312,7 @@ static void test_overlays_have_their_own_marks(void **state)
 }
 
 /* Each point of a cloud is a dot of its own: nothing lies between them. */
-static void test_clouds(void **state)
+TEST(test_clouds)
 {
     static const double x[] = {0, 10, 0, 10, 5}, y[] = {0, 1, 1, 0, 0.5};
     const struct curve curve = {
@@ -339,7 +339,7 @@ static void test_clouds(void **state)
     }
 }
 
-static void test_constant_and_few_samples(void **state)
+TEST(test_constant_and_few_samples)
 {
     static const double x[] = {0, 1, 2, 3, 4}, constant[] = {0.05, 0.05, 0.05, 0.05, 0.05};
     static const double gap[] = {0.01, 0.02, NAN, 0.02, 0.01};
@@ -357,7 +357,7 @@ static void test_constant_and_few_samples(void **state)
     expect(&figure, 26, 9, &charset_ascii, drawn_none);
 }
 
-static void test_phase(void **state)
+TEST(test_phase)
 {
     struct samples s;
     struct curve curve = {.x = s.y, .y = s.x, .n = 1000};
@@ -377,7 +377,7 @@ static void test_phase(void **state)
     expect(&figure, 32, 14, &charset_ascii, drawn_phase_ascii);
 }
 
-static void test_log_axes(void **state)
+TEST(test_log_axes)
 {
     static const double dt[] = {1e-3, 1e-2, 1e-1, 1, 0}, error[] = {1e-12, 1e-8, 1e-4, 1, 0};
     struct curve curve = {.label = "rk4", .x = dt, .y = error, .n = 5};
@@ -391,7 +391,7 @@ static void test_log_axes(void **state)
     expect(&figure, 44, 12, &charset_ascii, drawn_log);
 }
 
-static void test_a_curve_that_leaves_is_said_in_the_frame(void **state)
+TEST(test_a_curve_that_leaves_is_said_in_the_frame)
 {
     struct samples s, wild;
     struct curve curve[] = {
@@ -407,7 +407,7 @@ static void test_a_curve_that_leaves_is_said_in_the_frame(void **state)
     expect(&figure, 44, 12, &charset_braille, drawn_leaving);
 }
 
-static void test_extreme_values(void **state)
+TEST(test_extreme_values)
 {
     static const double x[] = {1, 2, 3, 4}, y[] = {1e-300, -1e300, 1e300, 1e-300},
                         small[] = {1e-300, 2e-300, 4e-300, 3e-300};
@@ -423,7 +423,7 @@ static void test_extreme_values(void **state)
 }
 
 /* Tick labels go first, then the frame; a single cell still shows the curve. */
-static void test_shrinking(void **state)
+TEST(test_shrinking)
 {
     struct samples s;
     struct curve curve = {.label = "verlet", .x = s.x, .y = s.y, .n = 1000};
@@ -437,7 +437,7 @@ static void test_shrinking(void **state)
     expect(&figure, 1, 1, &charset_ascii, "\\\n");
 }
 
-static void test_notes_and_gutter(void **state)
+TEST(test_notes_and_gutter)
 {
     struct samples s;
     struct curve curve = {.label = "verlet", .x = s.x, .y = s.y, .n = 1000};
@@ -449,19 +449,4 @@ static void test_notes_and_gutter(void **state)
     expect(&figure, 40, 8, &charset_braille, drawn_noted);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sine),
-        cmocka_unit_test(test_overlays_have_their_own_marks),
-        cmocka_unit_test(test_clouds),
-        cmocka_unit_test(test_constant_and_few_samples),
-        cmocka_unit_test(test_phase),
-        cmocka_unit_test(test_log_axes),
-        cmocka_unit_test(test_a_curve_that_leaves_is_said_in_the_frame),
-        cmocka_unit_test(test_extreme_values),
-        cmocka_unit_test(test_shrinking),
-        cmocka_unit_test(test_notes_and_gutter),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

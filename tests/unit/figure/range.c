@@ -40,7 +40,7 @@ static void draw(const struct figure *figure, struct canvas *canvas, int width, 
     assert_true(figure_draw(figure, canvas, 0, 0, width, height, charset));
 }
 
-static void test_spike_of_one_sample(void **state)
+TEST(test_spike_of_one_sample)
 {
     static double x[MANY], y[MANY];
     struct curve curve = {.x = x, .y = y, .n = MANY};
@@ -65,7 +65,7 @@ static void test_spike_of_one_sample(void **state)
 }
 
 /* In every dot column the extremes of the samples are lit, to a dot. */
-static void test_extremes_of_each_column(void **state)
+TEST(test_extremes_of_each_column)
 {
     enum { N = 20000, ROWS = 23, COLUMNS = 40 };
     static double x[N], y[N];
@@ -141,9 +141,8 @@ static void check_circle(int width, int height, double aspect, double factor, in
     canvas_free(&canvas);
 }
 
-static void test_equal_axes_draw_round_circles(void **state)
+TEST(test_equal_axes_draw_round_circles)
 {
-    (void)state;
     check_circle(30, 15, 2, 1, 1000);
     check_circle(30, 15, 2, 13.7, 1000); /* v in units of omega0 */
     check_circle(80, 24, 2, 1, 2000);
@@ -184,7 +183,7 @@ static void check_labels(const struct figure *figure, int width, int height)
     canvas_free(&canvas);
 }
 
-static void test_labels_never_collide(void **state)
+TEST(test_labels_never_collide)
 {
     int rounds = is_long() ? 100000 : 1000;
     (void)state;
@@ -208,7 +207,7 @@ static void test_labels_never_collide(void **state)
 }
 
 /* Nothing outside the rectangle is touched, whatever the size. */
-static void test_every_size(void **state)
+TEST(test_every_size)
 {
     static const int sizes[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,   10, 11,
                                 12, 13, 15, 20, 25, 38, 50, 80, 100, 300};
@@ -266,7 +265,7 @@ static void test_every_size(void **state)
 }
 
 /* Where there is one panel only its own curves set the range. */
-static void test_one_diverging_run_does_not_flatten_the_others(void **state)
+TEST(test_one_diverging_run_does_not_flatten_the_others)
 {
     double x[500], y[500], wild[500];
     struct curve curve[] = {{.x = x, .y = wild, .n = 500, .panel = 1}, {.x = x, .y = y, .n = 500}};
@@ -297,7 +296,7 @@ static int count_cells(const struct canvas *canvas, uint32_t codepoint)
 }
 
 /* A growing oscillation crosses the frame many times: one arrow a side. */
-static void test_one_arrow_a_side(void **state)
+TEST(test_one_arrow_a_side)
 {
     double x[500], y[500];
     struct curve curve = {.x = x, .y = y, .n = 500};
@@ -317,7 +316,7 @@ static void test_one_arrow_a_side(void **state)
 }
 
 /* Over a line, marks leave it visible; an outlier is still marked. Alone, every sample is. */
-static void test_dense_data_over_a_line(void **state)
+TEST(test_dense_data_over_a_line)
 {
     double x[1000], y[1000], measured[1000];
     struct curve curve[] = {{.x = x, .y = y, .n = 1000},
@@ -351,7 +350,7 @@ static void test_dense_data_over_a_line(void **state)
 }
 
 /* Rounding errors of a constant are not magnified to full height. */
-static void test_nearly_constant(void **state)
+TEST(test_nearly_constant)
 {
     double x[3] = {0, 1, 2}, y[3] = {5, 5 + 2e-13, 5 - 2e-13};
     struct curve curve = {.x = x, .y = y, .n = 3};
@@ -370,7 +369,7 @@ static void test_nearly_constant(void **state)
     assert_true(layout.y.from > 4.99 && layout.y.to < 5.02);
 }
 
-static void test_few_rows(void **state)
+TEST(test_few_rows)
 {
     double x[2] = {0, 1}, y[2] = {-9.9, 9.9};
     struct curve curve = {.x = x, .y = y, .n = 2};
@@ -384,9 +383,8 @@ static void test_few_rows(void **state)
     }
 }
 
-static void test_scale_at_any_magnitude(void **state)
+TEST(test_scale_at_any_magnitude)
 {
-    (void)state;
     for (int i = 0; i < 2000; i++) {
         double size = pow(10, 580 * uniform() - 285), x[2] = {0, 1},
                y[2] = {-size * uniform(), size};
@@ -410,7 +408,7 @@ static void test_scale_at_any_magnitude(void **state)
     buffer_free(&out);
 }
 
-static void test_bad_fixed_ranges(void **state)
+TEST(test_bad_fixed_ranges)
 {
     static const double bad[][2] = {{1, 1}, {2, 1}, {0, 0}, {-1e308, 1e308}, {1, 1 + 1e-15}};
     double x[3] = {0, 1, 2}, y[3] = {1, 2, 3};
@@ -431,7 +429,7 @@ static void test_bad_fixed_ranges(void **state)
 }
 
 /* y follows a fixed window of x. */
-static void test_window(void **state)
+TEST(test_window)
 {
     double x[5] = {0, 1, 2, 3, 4}, y[5] = {100, 1, 2, 3, 100};
     struct curve curve = {.x = x, .y = y, .n = 5};
@@ -449,22 +447,4 @@ static void test_window(void **state)
     assert_false(figure_cell(&layout, 2, NAN, &column, &row));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spike_of_one_sample),
-        cmocka_unit_test(test_extremes_of_each_column),
-        cmocka_unit_test(test_equal_axes_draw_round_circles),
-        cmocka_unit_test(test_labels_never_collide),
-        cmocka_unit_test(test_every_size),
-        cmocka_unit_test(test_one_diverging_run_does_not_flatten_the_others),
-        cmocka_unit_test(test_one_arrow_a_side),
-        cmocka_unit_test(test_dense_data_over_a_line),
-        cmocka_unit_test(test_nearly_constant),
-        cmocka_unit_test(test_few_rows),
-        cmocka_unit_test(test_scale_at_any_magnitude),
-        cmocka_unit_test(test_bad_fixed_ranges),
-        cmocka_unit_test(test_window),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -82,7 +82,7 @@ static void check_range(double from, double to, int want, int max)
     }
 }
 
-static void test_random_ranges(void **state)
+TEST(test_random_ranges)
 {
     int rounds = is_long() ? 1000000 : 20000;
     (void)state;
@@ -96,7 +96,7 @@ static void test_random_ranges(void **state)
 
 /* What narrow ranges have in common stands in the title: labels stay short, and the title says it
  * exactly. */
-static void test_narrow_ranges_have_an_offset(void **state)
+TEST(test_narrow_ranges_have_an_offset)
 {
     static const struct {
         double from, to;
@@ -137,7 +137,7 @@ static void test_narrow_ranges_have_an_offset(void **state)
 
 /* Whatever is how much larger than its variation is drawn over its variation, and what is read off
  * the axis, title and label together, is the value. */
-static void test_every_ratio_has_an_axis(void **state)
+TEST(test_every_ratio_has_an_axis)
 {
     const int rounds = is_long() ? 200000 : 5000;
     (void)state;
@@ -179,7 +179,7 @@ static void test_every_ratio_has_an_axis(void **state)
     }
 }
 
-static void test_known_ranges(void **state)
+TEST(test_known_ranges)
 {
     static const struct {
         double from, to;
@@ -210,9 +210,8 @@ static void test_known_ranges(void **state)
     }
 }
 
-static void test_no_range_no_ticks(void **state)
+TEST(test_no_range_no_ticks)
 {
-    (void)state;
     assert_int_equal(ticks_linear(1, 1, 5, 10).count, 0);
     assert_int_equal(ticks_linear(2, 1, 5, 10).count, 0);
     assert_int_equal(ticks_linear(NAN, 1, 5, 10).count, 0);
@@ -225,7 +224,7 @@ static void test_no_range_no_ticks(void **state)
     assert_int_equal(ticks_log(2, 9, 10).count, 0);
 }
 
-static void test_decades(void **state)
+TEST(test_decades)
 {
     static const struct {
         double from, to;
@@ -245,9 +244,8 @@ static void test_decades(void **state)
     }
 }
 
-static void test_random_decades(void **state)
+TEST(test_random_decades)
 {
-    (void)state;
     for (int i = 0; i < 5000; i++) {
         double low = 600 * uniform() - 300, high = low + 1 + (299 - low) * uniform();
         int max = 2 + (int)(20 * uniform());
@@ -259,7 +257,7 @@ static void test_random_decades(void **state)
     }
 }
 
-static void test_locale_does_not_matter(void **state)
+TEST(test_locale_does_not_matter)
 {
     char text[64];
     (void)state;
@@ -274,17 +272,4 @@ static void test_locale_does_not_matter(void **state)
     assert_string_equal(text, "0.0 0.5 1.0");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_ranges),
-        cmocka_unit_test(test_narrow_ranges_have_an_offset),
-        cmocka_unit_test(test_every_ratio_has_an_axis),
-        cmocka_unit_test(test_known_ranges),
-        cmocka_unit_test(test_no_range_no_ticks),
-        cmocka_unit_test(test_decades),
-        cmocka_unit_test(test_random_decades),
-        cmocka_unit_test(test_locale_does_not_matter),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The rows of the method table, and what is refused with a reason. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "method/step/step.h"
 #include "numerics/method/testing.h"
 
-static void test_names_and_aliases(void **state)
+TEST(test_names_and_aliases)
 {
-    (void)state;
     static const char *const same[][2] = {
         {"euler-cromer", "symplectic-euler"}, {"leapfrog", "verlet"}, {"velocity-verlet", "verlet"},
         {"crank-nicolson", "trapezoid"},      {"ode45", "dopri5"},    {"rk45", "dopri5"},
@@ -37,9 +32,8 @@ static void test_names_and_aliases(void **state)
         assert_ptr_equal(method_named(method_at(i)->row.name), method_at(i));
 }
 
-static void test_rows_are_complete(void **state)
+TEST(test_rows_are_complete)
 {
-    (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const struct method *m = method_at(i);
         assert_true(m->row.name && m->row.unit && m->row.brief && m->row.brief[0] &&
@@ -64,9 +58,8 @@ static void test_rows_are_complete(void **state)
 }
 
 /* What this build was made without is known by name, and nowhere else. */
-static void test_absent_names(void **state)
+TEST(test_absent_names)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         const struct text name = i ? TEXT("cvode-bdf") : TEXT("cvode-adams");
         struct error error = {0};
@@ -80,9 +73,8 @@ static void test_absent_names(void **state)
     assert_false(catalog_absent(&method_catalog, TEXT("rk4"), &error) || error.text[0]);
 }
 
-static void test_drag_names(void **state)
+TEST(test_drag_names)
 {
-    (void)state;
     static const char *const names[] = {
         [DRAG_EXACT] = "exact", [DRAG_IMPLICIT] = "implicit", [DRAG_EXPLICIT] = "explicit"};
     assert_int_equal(drag_catalog.count, DRAG_COUNT - 1);
@@ -98,9 +90,8 @@ static enum drag resolved(const char *name, const struct system *system, enum dr
     return drag;
 }
 
-static void test_default_drag(void **state)
+TEST(test_default_drag)
 {
-    (void)state;
     struct system system = SPRING({"gamma", 0.25});
     assert_int_equal(resolved("symplectic-euler", &system, DRAG_DEFAULT), DRAG_EXPLICIT);
     assert_int_equal(resolved("symplectic-euler-kick", &system, DRAG_DEFAULT), DRAG_EXPLICIT);
@@ -132,9 +123,8 @@ static void vanderpol_add(const double *c, double t, const double *y, double *a)
 static const struct term_row vanderpol_row = {
     .row = {"vanderpol", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY, .add = vanderpol_add};
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     struct system linear = SPRING({"gamma", 0.25}), quadratic = SPRING({"C", 1});
     struct system foreign = other_system(&vanderpol_row, 1), first = foreign;
     first.order = 1;
@@ -160,9 +150,8 @@ static void test_refusals(void **state)
 
 /* Splittings of an order above 2 step back and forth: of drag they take the linear one, exactly,
  * and not too much. */
-static void test_splittings_of_higher_order(void **state)
+TEST(test_splittings_of_higher_order)
 {
-    (void)state;
     const double gamma = 0.25;
     const struct system free_of_drag = SPRING({NULL, 0}), linear = SPRING({"gamma", gamma}),
                         grows = SPRING({"gamma", -gamma}), quadratic = SPRING({"C", 1});
@@ -202,16 +191,4 @@ static void test_splittings_of_higher_order(void **state)
     assert_true(method_fits(method_named("rk4"), &linear, DRAG_DEFAULT, 1e9, &error));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_names_and_aliases),
-        cmocka_unit_test(test_rows_are_complete),
-        cmocka_unit_test(test_absent_names),
-        cmocka_unit_test(test_drag_names),
-        cmocka_unit_test(test_default_drag),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_splittings_of_higher_order),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

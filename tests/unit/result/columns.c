@@ -101,9 +101,8 @@ static void records(enum output_format format, struct buffer *out)
     reply_free(&reply);
 }
 
-static void records_have_every_key_and_null_for_what_is_missing(void **state)
+TEST(records_have_every_key_and_null_for_what_is_missing)
 {
-    (void)state;
     struct buffer out = {0};
     records(FORMAT_JSON, &out);
     assert_string_equal(buffer_view(&out),
@@ -129,9 +128,8 @@ static void records_have_every_key_and_null_for_what_is_missing(void **state)
 
 /* ---- files ---- */
 
-static void a_file_has_units_and_leaves_cells_empty(void **state)
+TEST(a_file_has_units_and_leaves_cells_empty)
 {
-    (void)state;
     struct arena arena = {0};
     struct buffer out = {0};
     struct table table;
@@ -161,9 +159,8 @@ static void seen(const struct pendulum *from, size_t count, bool wide, const cha
     arena_reset(&arena);
 }
 
-static void people_see_columns_in_their_places_where_a_row_has_a_value(void **state)
+TEST(people_see_columns_in_their_places_where_a_row_has_a_value)
 {
-    (void)state;
     seen(pendulums, 2, false,
          "l      by        T        swings  note\n"
          "67 m   Foucault  1.6e+01  3       noted\n"
@@ -179,7 +176,7 @@ static void people_see_columns_in_their_places_where_a_row_has_a_value(void **st
 }
 
 /* Gaps shrink first; then columns that are the same in all rows fold, as many as are needed. */
-static void a_table_fits_where_rows_have_the_same(void **state)
+TEST(a_table_fits_where_rows_have_the_same)
 {
     static const char *const cells[] = {"name", "dt",   "size", "kind", "a",    "1 s", "12",
                                         "fine", "long", "1 s",  "345",  "fine", NULL};
@@ -255,9 +252,8 @@ static const struct result_column of_clock[] = {
      .at = offsetof(struct pendulum, note)}};
 static const struct result_columns clock_columns = RESULT_COLUMNS(of_clock, struct clock);
 
-static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
+TEST(parts_are_objects_and_lists_and_rows_give_their_names)
 {
-    (void)state;
     const struct clock clocks[] = {{unit_find(text_of("ms")),
                                     2,
                                     {.length = 1, .swings = 3},
@@ -282,7 +278,7 @@ static void parts_are_objects_and_lists_and_rows_give_their_names(void **state)
 }
 
 /* The texts for formats are those that buffers get, however long. */
-static void values_in_formats_are_those_of_buffers(void **state)
+TEST(values_in_formats_are_those_of_buffers)
 {
     static const double values[] = {0,        -DBL_MAX,  DBL_TRUE_MIN,
                                     -1.0 / 3, 2e-5,      1e5 / 7,
@@ -307,9 +303,8 @@ static void values_in_formats_are_those_of_buffers(void **state)
 }
 
 /* Text in the reply's own buffer ends its line before anything else is said. */
-static void lines_in_the_reply_come_in_their_order(void **state)
+TEST(lines_in_the_reply_come_in_their_order)
 {
-    (void)state;
     struct buffer out = {0};
     struct reply reply;
     reply_init(&reply, (struct sink){collect, collect, &out});
@@ -325,16 +320,4 @@ static void lines_in_the_reply_come_in_their_order(void **state)
     buffer_free(&out);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(records_have_every_key_and_null_for_what_is_missing),
-        cmocka_unit_test(a_file_has_units_and_leaves_cells_empty),
-        cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
-        cmocka_unit_test(a_table_fits_where_rows_have_the_same),
-        cmocka_unit_test(parts_are_objects_and_lists_and_rows_give_their_names),
-        cmocka_unit_test(values_in_formats_are_those_of_buffers),
-        cmocka_unit_test(lines_in_the_reply_come_in_their_order),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -51,9 +51,8 @@ static void say_swing(struct reply *reply, double period, const char *note)
     reply_end(reply);
 }
 
-static void fields_are_columns_called_by_their_path(void **state)
+TEST(fields_are_columns_called_by_their_path)
 {
-    (void)state;
     struct buffer said = {0}, text = {0};
     struct table_store made = {0}, store = {0};
     struct reply reply;
@@ -85,9 +84,8 @@ static void fields_are_columns_called_by_their_path(void **state)
     reply_free(&reply);
 }
 
-static void the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is(void **state)
+TEST(the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is)
 {
-    (void)state;
     static const double x[] = {1, 2};
     static const struct table_column column[] = {{"x", "m", x, NULL}};
     const struct table whole = {.column = column, .columns = 1, .rows = 2};
@@ -133,9 +131,8 @@ static void assert_same(const struct table *a, const struct table *b)
     }
 }
 
-static void what_is_written_reads_back_the_same(void **state)
+TEST(what_is_written_reads_back_the_same)
 {
-    (void)state;
     static const struct table_key keys[] = {{"hooke", "1"}, {"note", "a = \"b\" \\ \xc3\xa9"}};
     static const double number[] = {0.1, -0.0, 1e-310, 1.7976931348623157e308, NAN, 3};
     static const char *const word[] = {"a,b\n\"c\"", "=1+1", "'=x",
@@ -165,12 +162,4 @@ static void what_is_written_reads_back_the_same(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fields_are_columns_called_by_their_path),
-        cmocka_unit_test(what_is_written_reads_back_the_same),
-        cmocka_unit_test(the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

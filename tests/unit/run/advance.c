@@ -14,9 +14,8 @@ static struct scene lively(void)
 }
 
 /* Every method, fixed step, scene with drive: one go, two goes, and slices of 1 ns. */
-static void test_split_is_bit_equal(void **state)
+TEST(test_split_is_bit_equal)
 {
-    (void)state;
     struct scene scene = lively();
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name = catalog_row(&method_catalog, i)->name;
@@ -50,9 +49,8 @@ static void test_split_is_bit_equal(void **state)
     }
 }
 
-static void test_back_and_continue(void **state)
+TEST(test_back_and_continue)
 {
-    (void)state;
     struct scene scene = spring();
     static const char *const names[] = {"euler", "symplectic-euler", "verlet",
                                         "rk4",   "backward-euler",   "dopri5"};
@@ -83,9 +81,8 @@ static void test_back_and_continue(void **state)
 }
 
 /* Beyond a partial step the grid starts anew; going back over it finds the old one again. */
-static void test_partial_step_is_local(void **state)
+TEST(test_partial_step_is_local)
 {
-    (void)state;
     struct scene scene = lively();
     set(&scene, "t0", 2);
     struct run_settings settings = {.dt = 0.1};
@@ -129,9 +126,8 @@ static void test_partial_step_is_local(void **state)
     run_destroy(run);
 }
 
-static void test_backwards(void **state)
+TEST(test_backwards)
 {
-    (void)state;
     struct scene scene = spring();
     struct run_settings settings = {.dt = 0.01};
     struct run *run = start(&scene, "verlet", settings, -1);
@@ -169,9 +165,8 @@ static bool until(struct run *run, const char *text, double t_end)
     return run->stop == STOP_CONDITION;
 }
 
-static void test_conditions(void **state)
+TEST(test_conditions)
 {
-    (void)state;
     struct scene scene = spring();
     double omega0 = sqrt(75), quarter = M_PI_2 / omega0;
     static const struct run_settings both[] = {{.dt = 1e-3}, {.dt = 1e-3, .tol = 1e-12}};
@@ -212,9 +207,8 @@ static void explain(const struct run *run, const char *part)
     buffer_free(&text);
 }
 
-static void test_divergence(void **state)
+TEST(test_divergence)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run = start(&scene, "verlet", (struct run_settings){.dt = 0.7}, 1e4);
     go_to(run, 1e4);
@@ -251,9 +245,8 @@ static void test_divergence(void **state)
     run_destroy(run);
 }
 
-static void test_cancel(void **state)
+TEST(test_cancel)
 {
-    (void)state;
     struct scene scene = spring();
     struct cancel cancel;
     atomic_init(&cancel.requested, 1);
@@ -283,9 +276,8 @@ static void slow_add(const double *c, double t, const double *y, double *a)
     a[0] -= c[0] * y[0];
 }
 
-static void test_budget(void **state)
+TEST(test_budget)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run =
         start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .kernel = KERNEL_GENERAL}, HUGE_VAL);
@@ -305,9 +297,8 @@ static void test_budget(void **state)
     run_destroy(run);
 }
 
-static void test_rebind(void **state)
+TEST(test_rebind)
 {
-    (void)state;
     struct scene undamped = spring(), scene = undamped;
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 2);
     struct error error;
@@ -344,9 +335,8 @@ static void test_rebind(void **state)
     run_destroy(straight);
 }
 
-static void test_adaptive_grid_points_and_targets(void **state)
+TEST(test_adaptive_grid_points_and_targets)
 {
-    (void)state;
     struct scene scene = lively();
     struct run *whole = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);
     struct run *sliced =
@@ -389,7 +379,7 @@ static void assert_same_end(const struct run *a, const struct run *b)
 
 /* Adaptive steps that are taken many at once are those that are taken one by one, and those without
  * kernels: up to the end, until the numbers diverge, and into a singularity. */
-static void test_adaptive_steps_at_once(void **state)
+TEST(test_adaptive_steps_at_once)
 {
     static const struct {
         const char *name;
@@ -431,9 +421,8 @@ static void test_adaptive_steps_at_once(void **state)
 
 /* Runs that cannot be repeated get their marks in parts once their traces leave steps out: each
  * part leaves a trace of each step behind it. Going back in between begins them anew. */
-static void test_thinning_in_parts(void **state)
+TEST(test_thinning_in_parts)
 {
-    (void)state;
     struct scene scene = lively();
     const struct run_settings settings = {.dt = 0.002, .compensated = true, .memory = 400 * 24};
     struct run *whole = start(&scene, "rk4", settings, 100),
@@ -463,9 +452,8 @@ static void test_thinning_in_parts(void **state)
 
 /* A million nearly equal steps: as a plain sum their rounding would go one way, 2e-6 of a radian
  * here. */
-static void test_clock(void **state)
+TEST(test_clock)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "m", 1);
     set(&scene, "k", 1e10);
@@ -480,22 +468,4 @@ static void test_clock(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_split_is_bit_equal),
-        cmocka_unit_test(test_back_and_continue),
-        cmocka_unit_test(test_partial_step_is_local),
-        cmocka_unit_test(test_backwards),
-        cmocka_unit_test(test_conditions),
-        cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_rebind),
-        cmocka_unit_test(test_adaptive_grid_points_and_targets),
-        cmocka_unit_test(test_adaptive_steps_at_once),
-        cmocka_unit_test(test_thinning_in_parts),
-        cmocka_unit_test(test_clock),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rows at even times: where they lie, what they hold, and that it does not matter how a run is cut.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/run/fixture.h"
 
@@ -36,9 +32,8 @@ static double largest_error(const struct run *run)
     return errors.max;
 }
 
-static void test_all_adaptive_methods(void **state)
+TEST(test_all_adaptive_methods)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "t0", 0.35);
     set(&scene, "gamma", 0.3);
@@ -73,9 +68,8 @@ static void test_all_adaptive_methods(void **state)
     assert_true(seen >= 8);
 }
 
-static void test_cut_in_pieces(void **state)
+TEST(test_cut_in_pieces)
 {
-    (void)state;
     static const char *const names[] = {"dop853", "tsit5", "rodas5p", "radau5"};
     struct scene scene = spring();
     for (size_t i = 0; i < COUNT_OF(names); i++) {
@@ -107,9 +101,8 @@ static void test_cut_in_pieces(void **state)
 }
 
 /* dt divides the interval: the rows are steps, whatever computes them. */
-static void test_fixed_steps(void **state)
+TEST(test_fixed_steps)
 {
-    (void)state;
     struct scene scene = spring();
     for (int kernel = KERNEL_PROPAGATOR; kernel <= KERNEL_GENERAL; kernel++) {
         struct run_settings settings = rows_by_time(0.01, 0), all = {.dt = 0.01};
@@ -136,9 +129,8 @@ static void test_fixed_steps(void **state)
     }
 }
 
-static void test_between_fixed_steps(void **state)
+TEST(test_between_fixed_steps)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run = start(&scene, "rk4", rows_by_time(0.0137, 0), 10);
     go_to(run, 9.05);
@@ -154,9 +146,8 @@ static void test_between_fixed_steps(void **state)
     run_destroy(run);
 }
 
-static void test_backwards_and_turns(void **state)
+TEST(test_backwards_and_turns)
 {
-    (void)state;
     struct scene scene = spring();
     static const struct {
         const char *name;
@@ -177,9 +168,8 @@ static void test_backwards_and_turns(void **state)
 }
 
 /* No room in the middle of a step that holds several rows: nothing of the step stays. */
-static void test_full(void **state)
+TEST(test_full)
 {
-    (void)state;
     struct scene scene = spring();
     struct run_settings settings = rows_by_time(0.01, 1e-9);
     settings.record.interval = 1e-3;
@@ -199,9 +189,8 @@ static void test_full(void **state)
     run_destroy(run);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
-    (void)state;
     struct scene scene = spring();
     struct error error;
     struct run_settings settings = rows_by_time(0.01, 1e-9);
@@ -214,16 +203,4 @@ static void test_refused(void **state)
     assert_non_null(strstr(error.text, "needs a time > 0"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_adaptive_methods),
-        cmocka_unit_test(test_cut_in_pieces),
-        cmocka_unit_test(test_fixed_steps),
-        cmocka_unit_test(test_between_fixed_steps),
-        cmocka_unit_test(test_backwards_and_turns),
-        cmocka_unit_test(test_full),
-        cmocka_unit_test(test_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

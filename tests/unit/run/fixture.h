@@ -4,12 +4,7 @@
 #ifndef HOOKE_TESTS_UNIT_RUN_FIXTURE_H
 #define HOOKE_TESTS_UNIT_RUN_FIXTURE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/catalog.h>
 #include <hooke/run.h>

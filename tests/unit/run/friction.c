@@ -64,9 +64,8 @@ static struct run *rub(const struct method *method, double dt, double tol)
 
 /* Fixed steps keep their order through 19 turning points and into rest, where the velocity is
  * exactly 0. */
-static void test_every_method_keeps_its_order(void **state)
+TEST(test_every_method_keeps_its_order)
 {
-    (void)state;
     for
         EACH_METHOD(method)
         {
@@ -90,9 +89,8 @@ static void test_every_method_keeps_its_order(void **state)
         }
 }
 
-static void test_adaptive_methods_keep_the_tolerance(void **state)
+TEST(test_adaptive_methods_keep_the_tolerance)
 {
-    (void)state;
     for
         EACH_METHOD(method)
     for (double tol = 1e-5; method->flags & METHOD_ADAPTIVE && tol > 1e-8; tol /= 100) {
@@ -123,9 +121,8 @@ static struct system bound(const struct scene *scene)
  * of a kind of unstable ones, with weight; from rest and from a push. And back from there, unless
  * the body stuck.
  */
-static void test_closed_form(void **state)
+TEST(test_closed_form)
 {
-    (void)state;
     static const struct {
         double k, gamma, g, friction, y0, v0;
     } cases[] = {
@@ -184,9 +181,8 @@ static void test_closed_form(void **state)
 
 /* Far ahead in one step: 1e5 half swings by the formula are those by steps of one half swing each.
  */
-static void test_closed_form_far_ahead(void **state)
+TEST(test_closed_form_far_ahead)
 {
-    (void)state;
     struct scene scene = rubbing(3e-6);
     set(&scene, "gamma", 1e-6);
     const struct system system = bound(&scene);
@@ -214,9 +210,8 @@ static void test_closed_form_far_ahead(void **state)
  * Held until k y0 + F0 cos(omega t + phase) exceeds the friction: a force that grows from 0 breaks
  * the body away when it should, by steps of every size and kind.
  */
-static void test_breaks_away_on_time(void **state)
+TEST(test_breaks_away_on_time)
 {
-    (void)state;
     static const char *const names[] = {"rk4",  "verlet", "dopri5", "radau5",
                                         "bdf3", "exact",  "gauss4", "newmark"};
     struct scene scene = rubbing(0.1);
@@ -246,9 +241,8 @@ static void test_breaks_away_on_time(void **state)
 
 /* Stick-slip: the same motion by methods of different kinds, which stop and start again many times.
  */
-static void test_stick_slip(void **state)
+TEST(test_stick_slip)
 {
-    (void)state;
     struct scene scene = rubbing(0.15);
     set(&scene, "y0", 0);
     set(&scene, "F0", 0.2);
@@ -281,9 +275,8 @@ static void test_stick_slip(void **state)
 /* ---- energy ---- */
 
 /* What friction takes is force times path, whatever the steps; nothing is left over. */
-static void test_energy_balance(void **state)
+TEST(test_energy_balance)
 {
-    (void)state;
     for (int drives = 0; drives < 2; drives++)
         for
             EACH_METHOD(method)
@@ -316,9 +309,8 @@ static void test_energy_balance(void **state)
 
 /* ---- rows between steps, kernels and slices ---- */
 
-static void test_rows_inside_of_steps(void **state)
+TEST(test_rows_inside_of_steps)
 {
-    (void)state;
     static const char *const names[] = {"rk4", "dop853", "dopri5", "verlet"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (int adaptive = 0; adaptive < 2; adaptive++) {
@@ -335,9 +327,8 @@ static void test_rows_inside_of_steps(void **state)
         }
 }
 
-static void test_kernels_give_the_same_bits(void **state)
+TEST(test_kernels_give_the_same_bits)
 {
-    (void)state;
     for
         EACH_METHOD(method)
         {
@@ -360,9 +351,8 @@ static void test_kernels_give_the_same_bits(void **state)
 
 /* The same law typed: sticking from rest, a release that grows from 0, grazing turning points. Not
  * by shaking. */
-static void test_typed_friction_takes_few_steps(void **state)
+TEST(test_typed_friction_takes_few_steps)
 {
-    (void)state;
     struct error error;
     struct typed_models *models = typed_create(&error);
     const struct typed_line lines[] = {
@@ -389,19 +379,4 @@ static void test_typed_friction_takes_few_steps(void **state)
     typed_destroy(models);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_method_keeps_its_order),
-        cmocka_unit_test(test_adaptive_methods_keep_the_tolerance),
-        cmocka_unit_test(test_closed_form),
-        cmocka_unit_test(test_closed_form_far_ahead),
-        cmocka_unit_test(test_breaks_away_on_time),
-        cmocka_unit_test(test_stick_slip),
-        cmocka_unit_test(test_energy_balance),
-        cmocka_unit_test(test_rows_inside_of_steps),
-        cmocka_unit_test(test_kernels_give_the_same_bits),
-        cmocka_unit_test(test_typed_friction_takes_few_steps),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Interrupts at random times: what was computed is a bit-equal prefix, going on gives the run one
  * would have had, and it stops at once. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/cpu_time.h"
@@ -57,9 +53,8 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void test_random_interrupts(void **state)
+TEST(test_random_interrupts)
 {
-    (void)state;
     const int wanted = is_long() ? 1000 : 200;
     static const char *const methods[] = {"verlet", "rk4", "backward-euler"};
     static int64_t latency[1000];
@@ -113,8 +108,4 @@ static void test_random_interrupts(void **state)
     assert_true(p99 <= 100);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_interrupts)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

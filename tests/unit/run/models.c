@@ -31,9 +31,8 @@ static double now(const struct run *run, const char *name)
 
 /* Every preset runs a few steps by rk4 and dopri5 and by the implicit midpoint rule, or says why it
  * stopped. */
-static void test_every_preset_runs(void **state)
+TEST(test_every_preset_runs)
 {
-    (void)state;
     static const char *const methods[] = {"rk4", "dopri5", "implicit-midpoint"};
     for (size_t i = 0; i < preset_catalog.count; i++)
         for (size_t k = 0; k < COUNT_OF(methods); k++) {
@@ -70,9 +69,8 @@ static void test_every_preset_runs(void **state)
         }
 }
 
-static void test_units_follow_the_scene(void **state)
+TEST(test_units_follow_the_scene)
 {
-    (void)state;
     static const struct {
         const char *scene, *observable, *unit;
     } row[] = {
@@ -114,9 +112,8 @@ static void test_units_follow_the_scene(void **state)
 
 /* The Kepler orbit: its error is judged in all four variables, and its energy and names come out
  * right. */
-static void test_kepler(void **state)
+TEST(test_kepler)
 {
-    (void)state;
     struct scene scene = preset_named("kepler");
     struct run *run = start(&scene, "verlet", (struct run_settings){.dt = 1e-3}, 22);
     go_to(run, 22);
@@ -168,9 +165,8 @@ static void test_kepler(void **state)
 }
 
 /* Drag in two dimensions: what the ledger says was lost is what is missing. */
-static void test_ledger_in_two_dimensions(void **state)
+TEST(test_ledger_in_two_dimensions)
 {
-    (void)state;
     struct scene scene = preset_named("elastic-pendulum");
     put(&scene, "gamma", 0.3);
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 5);
@@ -190,9 +186,8 @@ static void test_ledger_in_two_dimensions(void **state)
 
 /* By blocks of steps, with sines of its own: as close as one by one, near the bottom, over the top,
  * many turns away. */
-static void test_ledger_of_the_pendulum(void **state)
+TEST(test_ledger_of_the_pendulum)
 {
-    (void)state;
     static const struct {
         double angle, rate, gamma, drive;
     } begins[] = {{1, 0, 0, 0},     {1e-6, 0, 0, 0},    {3.1415, 0.2, 0, 0}, {-400, 7, 0.1, 0.5},
@@ -218,9 +213,8 @@ static void test_ledger_of_the_pendulum(void **state)
 
 /* Each term of the oscillator and the pendulum does the work that the balance says: none is
  * forgotten. */
-static void test_ledger_of_each_term(void **state)
+TEST(test_ledger_of_each_term)
 {
-    (void)state;
     static const struct {
         const char *scene, *name;
         double value;
@@ -242,9 +236,8 @@ static void test_ledger_of_each_term(void **state)
     }
 }
 
-static void test_first_order_errors(void **state)
+TEST(test_first_order_errors)
 {
-    (void)state;
     struct scene scene = preset_named("prothero-robinson");
     put(&scene, "lambda", -2);
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 0.1}, 10);
@@ -274,9 +267,8 @@ static void explains(const struct run *run, const char *part)
     buffer_free(&text);
 }
 
-static void test_failures_are_explained(void **state)
+TEST(test_failures_are_explained)
 {
-    (void)state;
     struct scene scene = preset_named("stiff-vanderpol");
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 0.01}, 10);
     go_to(run, 10);
@@ -298,9 +290,8 @@ static void test_failures_are_explained(void **state)
 
 /* What rounding takes from the state is carried along by methods that know how, and dropped when
  * the run goes back. */
-static void test_compensated(void **state)
+TEST(test_compensated)
 {
-    (void)state;
     struct scene scene = preset_named("kepler");
     struct run_settings settings = {.dt = 1e-3, .compensated = true};
     struct run *plain = start(&scene, "verlet", (struct run_settings){.dt = 1e-3}, 5),
@@ -327,18 +318,4 @@ static void test_compensated(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_preset_runs),
-        cmocka_unit_test(test_units_follow_the_scene),
-        cmocka_unit_test(test_kepler),
-        cmocka_unit_test(test_ledger_in_two_dimensions),
-        cmocka_unit_test(test_ledger_of_the_pendulum),
-        cmocka_unit_test(test_ledger_of_each_term),
-        cmocka_unit_test(test_first_order_errors),
-        cmocka_unit_test(test_failures_are_explained),
-        cmocka_unit_test(test_compensated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

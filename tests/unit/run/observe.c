@@ -14,9 +14,8 @@ static double now(const struct run *run, const char *name)
     return run_observable(run, observable_named(name));
 }
 
-static void test_formulas(void **state)
+TEST(test_formulas)
 {
-    (void)state;
     struct scene scene = spring();
     double m = 0.25, k = 16, gamma = 0.3, C = 2, rho = 1.2, area = 0.01, g = 9.81, F0 = 0.5,
            omega = 5, phase = 0.4;
@@ -78,9 +77,8 @@ static void test_formulas(void **state)
 
 /* Symplectic Euler on the undamped oscillator (NUMERICS 1.1): frequency x^2/24 too high, invariant
  * v^2 + w^2 q^2 - h w^2 q v. */
-static void test_errors_of_symplectic_euler(void **state)
+TEST(test_errors_of_symplectic_euler)
 {
-    (void)state;
     struct scene scene = spring();
     double omega0 = sqrt(75), dt = 2 * M_PI / omega0 / 400, x = omega0 * dt, span = 4000 * dt;
     struct run *run = start(&scene, "symplectic-euler", (struct run_settings){.dt = dt}, span);
@@ -114,9 +112,8 @@ static void test_errors_of_symplectic_euler(void **state)
 
 /* A phase error of several turns is counted, not wrapped: coarse backward Euler lags by x^2/3 of
  * its phase. */
-static void test_phase_counts_turns(void **state)
+TEST(test_phase_counts_turns)
 {
-    (void)state;
     struct scene scene = spring();
     double x = 0.3, dt = x / sqrt(75);
     struct run *run =
@@ -132,9 +129,8 @@ static void test_phase_counts_turns(void **state)
     run_destroy(run);
 }
 
-static void test_undefined_says_why(void **state)
+TEST(test_undefined_says_why)
 {
-    (void)state;
     struct scene scene = spring();
     set(&scene, "k", -1);
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 1);
@@ -156,9 +152,8 @@ static void test_undefined_says_why(void **state)
     run_destroy(run);
 }
 
-static void test_scope(void **state)
+TEST(test_scope)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 1);
     go_to(run, 0.1);
@@ -186,9 +181,8 @@ static void test_scope(void **state)
 }
 
 /* Each of these kept a table of the exact solution. */
-static void test_stopped_columns_hold_nothing(void **state)
+TEST(test_stopped_columns_hold_nothing)
 {
-    (void)state;
     struct scene scene = spring();
     struct cancel cancel = {0};
     struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 1);
@@ -211,15 +205,4 @@ static void test_stopped_columns_hold_nothing(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formulas),
-        cmocka_unit_test(test_errors_of_symplectic_euler),
-        cmocka_unit_test(test_phase_counts_turns),
-        cmocka_unit_test(test_undefined_says_why),
-        cmocka_unit_test(test_scope),
-        cmocka_unit_test(test_stopped_columns_hold_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

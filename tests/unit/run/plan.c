@@ -6,9 +6,8 @@
 #include "unit/run/fixture.h"
 #include "unit/cpu_time.h"
 
-static void test_time_is_never_accumulated(void **state)
+TEST(test_time_is_never_accumulated)
 {
-    (void)state;
     static const double steps[] = {0.1, 1.0 / 7, 1e-3, 0.2};
     struct scene scene = spring();
     set(&scene, "t0", 5);
@@ -27,9 +26,8 @@ static void test_time_is_never_accumulated(void **state)
 
 /* NUMERICS: floor(T/dt) is short for 6.7 % of dt = 1/k, while (t < T) takes an extra step for half
  * of them. */
-static void test_whole_number_of_steps(void **state)
+TEST(test_whole_number_of_steps)
 {
-    (void)state;
     struct scene scene = spring();
     struct system system;
     struct error error;
@@ -89,9 +87,8 @@ static void test_whole_number_of_steps(void **state)
     }
 }
 
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
-    (void)state;
     struct scene scene = spring();
     struct system system;
     struct error error;
@@ -142,9 +139,8 @@ static void test_refusals(void **state)
 }
 
 /* NUMERICS 2: growth and limit in closed form. */
-static void test_predictions(void **state)
+TEST(test_predictions)
 {
-    (void)state;
     struct scene scene = spring();
     struct system system;
     struct error error;
@@ -210,9 +206,8 @@ static const char *described(const struct scene *scene, const char *method,
     return text->data;
 }
 
-static void test_description(void **state)
+TEST(test_description)
 {
-    (void)state;
     struct buffer text = {0};
     struct scene scene = spring();
     const char *d = described(&scene, "verlet", (struct run_settings){.dt = 0.01}, 10, &text);
@@ -261,9 +256,8 @@ static double counting_power(const double *c, double t, const double *y)
     return -(c[1] * c[0] * y[1] * y[1]);
 }
 
-static void test_what_is_left_out_is_not_computed(void **state)
+TEST(test_what_is_left_out_is_not_computed)
 {
-    (void)state;
     struct scene scene = spring();
     const struct run_settings settings = {.dt = 0.01, .kernel = KERNEL_GENERAL};
     struct run *run = start(&scene, "rk4", settings, 10);
@@ -313,15 +307,4 @@ static void test_what_is_left_out_is_not_computed(void **state)
     run_destroy(run);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_time_is_never_accumulated),
-        cmocka_unit_test(test_whole_number_of_steps),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_predictions),
-        cmocka_unit_test(test_description),
-        cmocka_unit_test(test_what_is_left_out_is_not_computed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

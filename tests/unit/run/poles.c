@@ -20,9 +20,8 @@ static double pole_velocity(double power, double pole, double end)
 
 /* 240 runs: 6 methods, powers from 0 (a logarithm) to 0.8, steps of 1 to 20 ms. A step across a
  * pole misses no more than what lies around the pole, and all such steps are counted. */
-static void test_fixed_steps_across_integrable_poles(void **state)
+TEST(test_fixed_steps_across_integrable_poles)
 {
-    (void)state;
     static const char *const methods[] = {"euler", "heun", "rk4", "gauss6", "radau5", "ab4"};
     static const double powers[] = {0, 0.1, 0.2, 0.3, 0.5, 0.8}, steps[] = {1e-3, 5e-3, 0.02};
     const double end = 2;
@@ -58,8 +57,4 @@ static void test_fixed_steps_across_integrable_poles(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fixed_steps_across_integrable_poles)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -31,9 +31,8 @@ static size_t brute_force(const double *q, int64_t count, int64_t size, int64_t 
 
 /* A small cap, so that decimation happens often; noise, so that extremes lie anywhere; and all
  * lengths. */
-static void test_decimation_equals_brute_force(void **state)
+TEST(test_decimation_equals_brute_force)
 {
-    (void)state;
     enum { COUNT = 3000, CAP = 100 };
     static double q[COUNT];
     static int64_t kept[COUNT];
@@ -76,9 +75,8 @@ static void test_decimation_equals_brute_force(void **state)
 }
 
 /* Many rows that are offered at once, of any width and number, leave what they leave one by one. */
-static void test_many_rows_at_once(void **state)
+TEST(test_many_rows_at_once)
 {
-    (void)state;
     enum { COUNT = 20000, CAP = 2000, WIDTH = 4 };
     static double row[COUNT * WIDTH];
     const int scenes = is_long() ? 400 : 40;
@@ -119,9 +117,8 @@ static void test_many_rows_at_once(void **state)
 }
 
 /* One sample in 5 million stands out, up or down, wherever it is. */
-static void test_spike_survives(void **state)
+TEST(test_spike_survives)
 {
-    (void)state;
     const int64_t count = 5000000, index[] = {1, 777777, 2500001, 4999998};
     for (size_t k = 0; k < COUNT_OF(index); k++) {
         struct trace *trace = trace_create(2, false, (struct recording_rule){RECORD_AUTO, 0, 0}, 0);
@@ -138,9 +135,8 @@ static void test_spike_survives(void **state)
     }
 }
 
-static void test_memory_is_bounded(void **state)
+TEST(test_memory_is_bounded)
 {
-    (void)state;
     struct scene scene = spring();
     struct run *run =
         start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
@@ -157,9 +153,8 @@ static void test_memory_is_bounded(void **state)
 }
 
 /* Decimated runs do not depend on slicing either, and can be taken back to what was recorded. */
-static void test_decimated_run(void **state)
+TEST(test_decimated_run)
 {
-    (void)state;
     struct scene scene = spring();
     /* Specialised: of a decimated trace a propagator cannot find the beginning of its block again.
      */
@@ -222,7 +217,7 @@ static void assert_same_balance(const struct run *some, const struct run *all)
 /* The balance of a run does not depend on what is recorded, nor on targets on the way: all bits are
  * those of a run with each step. Adaptive steps are taken again for it when somebody asks; it is
  * kept on the way where sums are compensated. */
-static void test_balance_at_recorded_rows(void **state)
+TEST(test_balance_at_recorded_rows)
 {
     static const char *const names[] = {"dopri5", "dop853", "rodas5p", "tsit5", "rk4"};
     static const struct recording_rule rules[] = {{RECORD_AUTO, 0, 0}, {RECORD_EVERY, 13, 0}};
@@ -261,9 +256,8 @@ static void test_balance_at_recorded_rows(void **state)
     }
 }
 
-static void test_record_every(void **state)
+TEST(test_record_every)
 {
-    (void)state;
     struct scene scene = spring();
     struct run_settings settings = {.dt = 0.01, .record = {RECORD_EVERY, 7, 0}};
     struct run *run = start(&scene, "rk4", settings, 1), *other = start(&scene, "rk4", settings, 1);
@@ -294,9 +288,8 @@ static void test_record_every(void **state)
     run_destroy(all);
 }
 
-static void test_full_trace_keeps_the_state(void **state)
+TEST(test_full_trace_keeps_the_state)
 {
-    (void)state;
     struct scene scene = spring();
     struct run_settings settings = {.dt = 0.01, .record = {RECORD_ALL, 0, 0}, .memory = 500 * 16};
     struct run *run = start(&scene, "verlet", settings, HUGE_VAL);
@@ -319,17 +312,4 @@ static void test_full_trace_keeps_the_state(void **state)
     run_destroy(other);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_decimation_equals_brute_force),
-        cmocka_unit_test(test_many_rows_at_once),
-        cmocka_unit_test(test_spike_survives),
-        cmocka_unit_test(test_memory_is_bounded),
-        cmocka_unit_test(test_decimated_run),
-        cmocka_unit_test(test_balance_at_recorded_rows),
-        cmocka_unit_test(test_record_every),
-        cmocka_unit_test(test_full_trace_keeps_the_state),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -27,9 +27,8 @@ static bool misses(const char *force, const char *method, double dt, double end,
 }
 
 /* 20 frequencies, 3 forms and 4 methods; steps of whole periods and of a twentieth. */
-static void test_steps_of_whole_periods(void **state)
+TEST(test_steps_of_whole_periods)
 {
-    (void)state;
     static const char *const methods[] = {"euler", "heun", "rk4", "gauss6"};
     for (int i = 0; i < 20; i++)
         for (size_t form = 0; form < 3; form++) {
@@ -95,9 +94,8 @@ static double off_by_pulse(const char *line, const char *method, double dt, doub
 }
 
 /* Methods whose steps of 50 ms have next to no error of their own. */
-static void test_pulses(void **state)
+TEST(test_pulses)
 {
-    (void)state;
     static const char *const methods[] = {"rk4", "rk38", "gauss4", "gauss6"};
     uint64_t seed = 5;
     int wrong = 0, right = 0;
@@ -127,9 +125,4 @@ static void test_pulses(void **state)
     assert_true(wrong >= 20 && right >= 60);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps_of_whole_periods),
-                                       cmocka_unit_test(test_pulses)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

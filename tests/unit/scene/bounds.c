@@ -157,9 +157,8 @@ static bool in_outer(struct outer bounds, double value)
 }
 
 /* Near poles values are outside of the gap. */
-static void test_gaps(void **state)
+TEST(test_gaps)
 {
-    (void)state;
     uint64_t seed = 9;
     struct buffer text = {0};
     const int count = is_long() ? 100000 : 5000;
@@ -205,9 +204,8 @@ static void test_gaps(void **state)
 
 /* Values are inside; so are slopes between two points, which are a slope somewhere, and second
  * differences. */
-static void test_inclusion(void **state)
+TEST(test_inclusion)
 {
-    (void)state;
     uint64_t seed = 7;
     struct buffer text = {0};
     const int count = is_long() ? 100000 : 5000;
@@ -326,7 +324,7 @@ static void compile(struct problem *problem, const char *text, struct arena *are
         fail_msg("%s: %s", text, error.text);
 }
 
-static void test_roots(void **state)
+TEST(test_roots)
 {
     static const struct {
         const char *text;
@@ -378,7 +376,7 @@ static bool any(void *context, double x, int sign)
 }
 
 /* What has no end of roots is not said to be complete. */
-static void test_unsure(void **state)
+TEST(test_unsure)
 {
     static const char *const text[] = {"sin(1/(a-0.5))", "a*sin(1e7*a)"};
     (void)state;
@@ -401,9 +399,8 @@ static void test_unsure(void **state)
 
 /* 200 random functions against so many looks that none of theirs is overlooked, as far as looks can
  * tell. */
-static void test_random(void **state)
+TEST(test_random)
 {
-    (void)state;
     enum { LOOKS = 200000 };
     const int problems = is_long() ? 200 : 40;
     uint64_t seed = 11;
@@ -459,10 +456,4 @@ static void test_random(void **state)
     buffer_free(&text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inclusion), cmocka_unit_test(test_gaps), cmocka_unit_test(test_roots),
-        cmocka_unit_test(test_unsure), cmocka_unit_test(test_random)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -15,9 +15,8 @@ static struct condition condition_of(const char *source, struct arena *arena)
     return condition;
 }
 
-static void test_conditions(void **state)
+TEST(test_conditions)
 {
-    (void)state;
     static const struct {
         const char *source;
         double value;
@@ -63,10 +62,4 @@ static void test_conditions(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_conditions),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

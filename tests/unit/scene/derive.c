@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Exact derivatives of expressions against differences of high order, and which names an expression
  * is linear in. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/catalog.h>
 #include <hooke/scene.h>
@@ -100,9 +95,8 @@ static void check(const char *text, const double *at)
 }
 
 /* A function that is added to the catalogue without a derivative fails here. */
-static void every_function(void **state)
+TEST(every_function)
 {
-    (void)state;
     static const double at[NAMES] = {0.37, 0.62, 0.81};
     for (size_t i = 0; i < function_catalog.count; i++) {
         const struct row *row = catalog_row(&function_catalog, i);
@@ -118,9 +112,8 @@ static void every_function(void **state)
     }
 }
 
-static void compositions(void **state)
+TEST(compositions)
 {
-    (void)state;
     static const double at[NAMES] = {1.3, -0.7, 0.4, 2.1, 0.9, -1.1, 0.3, 0.8, 1.7, 0.2, 0.6, 1.9};
     /* more names than one pass holds */
     check("a*exp(-c*d)*cos(e*d + f)/(1 + g*h^2) - i*j*k*l", at);
@@ -130,9 +123,8 @@ static void compositions(void **state)
     check("a - -b + floor(d)*c + step(b)", at);
 }
 
-static void limits_are_no_nan(void **state)
+TEST(limits_are_no_nan)
 {
-    (void)state;
     static const double at[NAMES] = {0, 2, 3};
     static const struct {
         const char *text;
@@ -157,9 +149,8 @@ static void limits_are_no_nan(void **state)
     }
 }
 
-static void linearity(void **state)
+TEST(linearity)
 {
-    (void)state;
     static const struct {
         const char *text;
         int count; /* in a, in a and b, … */
@@ -177,13 +168,4 @@ static void linearity(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_function),
-        cmocka_unit_test(compositions),
-        cmocka_unit_test(limits_are_no_nan),
-        cmocka_unit_test(linearity),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -30,9 +30,8 @@ static double value_of(const char *source, size_t *used)
     return value;
 }
 
-static void test_values(void **state)
+TEST(test_values)
 {
-    (void)state;
     static const double pi = 3.14159265358979323846;
     const struct {
         const char *source;
@@ -154,9 +153,8 @@ static void test_values(void **state)
     }
 }
 
-static void test_where_it_ends(void **state)
+TEST(test_where_it_ends)
 {
-    (void)state;
     /* The bar is where the expression ends. */
     static const char *const cases[] = {
         "5 cm|",       "5cm|",   "0.25 1/s|",    "(3+1) s|", "30 deg|", "199.9| +- 0.1 g",
@@ -194,9 +192,8 @@ static void expect_mistake(const char *source, const char *sentence, const char 
     assert_int_equal(error.code, ERROR_COMMAND);
 }
 
-static void test_mistakes(void **state)
+TEST(test_mistakes)
 {
-    (void)state;
     expect_mistake("3 * gama", "unknown name 'gama'", "gama", "did you mean 'gamma'?");
     expect_mistake("y - gama", "unknown name 'gama'", "gama", "'gamma'");
     expect_mistake("y-gama", "unknown name 'gama'", "gama", "'gamma'");
@@ -257,9 +254,8 @@ static void test_mistakes(void **state)
                    "write names and signs in ASCII: - * / and a to z");
 }
 
-static void test_constants(void **state)
+TEST(test_constants)
 {
-    (void)state;
     struct arena arena = {0};
     struct error error;
     size_t used;
@@ -333,9 +329,8 @@ static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min)
     return made.value;
 }
 
-static void test_random_expressions(void **state)
+TEST(test_random_expressions)
 {
-    (void)state;
     uint64_t seed = 6;
     int finite = 0, rounds = is_long() ? 200000 : 5000;
     for (int i = 0; i < rounds; i++) {
@@ -380,9 +375,8 @@ static void expect_quick(const char *begin, const char *unit, size_t size, const
     buffer_free(&source);
 }
 
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
-    (void)state;
     expect_quick("", "(", 1000000, "", "nested deeper than 200");
     expect_quick("", "-", 1000000, "", "nested deeper than 200");
     expect_quick("", "sin(", 1000000, "", "nested deeper than 200");
@@ -406,9 +400,8 @@ static void test_hostile(void **state)
     expect_quick("", " ", 1000000, "", "missing");
 }
 
-static void test_depth_limit_is_sharp(void **state)
+TEST(test_depth_limit_is_sharp)
 {
-    (void)state;
     char whole[2000] = "";
     for (int i = 0; i < 150; i++) /* fewer levels than the limit, but two values wait in each */
         memcpy(whole + 7 * i, "if(y,y,", 8);
@@ -432,9 +425,8 @@ static void test_depth_limit_is_sharp(void **state)
     }
 }
 
-static void test_function_table(void **state)
+TEST(test_function_table)
 {
-    (void)state;
     /* Each brief begins with the call, which compiles with that many arguments. */
     for (size_t i = 0; i < function_catalog.count; i++) {
         const struct row *row = catalog_row(&function_catalog, i);
@@ -453,17 +445,4 @@ static void test_function_table(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),
-        cmocka_unit_test(test_where_it_ends),
-        cmocka_unit_test(test_mistakes),
-        cmocka_unit_test(test_constants),
-        cmocka_unit_test(test_random_expressions),
-        cmocka_unit_test(test_hostile),
-        cmocka_unit_test(test_depth_limit_is_sharp),
-        cmocka_unit_test(test_function_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

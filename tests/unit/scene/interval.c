@@ -94,9 +94,8 @@ static const struct {
 
 /* Every number of two intervals gives one inside of the bounds; of single numbers these are the
  * neighbours of what it is rounded to, and 0 is known exactly. */
-static void test_operations(void **state)
+TEST(test_operations)
 {
-    (void)state;
     uint64_t seed = 5;
     const int count = is_long() ? 3000000 : 300000;
     for (int k = 0; k < count; k++) {
@@ -122,9 +121,8 @@ static void assert_neighbours(struct interval bounds, double value)
                 bounds.hi <= nextafter(value, HUGE_VAL));
 }
 
-static void test_tightness(void **state)
+TEST(test_tightness)
 {
-    (void)state;
     uint64_t seed = 6;
     for (int k = 0; k < 100000; k++) {
         const double x = random_number(&seed), y = random_number(&seed);
@@ -160,9 +158,8 @@ static long double power_of(double x, int n)
     return n < 0 ? 1 / out : out;
 }
 
-static void test_powers(void **state)
+TEST(test_powers)
 {
-    (void)state;
     uint64_t seed = 7;
     for (int k = 0; k < 200000; k++) {
         const int n = (int)random_between(&seed, -8, 9);
@@ -185,7 +182,7 @@ static bool find_name(const void *context, struct text name, int *slot)
 }
 
 /* Long and short ranges, far from 0 and near, with their middles, ends and what lies between. */
-static void test_functions(void **state)
+TEST(test_functions)
 {
     static const struct {
         const char *text;
@@ -227,10 +224,4 @@ static void test_functions(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_operations), cmocka_unit_test(test_tightness),
-        cmocka_unit_test(test_powers), cmocka_unit_test(test_functions)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -35,9 +35,8 @@ static struct scene busy_scene(const struct preset *preset, uint64_t *seed)
     return scene;
 }
 
-static void test_tables(void **state)
+TEST(test_tables)
 {
-    (void)state;
     assert_true(scene_models[0] == &oscillator_model);
     for (size_t m = 0; scene_models[m]; m++) {
         const struct model *model = scene_models[m];
@@ -281,9 +280,8 @@ static bool check_preset(const struct preset *preset, size_t check, void (*spoil
     return true;
 }
 
-static void test_models_keep_their_claims(void **state)
+TEST(test_models_keep_their_claims)
 {
-    (void)state;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = preset_at(i);
         /* energies are out of range there: that is what they are for */
@@ -334,9 +332,8 @@ static void with_time(struct system *system)
     system->term[0].row = &broken;
 }
 
-static void test_wrong_models_are_caught(void **state)
+TEST(test_wrong_models_are_caught)
 {
-    (void)state;
     static const char *const names[] = {"duffing", "pendulum", "kepler", "elastic-pendulum"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const struct preset *preset =
@@ -358,9 +355,8 @@ static void test_wrong_models_are_caught(void **state)
 
 /* ---- starts and derived quantities ---- */
 
-static void test_starts(void **state)
+TEST(test_starts)
 {
-    (void)state;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         struct scene scene = scene_of(preset_at(i));
         struct error error = {0};
@@ -401,9 +397,8 @@ static struct measured derive(const struct scene *scene, const char *name)
     return ((const struct derived_row *)(const void *)row)->value(scene);
 }
 
-static void test_derived(void **state)
+TEST(test_derived)
 {
-    (void)state;
     struct scene scene =
         scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("pendulum")));
     struct error error;
@@ -433,14 +428,4 @@ static void test_derived(void **state)
     assert_true(fabs(derive(&scene, "E0").value + 0.5) < 1e-14);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_models_keep_their_claims),
-        cmocka_unit_test(test_wrong_models_are_caught),
-        cmocka_unit_test(test_starts),
-        cmocka_unit_test(test_derived),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

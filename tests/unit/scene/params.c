@@ -32,9 +32,8 @@ static void expect_near(double got, double wanted, double relative)
         fail_msg("%.17g, wanted %.17g", got, wanted);
 }
 
-static void test_tables(void **state)
+TEST(test_tables)
 {
-    (void)state;
     /* The names are an interface: scripts rely on them. */
     static const struct {
         const char *name, *unit;
@@ -83,9 +82,8 @@ static void expect_refused(const char *param, double value, double uncertainty,
     assert_memory_equal(scene.chosen, before.chosen, sizeof scene.chosen);
 }
 
-static void test_ranges(void **state)
+TEST(test_ranges)
 {
-    (void)state;
     expect_refused("m", 0, 0, "m must be > 0 (got 0 kg)");
     expect_refused("m", -0.2, 0, "m must be > 0 (got -0.2 kg)");
     expect_refused("C", -1, 0, "C must be >= 0 (got -1)");
@@ -106,9 +104,8 @@ static void test_ranges(void **state)
     assert_true(scene.uncertainty[param_index("k")] == 0);
 }
 
-static void test_set_and_unset(void **state)
+TEST(test_set_and_unset)
 {
-    (void)state;
     struct scene scene;
     int gamma = param_index("gamma");
     scene_init(&scene, (const struct preset *)catalog_find(&preset_catalog, TEXT("damped")));
@@ -122,9 +119,8 @@ static void test_set_and_unset(void **state)
     assert_string_equal(scene.preset->row.name, "spring");
 }
 
-static void test_presets(void **state)
+TEST(test_presets)
 {
-    (void)state;
     static const char *const names[] = {"spring",          "damped",  "drag",      "driven",
                                         "pendulum",        "duffing", "vanderpol", "stiff-spring",
                                         "stiff-vanderpol", "kepler"};
@@ -148,9 +144,8 @@ static void test_presets(void **state)
     }
 }
 
-static void test_derived(void **state)
+TEST(test_derived)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     set(&scene, "gamma", 0.5, 0);
@@ -189,9 +184,8 @@ static void test_derived(void **state)
     assert_true(isnan(derive(&scene, "T_d").value) && derive(&scene, "zeta").value > 1);
 }
 
-static void test_extreme_amplitude(void **state)
+TEST(test_extreme_amplitude)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     static const double sizes[] = {1e-300, 1e-200, 1e200, 1e300};
@@ -207,9 +201,8 @@ static void test_extreme_amplitude(void **state)
     expect_near(derive(&scene, "omega0").value, sqrt(1e305), 1e-15);
 }
 
-static void test_uncertainty(void **state)
+TEST(test_uncertainty)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     assert_true(derive(&scene, "T0").uncertainty == 0);
@@ -232,9 +225,8 @@ static void test_uncertainty(void **state)
     expect_near(derive(&scene, "T0").uncertainty / derive(&scene, "T0").value, 1e-13 / 30, 1e-8);
 }
 
-static void test_setting_a_derived_quantity(void **state)
+TEST(test_setting_a_derived_quantity)
 {
-    (void)state;
     struct scene scene;
     struct error error = {0};
     for (size_t i = 0; i < derived_catalog.count; i++) {
@@ -262,9 +254,8 @@ static void test_setting_a_derived_quantity(void **state)
     assert_true(scene.value[param_index("gamma")] == 0);
 }
 
-static void test_reynolds(void **state)
+TEST(test_reynolds)
 {
-    (void)state;
     struct scene scene;
     scene_init(&scene, NULL);
     expect_near(scene_reynolds(&scene, 0.5), 1.204 * 0.5 * 0.04 / 1.82e-5, 1e-15);
@@ -277,14 +268,4 @@ static void test_reynolds(void **state)
     assert_string_equal(reynolds_regime(NAN), "undefined");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),        cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_set_and_unset), cmocka_unit_test(test_presets),
-        cmocka_unit_test(test_derived),       cmocka_unit_test(test_extreme_amplitude),
-        cmocka_unit_test(test_uncertainty),   cmocka_unit_test(test_setting_a_derived_quantity),
-        cmocka_unit_test(test_reynolds),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

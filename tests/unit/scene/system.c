@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-static void test_only_what_is_needed(void **state)
+TEST(test_only_what_is_needed)
 {
-    (void)state;
     struct system spring = BOUND({"k", 15});
     assert_int_equal(spring.terms, 1);
     assert_string_equal(spring.term[0].row->row.name, "spring");
@@ -42,9 +41,8 @@ static void test_only_what_is_needed(void **state)
     assert_true(free.linear && free.conservative && free.autonomous);
 }
 
-static void test_spring_is_one_multiplication(void **state)
+TEST(test_spring_is_one_multiplication)
 {
-    (void)state;
     /* Kernels rely on it: the coefficient is k/m, rounded once, and the acceleration is -(k/m) y,
      * rounded once. */
     uint64_t seed = 4;
@@ -62,9 +60,8 @@ static void test_spring_is_one_multiplication(void **state)
     }
 }
 
-static void test_parts_add_up(void **state)
+TEST(test_parts_add_up)
 {
-    (void)state;
     struct system all = BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5},
                               {"k3", 40}, {"mu", 0.2}, {"friction", 0.1});
     assert_int_equal(all.terms, term_catalog.count);
@@ -130,9 +127,8 @@ static void decay_jacobian(const double *c, double t, const double *y, double *j
     jac[3] -= c[0];
 }
 
-static void test_first_order(void **state)
+TEST(test_first_order)
 {
-    (void)state;
     const struct term_row row = {.row = {"decay", "", "", "", NULL},
                                  .flags = TERM_LINEAR,
                                  .add = decay_add,
@@ -147,9 +143,8 @@ static void test_first_order(void **state)
     assert_false(system_has_exact(&system));
 }
 
-static void test_variables(void **state)
+TEST(test_variables)
 {
-    (void)state;
     const struct system system = BOUND({"k", 1});
     assert_string_equal(system_variable(&system, 0).name, "y");
     assert_int_equal(system_variable(&system, 0).quantity, QUANTITY_LENGTH);
@@ -164,9 +159,8 @@ static void expect_scale(struct system system, double length, double speed)
                  length, speed);
 }
 
-static void test_scale(void **state)
+TEST(test_scale)
 {
-    (void)state;
     double omega = sqrt(75);
     expect_scale(BOUND({"y0", -0.05}), 0.05, 0.05 * omega);
     expect_scale(BOUND({"y0", 0.01}, {"v0", -2}), 2 / omega, 2);
@@ -206,9 +200,8 @@ static void expect_refused(const char *sentence, const struct setting *settings,
     expect_refused(sentence, (const struct setting[]){__VA_ARGS__},                                \
                    COUNT_OF(((const struct setting[]){__VA_ARGS__})))
 
-static void test_overflow_is_refused(void **state)
+TEST(test_overflow_is_refused)
 {
-    (void)state;
     REFUSED("k/m overflows", {"m", 1e-310});
     REFUSED("k/m overflows", {"m", 1e-310}, {"k", 1e-10}); /* finite, but with few digits */
     REFUSED("k/m overflows", {"k", 1e300}, {"m", 1e-20});
@@ -247,9 +240,8 @@ static double flow_of(const struct oscillator *oscillator, double v, double h)
     return drag_flow_apply(&flow, v);
 }
 
-static void test_drag_flow(void **state)
+TEST(test_drag_flow)
 {
-    (void)state;
     static const double gammas[] = {0, 1e-12, 0.3, 5, -0.3, -4}, quadratics[] = {0, 0.2, 3},
                         times[] = {0.1, 1.5, -0.1};
     for (size_t i = 0; i < COUNT_OF(gammas); i++)
@@ -277,17 +269,4 @@ static void test_drag_flow(void **state)
     assert_true(flow_of(&quadratic, 0.1, 0.3) == 0.1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_only_what_is_needed),
-        cmocka_unit_test(test_spring_is_one_multiplication),
-        cmocka_unit_test(test_parts_add_up),
-        cmocka_unit_test(test_first_order),
-        cmocka_unit_test(test_variables),
-        cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_overflow_is_refused),
-        cmocka_unit_test(test_drag_flow),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -171,9 +171,8 @@ static bool check_row(const struct term_row *row, size_t check)
     return true;
 }
 
-static void test_rows_keep_their_claims(void **state)
+TEST(test_rows_keep_their_claims)
 {
-    (void)state;
     assert_true(term_catalog.count >= 5);
     for (size_t i = 0; i < term_catalog.count; i++) {
         const struct term_row *row = (const struct term_row *)catalog_row(&term_catalog, i);
@@ -224,9 +223,8 @@ static bool always_there(const double *param, double *c, struct oscillator *o)
     return true;
 }
 
-static void test_wrong_rows_are_caught(void **state)
+TEST(test_wrong_rows_are_caught)
 {
-    (void)state;
     struct term_row row = *term_named("spring");
     row.potential = wrong_potential;
     assert_false(check_row(&row, 0));
@@ -257,11 +255,4 @@ static void test_wrong_rows_are_caught(void **state)
     assert_false(check_row(&row, 5));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rows_keep_their_claims),
-        cmocka_unit_test(test_wrong_rows_are_caught),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,11 +4,7 @@
 #ifndef SCENE_TESTING_H
 #define SCENE_TESTING_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/elementary.h>
 #include <hooke/scene.h>

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed scenes: what a line makes, what is refused and where, what a bound system computes. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/scene/fixture.h"
 #include "unit/cpu_time.h"
@@ -542,30 +538,30 @@ static void test_potential_of_kinks(void **state)
     }
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define WITH_MODELS(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(test_first_order),
-        TEST(test_second_order),
-        TEST(test_mixed_orders),
-        TEST(test_coupled),
-        TEST(test_force),
-        TEST(test_observe_built_in),
-        TEST(test_refusals),
-        TEST(test_potential_is_checked),
-        TEST(test_found_potentials),
-        TEST(test_potential_of_kinks),
-        TEST(test_jacobians),
-        TEST(test_same_bits_as_built_in),
-        TEST(test_absent),
-        TEST(test_scales),
-        TEST(test_scales_of_growth),
-        TEST(test_lines_come_back),
-        TEST(test_largest),
-        TEST(test_long_sum_is_quick),
-        TEST(test_threads),
+        WITH_MODELS(test_first_order),
+        WITH_MODELS(test_second_order),
+        WITH_MODELS(test_mixed_orders),
+        WITH_MODELS(test_coupled),
+        WITH_MODELS(test_force),
+        WITH_MODELS(test_observe_built_in),
+        WITH_MODELS(test_refusals),
+        WITH_MODELS(test_potential_is_checked),
+        WITH_MODELS(test_found_potentials),
+        WITH_MODELS(test_potential_of_kinks),
+        WITH_MODELS(test_jacobians),
+        WITH_MODELS(test_same_bits_as_built_in),
+        WITH_MODELS(test_absent),
+        WITH_MODELS(test_scales),
+        WITH_MODELS(test_scales_of_growth),
+        WITH_MODELS(test_lines_come_back),
+        WITH_MODELS(test_largest),
+        WITH_MODELS(test_long_sum_is_quick),
+        WITH_MODELS(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

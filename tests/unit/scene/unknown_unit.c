@@ -93,9 +93,8 @@ static void check(const struct writing *w, int *named)
     arena_reset(&arena);
 }
 
-static void an_unknown_unit_is_named(void **state)
+TEST(an_unknown_unit_is_named)
 {
-    (void)state;
     static const char *const words[] = {"um", "UM", "yards", "km", "ft/s", "um^2", "inches"};
     enum { CASES = 3000 };
     int named = 0, written = 0;
@@ -114,8 +113,4 @@ static void an_unknown_unit_is_named(void **state)
     assert_true(written > CASES / 2 && named > written / 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(an_unknown_unit_is_named)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -11,9 +11,8 @@ static void start(struct session *session, const char *preset)
 }
 
 /* Whatever the layout and the size: something is drawn, and no pane that the scene has not. */
-static void every_scene_in_every_layout(void **state)
+TEST(every_scene_in_every_layout)
 {
-    (void)state;
     static const int sizes[][2] = {{20, 6}, {40, 12}, {80, 24}, {130, 45}};
     for (size_t p = 0; p < preset_catalog.count; p++) {
         struct session *session = begin(p % 2, NULL);
@@ -39,9 +38,8 @@ static void every_scene_in_every_layout(void **state)
     }
 }
 
-static void an_orbit_where_there_are_two_coordinates(void **state)
+TEST(an_orbit_where_there_are_two_coordinates)
 {
-    (void)state;
     struct session *session = begin(false, "scene kepler; method verlet; run 10 s");
     assert_shows(session, 80, 24, "- x, y -");
     assert_shows(session, 80, 24, "- orbit y -");
@@ -62,9 +60,8 @@ static void an_orbit_where_there_are_two_coordinates(void **state)
     session_destroy(session);
 }
 
-static void values_alone_of_first_order(void **state)
+TEST(values_alone_of_first_order)
 {
-    (void)state;
     struct session *session = begin(false, "scene robertson; method radau5 dt=100ms; run 4 s");
     assert_shows(session, 80, 24, "- y1, y3 -");
     assert_shows(session, 80, 24, "-- y1  x y3");
@@ -77,9 +74,8 @@ static void values_alone_of_first_order(void **state)
 }
 
 /* A run of another scene has other variables: it is not laid over this one. */
-static void only_runs_of_the_same_kind_are_laid_over(void **state)
+TEST(only_runs_of_the_same_kind_are_laid_over)
 {
-    (void)state;
     struct session *session =
         begin(false, "scene kepler; run 5 s; scene pendulum; run 5 s; method verlet; run 5 s");
     tell(session, "overlay run 1 2");
@@ -89,9 +85,8 @@ static void only_runs_of_the_same_kind_are_laid_over(void **state)
 }
 
 /* Before the first run, too. */
-static void axes_wait_for_the_run(void **state)
+TEST(axes_wait_for_the_run)
 {
-    (void)state;
     struct session *session = begin(false, "scene pendulum; theta0 = 40 deg");
     assert_shows(session, 80, 24, "- theta [");
     tell(session, "scene kepler");
@@ -103,9 +98,8 @@ static void axes_wait_for_the_run(void **state)
 }
 
 /* A drive that is not there has no frequency. */
-static void the_state_line_says_what_acts(void **state)
+TEST(the_state_line_says_what_acts)
 {
-    (void)state;
     struct session *session = begin(false, "scene pendulum");
     assert_hides(session, 130, 24, "omega=");
     assert_shows(session, 130, 24, "theta0=");
@@ -116,15 +110,4 @@ static void the_state_line_says_what_acts(void **state)
     session_destroy(session);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_scene_in_every_layout),
-        cmocka_unit_test(an_orbit_where_there_are_two_coordinates),
-        cmocka_unit_test(values_alone_of_first_order),
-        cmocka_unit_test(only_runs_of_the_same_kind_are_laid_over),
-        cmocka_unit_test(axes_wait_for_the_run),
-        cmocka_unit_test(the_state_line_says_what_acts),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

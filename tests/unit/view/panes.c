@@ -48,9 +48,8 @@ static double mean_change(struct session *session, int frames, int *max)
 
 /* A planned run sweeps over fixed axes: the curve's end, the point of the phase plot with the end
  * of its trail, and some digits. */
-static void a_sweep_changes_few_cells(void **state)
+TEST(a_sweep_changes_few_cells)
 {
-    (void)state;
     for (int utf8 = 0; utf8 < 2; utf8++) {
         struct session *session = live_session(utf8, swing, "run 9 s");
         int max;
@@ -63,9 +62,8 @@ static void a_sweep_changes_few_cells(void **state)
 
 /* Beyond the window pages turn by a quarter of it: between the turns as little changes as before.
  */
-static void pages_turn_rarely(void **state)
+TEST(pages_turn_rarely)
 {
-    (void)state;
     struct session *session = live_session(true, swing, "run 1 s");
     session->view.window = 8;
     struct run *run = current(session);
@@ -84,9 +82,8 @@ static void pages_turn_rarely(void **state)
     session_destroy(session);
 }
 
-static void an_axis_reaches_to_the_planned_end(void **state)
+TEST(an_axis_reaches_to_the_planned_end)
 {
-    (void)state;
     struct session *session = live_session(false, swing, "run 20 s");
     run_back(current(session), 1990);
     session->view.window = 100;
@@ -100,9 +97,8 @@ static void an_axis_reaches_to_the_planned_end(void **state)
 }
 
 /* Of a run that goes backwards the earliest times are new; the mark of the present is on it. */
-static void the_newest_part_may_be_the_earliest(void **state)
+TEST(the_newest_part_may_be_the_earliest)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run -60 s");
     assert_shows(session, 80, 24, "last 8 of 60 s");
@@ -115,9 +111,8 @@ static void the_newest_part_may_be_the_earliest(void **state)
 
 /* Nothing is added to a recording: it is there from beginning to end, unless a window is asked for.
  */
-static void a_recording_alone_is_whole(void **state)
+TEST(a_recording_alone_is_whole)
 {
-    (void)state;
     struct session *session = begin(false, NULL);
     char name[] = "/tmp/hooke-panes-XXXXXX", line[80];
     const int file = mkstemp(name);
@@ -138,9 +133,8 @@ static void a_recording_alone_is_whole(void **state)
     session_destroy(session);
 }
 
-static void the_window_is_the_newest_part(void **state)
+TEST(the_window_is_the_newest_part)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 60 s");
     session->view.paging = true;
@@ -172,9 +166,8 @@ static void the_window_is_the_newest_part(void **state)
     session_destroy(session);
 }
 
-static void the_vertical_range_of_the_focus_can_be_fixed(void **state)
+TEST(the_vertical_range_of_the_focus_can_be_fixed)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     session->view.y[0] = -0.4;
@@ -209,9 +202,8 @@ static void set_cursors(struct session *session)
     cursors->periods = 4;
 }
 
-static void cursors_stand_in_frame_and_table(void **state)
+TEST(cursors_stand_in_frame_and_table)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     set_cursors(session);
@@ -234,9 +226,8 @@ static void cursors_stand_in_frame_and_table(void **state)
     session_destroy(session);
 }
 
-static void changed_parameters_are_marked_on_the_axis(void **state)
+TEST(changed_parameters_are_marked_on_the_axis)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     assert_hides(session, 80, 24, "^");
@@ -248,9 +239,8 @@ static void changed_parameters_are_marked_on_the_axis(void **state)
 }
 
 /* A run at its very start, with one row, and one step later. */
-static void one_row_is_enough(void **state)
+TEST(one_row_is_enough)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 1 s");
     run_back(current(session), INT64_MAX);
@@ -304,7 +294,7 @@ static const struct observable *observable(const char *name)
 
 /* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column,
  * and the extremes are among them. */
-static void few_rows_stand_for_many(void **state)
+TEST(few_rows_stand_for_many)
 {
     static const struct {
         enum plot_kind kind;
@@ -341,9 +331,8 @@ static void few_rows_stand_for_many(void **state)
 }
 
 /* After a change of the spring the energy of earlier rows is still that of the spring they had. */
-static void rows_before_a_change_keep_their_energy(void **state)
+TEST(rows_before_a_change_keep_their_energy)
 {
-    (void)state;
     struct session *session = begin(false, "k = 2.1 N/m; y0 = 4.2 cm; method rk4; dt = 1 ms");
     tell(session, "run 5 s");
     struct run *run = current(session);
@@ -362,9 +351,8 @@ static void rows_before_a_change_keep_their_energy(void **state)
     session_destroy(session);
 }
 
-static void the_spectrum_has_its_peak_at_the_frequency(void **state)
+TEST(the_spectrum_has_its_peak_at_the_frequency)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 60 s");
     struct arena arena = {0};
@@ -399,9 +387,8 @@ static struct session *begin_recorded(const char *column, double zero, double by
     return session;
 }
 
-static void a_residual_is_what_is_left_of_the_recording(void **state)
+TEST(a_residual_is_what_is_left_of_the_recording)
 {
-    (void)state;
     struct session *session = begin_recorded("y [m]", -1e-3, 1);
     assert_shows(session, 80, 24, "o data");
     struct arena arena = {0};
@@ -423,9 +410,8 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
 }
 
 /* Volts are laid over the run in its own unit, in panes too: 1 V = 2.5 cm, 0 V at 1 cm. */
-static void a_voltage_lies_on_the_run(void **state)
+TEST(a_voltage_lies_on_the_run)
 {
-    (void)state;
     struct session *session = begin_recorded("U [V]", 0.01, 0.025);
     const struct run *run = current(session);
     assert_shows(session, 80, 24, "o data");
@@ -447,24 +433,4 @@ static void a_voltage_lies_on_the_run(void **state)
     session_destroy(session);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sweep_changes_few_cells),
-        cmocka_unit_test(pages_turn_rarely),
-        cmocka_unit_test(an_axis_reaches_to_the_planned_end),
-        cmocka_unit_test(the_newest_part_may_be_the_earliest),
-        cmocka_unit_test(a_recording_alone_is_whole),
-        cmocka_unit_test(the_window_is_the_newest_part),
-        cmocka_unit_test(the_vertical_range_of_the_focus_can_be_fixed),
-        cmocka_unit_test(cursors_stand_in_frame_and_table),
-        cmocka_unit_test(changed_parameters_are_marked_on_the_axis),
-        cmocka_unit_test(one_row_is_enough),
-        cmocka_unit_test(few_rows_stand_for_many),
-        cmocka_unit_test(rows_before_a_change_keep_their_energy),
-        cmocka_unit_test(the_spectrum_has_its_peak_at_the_frequency),
-        cmocka_unit_test(a_voltage_lies_on_the_run),
-        cmocka_unit_test(a_residual_is_what_is_left_of_the_recording),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

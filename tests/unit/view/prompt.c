@@ -28,25 +28,22 @@ static void check(int width, const char *line, size_t cursor, const char *shown,
     free(text);
 }
 
-static void short_lines_stand_as_they_are(void **state)
+TEST(short_lines_stand_as_they_are)
 {
-    (void)state;
     check(40, "", 0, "hooke>", 7);
     check(40, "run 10 s", 8, "hooke> run 10 s", 15);
     check(40, "run 10 s", 3, "hooke> run 10 s", 10);
 }
 
-static void wide_characters_move_the_cursor_by_two(void **state)
+TEST(wide_characters_move_the_cursor_by_two)
 {
-    (void)state;
     check(40, "\xE6\x97\xA5\xE6\x9C\xAC", 6, "hooke> \xE6\x97\xA5\xE6\x9C\xAC", 11);
     check(40, "\xE6\x97\xA5\xE6\x9C\xAC", 3, "hooke> \xE6\x97\xA5\xE6\x9C\xAC", 9);
     check(40, "\xC5\xBC\xC3\xB3\xC5\x82\xC4\x87", 8, "hooke> \xC5\xBC\xC3\xB3\xC5\x82\xC4\x87", 11);
 }
 
-static void bytes_that_are_no_text_are_visible(void **state)
+TEST(bytes_that_are_no_text_are_visible)
 {
-    (void)state;
     check(40,
           "a\xFF"
           "b",
@@ -55,9 +52,8 @@ static void bytes_that_are_no_text_are_visible(void **state)
     check(40, "\x1B[2J", 4, "hooke> ^[[2J", 12);
 }
 
-static void long_lines_scroll_with_marks(void **state)
+TEST(long_lines_scroll_with_marks)
 {
-    (void)state;
     check(20, "abcdefghijklmnopqrstuvwxyz", 0, "hooke> abcdefghijkl>", 7);
     check(20, "abcdefghijklmnopqrstuvwxyz", 11, "hooke> abcdefghijkl>", 18);
     check(20, "abcdefghijklmnopqrstuvwxyz", 12, "hooke> <hijklmnopqr>", 13);
@@ -65,7 +61,7 @@ static void long_lines_scroll_with_marks(void **state)
 }
 
 /* Wherever it stands, the character under the cursor is on the screen. */
-static void the_cursor_is_always_on_its_character(void **state)
+TEST(the_cursor_is_always_on_its_character)
 {
     static const char line[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
     (void)state;
@@ -81,14 +77,4 @@ static void the_cursor_is_always_on_its_character(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(short_lines_stand_as_they_are),
-        cmocka_unit_test(wide_characters_move_the_cursor_by_two),
-        cmocka_unit_test(bytes_that_are_no_text_are_visible),
-        cmocka_unit_test(long_lines_scroll_with_marks),
-        cmocka_unit_test(the_cursor_is_always_on_its_character),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -5,7 +5,7 @@
 #include <hooke/plot.h>
 #include "unit/view/testing.h"
 
-static void every_size_can_be_drawn(void **state)
+TEST(every_size_can_be_drawn)
 {
     static const int widths[] = {1,  2,  3,  7,  8,  9,   13,  20,  24,  39,
                                  40, 59, 60, 61, 80, 109, 110, 120, 200, 300};
@@ -45,9 +45,8 @@ static void every_size_can_be_drawn(void **state)
 
 /* In this order: numbers line, second pane, log but one row, labels, frame; at last only the prompt
  * is left. */
-static void parts_give_way_in_order(void **state)
+TEST(parts_give_way_in_order)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     assert_shows(session, 80, 24, "E bal=");
@@ -71,7 +70,7 @@ static void parts_give_way_in_order(void **state)
     session_destroy(session);
 }
 
-static void layouts_have_their_panes(void **state)
+TEST(layouts_have_their_panes)
 {
     static const struct {
         enum layout layout;
@@ -97,9 +96,8 @@ static void layouts_have_their_panes(void **state)
 }
 
 /* Whatever pane has the focus is on the screen, and alone on it when it is asked for full. */
-static void the_focused_pane_is_shown(void **state)
+TEST(the_focused_pane_is_shown)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     for (size_t i = 0; i < plot_catalog.count; i++) {
@@ -124,9 +122,8 @@ static void the_focused_pane_is_shown(void **state)
     session_destroy(session);
 }
 
-static void drawing_changes_nothing(void **state)
+TEST(drawing_changes_nothing)
 {
-    (void)state;
     struct session *session = begin(true, swing);
     tell(session, "run 9.6 s");
     struct session before = *session;
@@ -138,9 +135,8 @@ static void drawing_changes_nothing(void **state)
     session_destroy(session);
 }
 
-static void the_state_line_says_what_goes_on(void **state)
+TEST(the_state_line_says_what_goes_on)
 {
-    (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     char *row = print_row(session, 80, 24, 0);
@@ -165,9 +161,8 @@ static void the_state_line_says_what_goes_on(void **state)
     session_destroy(session);
 }
 
-static void a_conservative_run_has_no_balance(void **state)
+TEST(a_conservative_run_has_no_balance)
 {
-    (void)state;
     struct session *session = begin(false, "gamma = 0; method euler");
     assert_hides(session, 80, 24, "dE/E0");
     tell(session, "run 1 s");
@@ -176,9 +171,8 @@ static void a_conservative_run_has_no_balance(void **state)
     session_destroy(session);
 }
 
-static void a_hint_takes_the_numbers_line(void **state)
+TEST(a_hint_takes_the_numbers_line)
 {
-    (void)state;
     struct session *session = begin(false, NULL);
     struct prompt_line prompt = typed("");
     struct canvas canvas;
@@ -194,9 +188,8 @@ static void a_hint_takes_the_numbers_line(void **state)
     session_destroy(session);
 }
 
-static void the_log_scrolls(void **state)
+TEST(the_log_scrolls)
 {
-    (void)state;
     struct session *session = begin(true, NULL);
     for (int i = 1; i <= 20; i++) {
         char line[120];
@@ -239,9 +232,8 @@ static void the_log_scrolls(void **state)
 }
 
 /* A method or a step chosen after the run are those of the next one. */
-static void the_state_line_names_what_the_curve_was_computed_with(void **state)
+TEST(the_state_line_names_what_the_curve_was_computed_with)
 {
-    (void)state;
     struct session *session = begin(true, "method euler; run 4 s; method verlet");
     assert_shows(session, 80, 24, "| euler dt=10 ms, next verlet | t=4.00 s");
     tell(session, "dt = 5 ms");
@@ -252,9 +244,8 @@ static void the_state_line_names_what_the_curve_was_computed_with(void **state)
 }
 
 /* What 'layout' says is drawn is drawn, from the size on that it names. */
-static void a_layout_needs_the_size_that_is_said(void **state)
+TEST(a_layout_needs_the_size_that_is_said)
 {
-    (void)state;
     struct session *session = begin(true, "run 4 s; layout quad; clear");
     assert_shows(session, 110, 36, "4 energy");
     assert_hides(session, 109, 36, "4 energy");
@@ -262,20 +253,4 @@ static void a_layout_needs_the_size_that_is_said(void **state)
     session_destroy(session);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_size_can_be_drawn),
-        cmocka_unit_test(parts_give_way_in_order),
-        cmocka_unit_test(layouts_have_their_panes),
-        cmocka_unit_test(the_focused_pane_is_shown),
-        cmocka_unit_test(drawing_changes_nothing),
-        cmocka_unit_test(the_state_line_says_what_goes_on),
-        cmocka_unit_test(a_conservative_run_has_no_balance),
-        cmocka_unit_test(a_hint_takes_the_numbers_line),
-        cmocka_unit_test(the_state_line_names_what_the_curve_was_computed_with),
-        cmocka_unit_test(a_layout_needs_the_size_that_is_said),
-        cmocka_unit_test(the_log_scrolls),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

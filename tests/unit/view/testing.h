@@ -3,11 +3,7 @@
 #ifndef VIEW_TESTING_H
 #define VIEW_TESTING_H
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 #include <hooke/view.h>
 
 #include <stdio.h>

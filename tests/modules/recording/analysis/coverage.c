@@ -4,14 +4,10 @@
  * in 90 to 99 % of the recordings of each kind, or a warning says that one number for the whole is
  * doubtful.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -300,29 +296,25 @@ static bool cover_or_warn(struct verdict (*measure)(const struct series *series,
     return all_well;
 }
 
-static void measured_periods_cover_or_warn(void **state)
+TEST(measured_periods_cover_or_warn)
 {
-    (void)state;
     assert_true(cover_or_warn(measured_period));
 }
 
-static void fitted_periods_cover_or_warn(void **state)
+TEST(fitted_periods_cover_or_warn)
 {
-    (void)state;
     assert_true(cover_or_warn(fitted_period));
 }
 
-static void fitted_dampings_cover_or_warn(void **state)
+TEST(fitted_dampings_cover_or_warn)
 {
-    (void)state;
     assert_true(cover_or_warn(fitted_gamma));
 }
 
 /* Of positions with noise, or rounded to 3 mm, and of velocities from them: without what the noise
  * adds, 68 of 100. */
-static void energy_decay_covers_the_truth(void **state)
+TEST(energy_decay_covers_the_truth)
 {
-    (void)state;
     random_state = 27;
     for (int rounded = 0; rounded < 2; rounded++) {
         int inside = 0;
@@ -358,11 +350,4 @@ static void energy_decay_covers_the_truth(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(energy_decay_covers_the_truth),
-                                       cmocka_unit_test(measured_periods_cover_or_warn),
-                                       cmocka_unit_test(fitted_periods_cover_or_warn),
-                                       cmocka_unit_test(fitted_dampings_cover_or_warn)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

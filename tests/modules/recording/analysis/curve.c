@@ -2,12 +2,7 @@
 /* Least squares for any curve, and formulas: starts that are looked for, bounds, outliers, what the
  * data cannot tell.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 #include <hooke/scene/formula.h>
@@ -70,9 +65,8 @@ static void fit(const struct formula *formula, const struct curve_options *optio
         fail_msg("%s", error.text);
 }
 
-static void starts_are_found(void **state)
+TEST(starts_are_found)
 {
-    (void)state;
     static const struct {
         double (*curve)(double);
         double span;
@@ -107,9 +101,8 @@ static void starts_are_found(void **state)
     }
 }
 
-static void intervals_and_bootstrap(void **state)
+TEST(intervals_and_bootstrap)
 {
-    (void)state;
     int covered[2] = {0, 0}, runs = 100;
     random_state = 32;
     for (int run = 0; run < runs; run++) {
@@ -144,9 +137,8 @@ static void intervals_and_bootstrap(void **state)
     assert_true(covered[0] >= 88 && covered[0] <= 100);
 }
 
-static void outliers_have_no_weight(void **state)
+TEST(outliers_have_no_weight)
 {
-    (void)state;
     struct arena arena = {0};
     struct formula formula;
     struct curve_fit plain, robust;
@@ -169,9 +161,8 @@ static void outliers_have_no_weight(void **state)
     arena_reset(&arena);
 }
 
-static void bounds_hold(void **state)
+TEST(bounds_hold)
 {
-    (void)state;
     struct arena arena = {0};
     struct formula formula;
     struct curve_fit result;
@@ -193,9 +184,8 @@ static void bounds_hold(void **state)
     arena_reset(&arena);
 }
 
-static void what_the_data_do_not_tell_is_said(void **state)
+TEST(what_the_data_do_not_tell_is_said)
 {
-    (void)state;
     static const struct {
         const char *text;
         double a, b;
@@ -223,9 +213,8 @@ static void what_the_data_do_not_tell_is_said(void **state)
     }
 }
 
-static void stopped_early_is_not_converged(void **state)
+TEST(stopped_early_is_not_converged)
 {
-    (void)state;
     struct arena arena = {0};
     struct formula formula;
     struct curve_fit result;
@@ -243,9 +232,8 @@ static void stopped_early_is_not_converged(void **state)
     arena_reset(&arena);
 }
 
-static void refusals(void **state)
+TEST(refusals)
 {
-    (void)state;
     static const struct {
         const char *text, *says;
     } cases[] = {{"2*t", "no parameter"},
@@ -293,9 +281,8 @@ static double known_load(const void *context, int slot)
     return 2.0 * slot;
 }
 
-static void known_names_are_constants(void **state)
+TEST(known_names_are_constants)
 {
-    (void)state;
     struct arena arena = {0};
     struct formula formula;
     struct error error = {0};
@@ -318,9 +305,8 @@ static void known_names_are_constants(void **state)
 
 /* A decay to a plateau that a coarse sensor rounds: on the plateau all rounding errors are alike.
  */
-static void plateaus_of_a_coarse_sensor(void **state)
+TEST(plateaus_of_a_coarse_sensor)
 {
-    (void)state;
     const int runs = 60;
     int within = 0;
     random_state = 38;
@@ -343,18 +329,4 @@ static void plateaus_of_a_coarse_sensor(void **state)
     assert_true(10 * within >= 9 * runs);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(starts_are_found),
-        cmocka_unit_test(intervals_and_bootstrap),
-        cmocka_unit_test(outliers_have_no_weight),
-        cmocka_unit_test(bounds_hold),
-        cmocka_unit_test(what_the_data_do_not_tell_is_said),
-        cmocka_unit_test(stopped_early_is_not_converged),
-        cmocka_unit_test(refusals),
-        cmocka_unit_test(known_names_are_constants),
-        cmocka_unit_test(plateaus_of_a_coarse_sensor),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

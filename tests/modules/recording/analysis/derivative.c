@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rates, straight lines and the autocorrelation, against what is known exactly. */
 #include <hooke/base/cancel.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/series/analysis.h"
 
@@ -21,9 +17,8 @@ static bool near(double a, double b, double tolerance)
 
 /* A parabola is differentiated exactly, at uneven times and at the ends too; a gap is not bridged.
  */
-static void parabolas_are_exact(void **state)
+TEST(parabolas_are_exact)
 {
-    (void)state;
     double t[N], y[N];
     struct arena arena = {0};
     struct derivative d;
@@ -47,9 +42,8 @@ static void parabolas_are_exact(void **state)
 
 /* The loss that is stated is the one there is; so is the gain of noise, 1/(h sqrt(10)) for five
  * points. */
-static void loss_and_gain_are_as_stated(void **state)
+TEST(loss_and_gain_are_as_stated)
 {
-    (void)state;
     double t[N], y[N], largest = 0;
     const double omega = 8.7, h = 0.025;
     struct arena arena = {0};
@@ -70,9 +64,8 @@ static void loss_and_gain_are_as_stated(void **state)
     arena_reset(&arena);
 }
 
-static void the_autocorrelation_finds_the_period(void **state)
+TEST(the_autocorrelation_finds_the_period)
 {
-    (void)state;
     double t[N], y[N];
     struct arena arena = {0};
     struct measured period;
@@ -94,9 +87,8 @@ static void the_autocorrelation_finds_the_period(void **state)
 
 /* From parts all along it: half the recording has another period, and the mean of both is what they
  * agree on. */
-static void the_autocorrelation_of_long_recordings(void **state)
+TEST(the_autocorrelation_of_long_recordings)
 {
-    (void)state;
     enum { LONG = 200000 };
     struct arena arena = {0};
     double *t = arena_array(&arena, 2 * LONG, sizeof *t), *y = t + LONG, phase = 0;
@@ -140,18 +132,16 @@ static double seconds_uphill(int samples, double off)
     return seconds;
 }
 
-static void a_long_way_to_the_autocorrelation_is_no_square(void **state)
+TEST(a_long_way_to_the_autocorrelation_is_no_square)
 {
-    (void)state;
     enum { SAMPLES = 10000 }; /* 300 steps of 1e5 samples, then 600, .. */
     const double near_by = seconds_uphill(SAMPLES, 0), far = seconds_uphill(SAMPLES, 0.03);
     if (far > 50 * near_by) /* step by step: 165 times; by the transform 10 to 15 */
         fail_msg("%g s, and %g s where it begins at the top", far, near_by);
 }
 
-static void lines_have_the_uncertainties_of_the_book(void **state)
+TEST(lines_have_the_uncertainties_of_the_book)
 {
-    (void)state;
     /* y = 1 + 2 x with one sigma up, down: chi^2 = 4 for 2. By hand: slope 2, sxx = 5. */
     const double x[] = {0, 1, 2, 3};
     const struct measured y[] = {{1.1, 0.1}, {2.9, 0.1}, {4.9, 0.1}, {7.1, 0.1}};
@@ -165,15 +155,4 @@ static void lines_have_the_uncertainties_of_the_book(void **state)
     assert_false(line_fit(same, y, 2, &line));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(parabolas_are_exact),
-        cmocka_unit_test(loss_and_gain_are_as_stated),
-        cmocka_unit_test(the_autocorrelation_finds_the_period),
-        cmocka_unit_test(the_autocorrelation_of_long_recordings),
-        cmocka_unit_test(a_long_way_to_the_autocorrelation_is_no_square),
-        cmocka_unit_test(lines_have_the_uncertainties_of_the_book),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

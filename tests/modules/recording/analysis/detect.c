@@ -4,13 +4,9 @@
  * not oscillate are never fitted as converged; clean oscillations are found with their period,
  * whatever drifts.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/detect_recordings.h"
@@ -20,9 +16,8 @@ static int runs(void)
     return is_long() ? 60 : 5;
 }
 
-static void what_does_not_oscillate_is_refused(void **state)
+TEST(what_does_not_oscillate_is_refused)
 {
-    (void)state;
     int fitted = 0;
     random_state = 61;
     for (size_t k = 0; k < COUNT_OF(still); k++) {
@@ -54,9 +49,8 @@ static void what_does_not_oscillate_is_refused(void **state)
     assert_int_equal(fitted, 0);
 }
 
-static void every_clean_oscillation_is_found(void **state)
+TEST(every_clean_oscillation_is_found)
 {
-    (void)state;
     int missed = 0, all = 0;
     random_state = 62;
     for (size_t k = 0; k < COUNT_OF(moving); k++) {
@@ -89,9 +83,8 @@ static void every_clean_oscillation_is_found(void **state)
 }
 
 /* A fit that uses less than four fifths of the samples says so instead of "converged". */
-static void no_fit_that_discards_much_is_called_converged(void **state)
+TEST(no_fit_that_discards_much_is_called_converged)
 {
-    (void)state;
     random_state = 63;
     for (size_t k = 0; k < COUNT_OF(moving); k++)
         for (int run = 0; run < runs() / 4; run++) {
@@ -108,11 +101,4 @@ static void no_fit_that_discards_much_is_called_converged(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_does_not_oscillate_is_refused),
-        cmocka_unit_test(every_clean_oscillation_is_found),
-        cmocka_unit_test(no_fit_that_discards_much_is_called_converged)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

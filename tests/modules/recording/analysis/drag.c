@@ -4,12 +4,8 @@
  * 0 itself (not its averaged envelope), with noise, and what `fit drag` says about them.
  */
 #include <hooke/base/cancel.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -81,9 +77,8 @@ static const struct laws truths[] = {
 };
 
 /* The right law with the right coefficients. */
-static void each_law_is_found(void **state)
+TEST(each_law_is_found)
 {
-    (void)state;
     random_state = 21;
     for (size_t i = 0; i < COUNT_OF(truths); i++) {
         struct synthetic s = drag_make(&truths[i], 0.05, 90, 100, 2e-4);
@@ -117,9 +112,8 @@ static void each_law_is_found(void **state)
  * Never a wrong single law, hardly ever a second term that is not there; what noise hides is said
  * to be not distinguishable.
  */
-static void wrong_laws_are_rare(void **state)
+TEST(wrong_laws_are_rare)
 {
-    (void)state;
     int runs = is_long() ? 150 : 8, wrong = 0, spurious = 0, undecided = 0, hidden = 0, cover = 0;
     random_state = 22;
     for (int run = 0; run < runs; run++) {
@@ -155,9 +149,8 @@ static void wrong_laws_are_rare(void **state)
     assert_true(cover >= (0.95 - 3 * sqrt(0.95 * 0.05 / all)) * all);
 }
 
-static void too_short_to_tell(void **state)
+TEST(too_short_to_tell)
 {
-    (void)state;
     random_state = 23;
     struct synthetic s = drag_make(&truths[0], 0.05, 8, 100, 2e-3);
     struct fit fit;
@@ -168,9 +161,8 @@ static void too_short_to_tell(void **state)
     synthetic_free(&s);
 }
 
-static void velocities_give_the_same_coefficients(void **state)
+TEST(velocities_give_the_same_coefficients)
 {
-    (void)state;
     random_state = 24;
     struct synthetic s = drag_make(&truths[2], 0.05, 90, 100, 0);
     size_t n = s.series.n;
@@ -187,9 +179,8 @@ static void velocities_give_the_same_coefficients(void **state)
     synthetic_free(&s);
 }
 
-static void can_be_stopped(void **state)
+TEST(can_be_stopped)
 {
-    (void)state;
     struct synthetic s = drag_make(&truths[0], 0.05, 20, 50, 1e-4);
     struct cancel cancel;
     atomic_init(&cancel.requested, 1);
@@ -203,14 +194,4 @@ static void can_be_stopped(void **state)
     synthetic_free(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_law_is_found),
-        cmocka_unit_test(wrong_laws_are_rare),
-        cmocka_unit_test(too_short_to_tell),
-        cmocka_unit_test(velocities_give_the_same_coefficients),
-        cmocka_unit_test(can_be_stopped),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Wild echoes are rejected as such and never taken for flat tops, which are still found. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -32,9 +28,8 @@ static struct truth swing(void)
     return truth;
 }
 
-static void wild_echoes_are_no_flat_tops(void **state)
+TEST(wild_echoes_are_no_flat_tops)
 {
-    (void)state;
     static const double ranges[][2] = {{0, 400}, {310, 800}, {310, 800}, {320, 2000}};
     const int runs = is_long() ? 1000 : 120;
     int judged = 0, covered = 0;
@@ -66,9 +61,8 @@ static void wild_echoes_are_no_flat_tops(void **state)
     assert_true(judged >= 0.9 * runs && covered >= 0.9 * judged && worst < 5);
 }
 
-static void flat_tops_are_found(void **state)
+TEST(flat_tops_are_found)
 {
-    (void)state;
     const int runs = is_long() ? 600 : 60;
     int found = 0, covered = 0, refused = 0;
     random_state = 142;
@@ -96,9 +90,8 @@ static void flat_tops_are_found(void **state)
 }
 
 /* Ceilings of long recordings are looked for in some of their rows first. */
-static void flat_tops_are_found_in_many_rows(void **state)
+TEST(flat_tops_are_found_in_many_rows)
 {
-    (void)state;
     const int runs = is_long() ? 40 : 6;
     random_state = 31;
     for (int run = 0; run < runs; run++) {
@@ -118,10 +111,4 @@ static void flat_tops_are_found_in_many_rows(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(wild_echoes_are_no_flat_tops),
-                                       cmocka_unit_test(flat_tops_are_found),
-                                       cmocka_unit_test(flat_tops_are_found_in_many_rows)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

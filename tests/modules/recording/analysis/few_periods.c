@@ -3,13 +3,9 @@
  * A few periods of a motion that drag or friction damps: the stated period covers the times between
  * crossings of the motion itself, which is integrated here.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/detect_recordings.h"
@@ -121,9 +117,8 @@ static double periods_off(const struct period *p, double low, double high)
     return off / p->period.uncertainty;
 }
 
-static void periods_of_a_few_damped_swings(void **state)
+TEST(periods_of_a_few_damped_swings)
 {
-    (void)state;
     const int runs = is_long() ? 1200 : 96;
     int within = 0, beyond = 0;
     random_state = 811;
@@ -163,8 +158,4 @@ static void periods_of_a_few_damped_swings(void **state)
     assert_true(500 * beyond <= runs);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(periods_of_a_few_damped_swings)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

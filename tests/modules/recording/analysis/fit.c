@@ -2,12 +2,8 @@
 /* Fits of synthetic recordings: do the stated uncertainties cover the truth, and is nothing wrong
  * called right? */
 #include <hooke/base/cancel.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -59,9 +55,8 @@ static double value_at(const struct fit *fit, double t)
     return value;
 }
 
-static void intervals_cover_the_truth(void **state)
+TEST(intervals_cover_the_truth)
 {
-    (void)state;
     int runs = is_long() ? 500 : 24, period = 0, gamma = 0, stiffness = 0, offset = 0, refused = 0;
     random_state = 20180921;
     for (int i = 0; i < runs; i++) {
@@ -110,17 +105,10 @@ static void intervals_cover_the_truth(void **state)
     assert_true(period <= max && gamma <= max && stiffness <= max);
 }
 
-static void dropouts_are_counted(void **state)
+TEST(dropouts_are_counted)
 {
-    (void)state;
     random_state = 7;
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.02,
-                          .rate = 100,
-                          .span = 40,
-                          .noise = 0.02};
+    struct truth truth = BOB(.gamma = 0.02, .rate = 100, .span = 40, .noise = 0.02);
     struct synthetic s = synthetic_make(&truth);
     for (size_t i = 50; i < s.series.n; i += 50) {
         s.y[i] += i % 100 ? 0.7 : -3; /* 80 echoes off */
@@ -134,18 +122,10 @@ static void dropouts_are_counted(void **state)
     synthetic_free(&s);
 }
 
-static void clipped_tops_are_censored(void **state)
+TEST(clipped_tops_are_censored)
 {
-    (void)state;
     random_state = 8;
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.005,
-                          .rate = 100,
-                          .span = 15,
-                          .noise = 0.02,
-                          .clip = 4.2};
+    struct truth truth = BOB(.gamma = 0.005, .rate = 100, .span = 15, .noise = 0.02, .clip = 4.2);
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -158,18 +138,10 @@ static void clipped_tops_are_censored(void **state)
 
 /* Tops cut so deep that more than a fifth of the samples lies behind them: no fit is made of the
  * rest, and why. */
-static void deep_cuts_are_no_fit(void **state)
+TEST(deep_cuts_are_no_fit)
 {
-    (void)state;
     random_state = 8;
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.005,
-                          .rate = 100,
-                          .span = 15,
-                          .noise = 0.02,
-                          .clip = 2.5};
+    struct truth truth = BOB(.gamma = 0.005, .rate = 100, .span = 15, .noise = 0.02, .clip = 2.5);
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -181,9 +153,8 @@ static void deep_cuts_are_no_fit(void **state)
 
 /* Steps of a fifth to a third of the amplitude are flat wherever the motion is slow: rounded, not
  * cut. */
-static void coarse_steps_are_not_clipping(void **state)
+TEST(coarse_steps_are_not_clipping)
 {
-    (void)state;
     random_state = 31;
     for (int run = 0; run < 20; run++) {
         struct truth truth = {.amplitude = random_between(3, 6),
@@ -207,18 +178,10 @@ static void coarse_steps_are_not_clipping(void **state)
     }
 }
 
-static void drift_of_the_offset(void **state)
+TEST(drift_of_the_offset)
 {
-    (void)state;
     random_state = 9;
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.02,
-                          .rate = 60,
-                          .span = 30,
-                          .noise = 0.05,
-                          .drift = 0.6};
+    struct truth truth = BOB(.gamma = 0.02, .rate = 60, .span = 30, .noise = 0.05, .drift = 0.6);
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -235,17 +198,10 @@ static void drift_of_the_offset(void **state)
     synthetic_free(&s);
 }
 
-static void rest_before_release_is_seen(void **state)
+TEST(rest_before_release_is_seen)
 {
-    (void)state;
     random_state = 10;
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.02,
-                          .rate = 100,
-                          .span = 30,
-                          .noise = 0.02};
+    struct truth truth = BOB(.gamma = 0.02, .rate = 100, .span = 30, .noise = 0.02);
     struct synthetic s = synthetic_make(&truth);
     for (size_t i = 0; i < 400; i++) {
         s.y[i] = 21 + 0.02 * random_normal();
@@ -266,9 +222,8 @@ static void rest_before_release_is_seen(void **state)
 
 /* Samples of a simulation have no noise: every parameter to many digits, t counted from the first
  * sample. */
-static void exact_samples(void **state)
+TEST(exact_samples)
 {
-    (void)state;
     struct truth truth = {.t0 = 3,
                           .amplitude = 0.05,
                           .offset = 0.2,
@@ -303,9 +258,8 @@ static void exact_samples(void **state)
     synthetic_free(&s);
 }
 
-static void stiffness_has_both_uncertainties(void **state)
+TEST(stiffness_has_both_uncertainties)
 {
-    (void)state;
     struct fit fit = {.omega = {8, 0.01}, .gamma = {0.4, 0.1}};
     struct measured k = fit_stiffness(&fit, (struct measured){0.2, 0.001});
     assert_true(close_to(k.value, 0.2 * (64 + 0.04), 1e-12));
@@ -314,9 +268,8 @@ static void stiffness_has_both_uncertainties(void **state)
         k.uncertainty, sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma), 1e-12));
 }
 
-static void laws_of_drag(void **state)
+TEST(laws_of_drag)
 {
-    (void)state;
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
@@ -325,14 +278,8 @@ static void laws_of_drag(void **state)
                  {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
     random_state = 11;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        struct truth truth = {.amplitude = 5,
-                              .offset = 21,
-                              .period = 0.75,
-                              .gamma = cases[i].gamma,
-                              .quadratic = cases[i].quadratic,
-                              .rate = 100,
-                              .span = 90,
-                              .noise = 0.02};
+        struct truth truth = BOB(.gamma = cases[i].gamma, .quadratic = cases[i].quadratic,
+                                 .rate = 100, .span = 90, .noise = 0.02);
         struct synthetic s = synthetic_make(&truth);
         struct fit fit;
         struct error error = {0};
@@ -348,13 +295,7 @@ static void laws_of_drag(void **state)
         synthetic_free(&s);
     }
     /* too short to tell */
-    struct truth truth = {.amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.04,
-                          .rate = 100,
-                          .span = 9,
-                          .noise = 0.2};
+    struct truth truth = BOB(.gamma = 0.04, .rate = 100, .span = 9, .noise = 0.2);
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -366,9 +307,8 @@ static void laws_of_drag(void **state)
 
 /* Whatever the span (so the number of windows and periods in each): a wrong law hardly ever; none
  * rather than a wrong one. */
-static void law_does_not_hang_on_the_windows(void **state)
+TEST(law_does_not_hang_on_the_windows)
 {
-    (void)state;
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
@@ -446,9 +386,8 @@ static double relaxing(size_t i)
     return 21 + 5 * exp(-(double)i / 150) + 0.02 * random_normal();
 }
 
-static void what_does_not_oscillate_is_refused(void **state)
+TEST(what_does_not_oscillate_is_refused)
 {
-    (void)state;
     static const struct {
         const char *name;
         double (*value)(size_t i);
@@ -492,9 +431,8 @@ static void what_does_not_oscillate_is_refused(void **state)
     assert_false(fit_named("sine", &few, &fit, &error));
 }
 
-static void growing_and_plain_sines(void **state)
+TEST(growing_and_plain_sines)
 {
-    (void)state;
     random_state = 13;
     struct truth truth = {.amplitude = 1,
                           .offset = 0,
@@ -520,9 +458,8 @@ static void growing_and_plain_sines(void **state)
     synthetic_free(&s);
 }
 
-static void cancellation(void **state)
+TEST(cancellation)
 {
-    (void)state;
     struct truth truth = {.amplitude = 1, .period = 0.75, .rate = 100, .span = 20};
     struct synthetic s = synthetic_make(&truth);
     struct cancel cancel;
@@ -537,23 +474,4 @@ static void cancellation(void **state)
     synthetic_free(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(intervals_cover_the_truth),
-        cmocka_unit_test(dropouts_are_counted),
-        cmocka_unit_test(clipped_tops_are_censored),
-        cmocka_unit_test(deep_cuts_are_no_fit),
-        cmocka_unit_test(coarse_steps_are_not_clipping),
-        cmocka_unit_test(drift_of_the_offset),
-        cmocka_unit_test(rest_before_release_is_seen),
-        cmocka_unit_test(exact_samples),
-        cmocka_unit_test(stiffness_has_both_uncertainties),
-        cmocka_unit_test(laws_of_drag),
-        cmocka_unit_test(law_does_not_hang_on_the_windows),
-        cmocka_unit_test(what_does_not_oscillate_is_refused),
-        cmocka_unit_test(growing_and_plain_sines),
-        cmocka_unit_test(cancellation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,12 +4,7 @@
  * is distinguishable where noise-free data refute, by more than chance in the noise at hand, every
  * law that lacks a term of the truth.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -203,9 +198,8 @@ static bool right_enough(const struct tally *tally)
     return tally->right >= 0.95 * tally->clear - 3 * sqrt(0.95 * 0.05 * tally->clear);
 }
 
-static void the_right_law_or_none(void **state)
+TEST(the_right_law_or_none)
 {
-    (void)state;
     const char *seed = getenv("SEED");
     const int each = is_long() ? 60 : 1;
     struct tally all = {0};
@@ -274,9 +268,8 @@ static struct synthetic swing(enum restoring_force force, double beta, double am
     return s;
 }
 
-static void restoring_forces_are_found(void **state)
+TEST(restoring_forces_are_found)
 {
-    (void)state;
     static const struct {
         enum restoring_force force;
         double beta, amplitude;
@@ -307,9 +300,8 @@ static void restoring_forces_are_found(void **state)
 /* Large swings have one force, small ones often more that remain: never a wrong one alone, nor the
  * right one excluded.
  */
-static void the_right_force_or_several(void **state)
+TEST(the_right_force_or_several)
 {
-    (void)state;
     const char *seed = getenv("SEED");
     const int each = is_long() ? 60 : 1;
     random_state = seed ? strtoull(seed, NULL, 10) : 52;
@@ -342,10 +334,4 @@ static void the_right_force_or_several(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(restoring_forces_are_found),
-                                       cmocka_unit_test(the_right_force_or_several),
-                                       cmocka_unit_test(the_right_law_or_none)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,14 +4,10 @@
  * the recordings of each kind, down to 1.5 line widths 1/T apart, or a warning says that the lines
  * are too near; what does not have so many frequencies is refused.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -149,9 +145,8 @@ static void judge(const struct beat *b, const struct modes_fit *fit, int covered
     }
 }
 
-static void intervals_cover_or_a_warning_says_why_not(void **state)
+TEST(intervals_cover_or_a_warning_says_why_not)
 {
-    (void)state;
     bool all_well = true;
     random_state = 12;
     for (size_t k = 0; k < COUNT_OF(rows); k++) {
@@ -220,17 +215,15 @@ static int found_two(double second, double noise, int runs)
     return found;
 }
 
-static void one_frequency_is_not_two(void **state)
+TEST(one_frequency_is_not_two)
 {
-    (void)state;
     random_state = 5;
     assert_int_equal(found_two(0, 0.05, is_long() ? 200 : 6), 0);
     assert_int_equal(found_two(0.2, 0.05, 6), 6);
 }
 
-static void noise_has_no_frequency(void **state)
+TEST(noise_has_no_frequency)
 {
-    (void)state;
     random_state = 6;
     for (int run = 0; run < (is_long() ? 200 : 6); run++) {
         struct beat b = beat_make(3);
@@ -250,9 +243,8 @@ static void noise_has_no_frequency(void **state)
 
 /* ---- without noise, and more of them ---- */
 
-static void three_modes_are_found_to_rounding(void **state)
+TEST(three_modes_are_found_to_rounding)
 {
-    (void)state;
     static const double f[] = {0.8, 1.1, 2.5}, gamma[] = {0.1, 0.05, 0.3}, a[] = {1, 0.3, 0.6},
                         phase[] = {0.5, -2, 3};
     enum { N = 1500 };
@@ -302,9 +294,8 @@ static bool fit_says(const struct beat *b, const char *word)
     return found;
 }
 
-static void beats_are_called_two_frequencies(void **state)
+TEST(beats_are_called_two_frequencies)
 {
-    (void)state;
     const int runs = is_long() ? 200 : 20;
     int said = 0, sways = 0;
     random_state = 9;
@@ -321,9 +312,8 @@ static void beats_are_called_two_frequencies(void **state)
     assert_int_equal(sways, 0);
 }
 
-static void a_sway_is_not_called_two_frequencies(void **state)
+TEST(a_sway_is_not_called_two_frequencies)
 {
-    (void)state;
     const int runs = is_long() ? 200 : 20;
     int said = 0;
     random_state = 10;
@@ -358,9 +348,8 @@ static bool holds(const struct spectrum_peak *peak, double f, double amplitude, 
 
 /* Steady tones with their frequencies and amplitudes; nearer to each other than four bins they are
  * one line. */
-static void lines_are_where_the_tones_are(void **state)
+TEST(lines_are_where_the_tones_are)
 {
-    (void)state;
     enum { RUNS = 100 };
     int both = 0, covered = 0, near = 0;
     random_state = 21;
@@ -398,14 +387,4 @@ static void lines_are_where_the_tones_are(void **state)
     assert_true(near >= 0.9 * RUNS);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lines_are_where_the_tones_are),
-                                       cmocka_unit_test(intervals_cover_or_a_warning_says_why_not),
-                                       cmocka_unit_test(one_frequency_is_not_two),
-                                       cmocka_unit_test(noise_has_no_frequency),
-                                       cmocka_unit_test(three_modes_are_found_to_rounding),
-                                       cmocka_unit_test(beats_are_called_two_frequencies),
-                                       cmocka_unit_test(a_sway_is_not_called_two_frequencies)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

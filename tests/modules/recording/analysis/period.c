@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Crossings, period, amplitudes, decay and spectrum of synthetic series. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/analysis/testing.h"
 
@@ -14,9 +10,8 @@
 
 /* 50 Hz, 4.2 cm, 0.05 cm noise: what the cursors promise (0.09 % over one period, 0.014 % over
  * eight). */
-static void crossings_are_as_good_as_promised(void **state)
+TEST(crossings_are_as_good_as_promised)
 {
-    (void)state;
     double one = 0, eight = 0, pull = 0;
     int runs = 200, pairs = 0;
     random_state = 21;
@@ -56,9 +51,8 @@ static void crossings_are_as_good_as_promised(void **state)
 
 /* Missed echoes before the first true crossing cross the level, too; the periods are counted from
  * where the others agree. */
-static void spikes_that_cross_first_do_not_matter(void **state)
+TEST(spikes_that_cross_first_do_not_matter)
 {
-    (void)state;
     random_state = 24;
     struct truth truth = {.amplitude = 4,
                           .offset = 20,
@@ -90,9 +84,8 @@ static void spikes_that_cross_first_do_not_matter(void **state)
     assert_int_equal(wrong, 0);
 }
 
-static void noise_makes_no_extra_crossings(void **state)
+TEST(noise_makes_no_extra_crossings)
 {
-    (void)state;
     random_state = 22;
     struct truth truth = {.amplitude = 1,
                           .offset = 3,
@@ -116,9 +109,8 @@ static void noise_makes_no_extra_crossings(void **state)
     synthetic_free(&s);
 }
 
-static void exact_period(void **state)
+TEST(exact_period)
 {
-    (void)state;
     for (int damped = 0; damped < 2; damped++) {
         struct truth truth = {.amplitude = 0.05,
                               .period = 0.7526,
@@ -138,9 +130,8 @@ static void exact_period(void **state)
 }
 
 /* About a centre that is known, with no analysis of noise: the period itself, or nothing. */
-static void clean_periods_are_exact_or_none(void **state)
+TEST(clean_periods_are_exact_or_none)
 {
-    (void)state;
     static const struct {
         double gamma, period, offset, span;
         bool found;
@@ -174,7 +165,7 @@ static void clean_periods_are_exact_or_none(void **state)
 
 /* Pulses, in uneven steps: no damped sine comes near. Where they come less and less often there is
  * no period. */
-static void pulses_have_a_period(void **state)
+TEST(pulses_have_a_period)
 {
     static double t[4000], y[4000];
     const double period = 1.7;
@@ -198,9 +189,8 @@ static void pulses_have_a_period(void **state)
     }
 }
 
-static void period_covers_the_truth(void **state)
+TEST(period_covers_the_truth)
 {
-    (void)state;
     int runs = 200, inside = 0;
     random_state = 23;
     for (int run = 0; run < runs; run++) {
@@ -227,18 +217,10 @@ static void period_covers_the_truth(void **state)
     assert_in_range(inside, (uintmax_t)(0.90 * runs), (uintmax_t)runs);
 }
 
-static void amplitudes_at_times(void **state)
+TEST(amplitudes_at_times)
 {
-    (void)state;
     random_state = 24;
-    struct truth truth = {.t0 = 2,
-                          .amplitude = 5,
-                          .offset = 21,
-                          .period = 0.75,
-                          .gamma = 0.04,
-                          .rate = 100,
-                          .span = 60,
-                          .noise = 0.03};
+    struct truth truth = BOB(.t0 = 2, .gamma = 0.04, .rate = 100, .span = 60, .noise = 0.03);
     struct synthetic s = synthetic_make(&truth);
     struct arena arena = {0};
     double at[] = {2, 10, 30, 62};
@@ -262,9 +244,8 @@ static void amplitudes_at_times(void **state)
 }
 
 /* The lab's question: position and energy of the same motion give the same gamma. */
-static void position_and_energy_agree(void **state)
+TEST(position_and_energy_agree)
 {
-    (void)state;
     double gamma = 0.025, omega = sqrt(8.4 * 8.4 - gamma * gamma / 4);
     enum { N = 12000 };
     static double t[N], y[N], e[N];
@@ -304,20 +285,13 @@ static void position_and_energy_agree(void **state)
     arena_reset(&arena);
 }
 
-static void decay_covers_the_truth(void **state)
+TEST(decay_covers_the_truth)
 {
-    (void)state;
     int runs = 100, inside = 0;
     random_state = 25;
     for (int run = 0; run < runs; run++) {
-        struct truth truth = {.amplitude = 5,
-                              .offset = 21,
-                              .period = 0.75,
-                              .gamma = random_between(-0.01, 0.05),
-                              .rate = 100,
-                              .span = 40,
-                              .noise = 0.05,
-                              .phase = random_between(-3, 3)};
+        struct truth truth = BOB(.gamma = random_between(-0.01, 0.05), .rate = 100, .span = 40,
+                                 .noise = 0.05, .phase = random_between(-3, 3));
         struct synthetic s = synthetic_make(&truth);
         struct arena arena = {0};
         struct decay decay;
@@ -331,9 +305,8 @@ static void decay_covers_the_truth(void **state)
     assert_in_range(inside, 88, 100);
 }
 
-static void spectrum_shows_the_amplitude(void **state)
+TEST(spectrum_shows_the_amplitude)
 {
-    (void)state;
     random_state = 26;
     for (int uneven = 0; uneven < 2; uneven++) {
         struct truth truth = {.amplitude = 3,
@@ -368,9 +341,8 @@ static void spectrum_shows_the_amplitude(void **state)
 /* The peak that is drawn is the line that is named, whatever is missing: even times, a rough clock,
  * a gap of two fifths, both, and more samples than there are bins beside each other; at ten samples
  * a period. */
-static void the_drawn_peak_is_the_named_line(void **state)
+TEST(the_drawn_peak_is_the_named_line)
 {
-    (void)state;
     random_state = 28;
     for (int kind = 0; kind < 20; kind++) {
         struct truth truth = {.amplitude = 3,
@@ -413,9 +385,8 @@ static void the_drawn_peak_is_the_named_line(void **state)
 
 /* What is said of a line holds: in white noise 68 of 100 lie within one standard uncertainty, and
  * where the line is not steady most lie within two. */
-static void peaks_have_honest_uncertainties(void **state)
+TEST(peaks_have_honest_uncertainties)
 {
-    (void)state;
     random_state = 27;
     const int draws = 200;
     for (int damped = 0; damped < 2; damped++) {
@@ -449,9 +420,8 @@ static void peaks_have_honest_uncertainties(void **state)
     }
 }
 
-static void peaks_are_all_found_and_nothing_else(void **state)
+TEST(peaks_are_all_found_and_nothing_else)
 {
-    (void)state;
     random_state = 28;
     static double t[2000], y[2000];
     struct series series = {t, y, 2000, QUANTITY_LENGTH, NULL, 0};
@@ -491,9 +461,8 @@ static void peaks_are_all_found_and_nothing_else(void **state)
     arena_reset(&arena);
 }
 
-static void refusals_have_reasons(void **state)
+TEST(refusals_have_reasons)
 {
-    (void)state;
     static double t[100], y[100];
     for (size_t i = 0; i < 100; i++) {
         t[i] = (double)i;
@@ -512,9 +481,8 @@ static void refusals_have_reasons(void **state)
     arena_reset(&arena);
 }
 
-static void windows_share_memory(void **state)
+TEST(windows_share_memory)
 {
-    (void)state;
     double t[] = {0, 1, 2, 3, 4}, y[] = {5, 6, 7, 8, 9};
     struct series series = {.t = t, .y = y, .n = 5}, part = series_window(series, 0.5, 3);
     assert_true(part.t == t + 1 && part.y == y + 1 && part.n == 3);
@@ -523,9 +491,8 @@ static void windows_share_memory(void **state)
 }
 
 /* Six swings, then a hand: a rest has no periods. */
-static void what_rests_has_no_periods(void **state)
+TEST(what_rests_has_no_periods)
 {
-    (void)state;
     static double t[3000], y[3000];
     struct series series = {t, y, 3000, QUANTITY_LENGTH, NULL, 0};
     struct arena arena = {0};
@@ -543,26 +510,4 @@ static void what_rests_has_no_periods(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(crossings_are_as_good_as_promised),
-        cmocka_unit_test(spikes_that_cross_first_do_not_matter),
-        cmocka_unit_test(noise_makes_no_extra_crossings),
-        cmocka_unit_test(exact_period),
-        cmocka_unit_test(clean_periods_are_exact_or_none),
-        cmocka_unit_test(pulses_have_a_period),
-        cmocka_unit_test(period_covers_the_truth),
-        cmocka_unit_test(amplitudes_at_times),
-        cmocka_unit_test(position_and_energy_agree),
-        cmocka_unit_test(decay_covers_the_truth),
-        cmocka_unit_test(spectrum_shows_the_amplitude),
-        cmocka_unit_test(the_drawn_peak_is_the_named_line),
-        cmocka_unit_test(peaks_have_honest_uncertainties),
-        cmocka_unit_test(peaks_are_all_found_and_nothing_else),
-        cmocka_unit_test(refusals_have_reasons),
-        cmocka_unit_test(what_rests_has_no_periods),
-        cmocka_unit_test(windows_share_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

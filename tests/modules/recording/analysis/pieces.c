@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Work on many samples in pieces: what a part is good for, and that the flag ends it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <gsl/gsl_fft_real.h>
 #include <hooke/base/cancel.h>
@@ -15,9 +10,8 @@
 
 /* Of more than CURVE_MANY samples only a part is fitted first: what is projected has no room for
  * another number of samples. */
-static void many_samples_without_starts(void **state)
+TEST(many_samples_without_starts)
 {
-    (void)state;
     enum { MANY = 30001 };
     struct arena arena = {0};
     struct formula formula;
@@ -42,9 +36,8 @@ static void many_samples_without_starts(void **state)
 }
 
 /* Of 2^18 values a transform in pieces is GSL's, and the flag ends it, as it ends all the rest. */
-static void transforms_and_sorts_in_pieces(void **state)
+TEST(transforms_and_sorts_in_pieces)
 {
-    (void)state;
     enum { N = 1 << 18 };
     struct arena arena = {0};
     struct cancel cancel = {0};
@@ -69,9 +62,8 @@ static void transforms_and_sorts_in_pieces(void **state)
 }
 
 /* What is ended says that, and not that the samples are at fault. */
-static void ended_by_the_flag(void **state)
+TEST(ended_by_the_flag)
 {
-    (void)state;
     enum { N = 70000 };
     struct arena arena = {0};
     struct cancel cancel = {.requested = 1};
@@ -97,9 +89,8 @@ static void ended_by_the_flag(void **state)
 
 /* Long noise is refused by means of its neighbours; a line of a tenth of it, which no single sample
  * shows, is found all the same. */
-static void weak_lines_are_found_in_long_noise(void **state)
+TEST(weak_lines_are_found_in_long_noise)
 {
-    (void)state;
     enum { ROWS = 100000 };
     static const double periods[] = {0, 7.3, 90, 1300, 20000}; /* samples; 0 means noise alone */
     for (size_t k = 0; k < COUNT_OF(periods); k++) {
@@ -124,13 +115,4 @@ static void weak_lines_are_found_in_long_noise(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(many_samples_without_starts),
-        cmocka_unit_test(transforms_and_sorts_in_pieces),
-        cmocka_unit_test(ended_by_the_flag),
-        cmocka_unit_test(weak_lines_are_found_in_long_noise),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Repeated measurements: what is quoted covers the truth whether or not the stated uncertainties
  * are right. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/analysis/testing.h"
 
@@ -37,9 +33,8 @@ static struct outcome trials(int n, double between)
     return outcome;
 }
 
-static void what_is_quoted_covers(void **state)
+TEST(what_is_quoted_covers)
 {
-    (void)state;
     static const int counts[] = {3, 5, 12};
     random_state = 3;
     for (size_t i = 0; i < COUNT_OF(counts); i++) {
@@ -61,9 +56,8 @@ static void what_is_quoted_covers(void **state)
 }
 
 /* 1, 2 and 4 with uncertainties of 1: mean 7/3, sum of squares 14/3. */
-static void closed_forms(void **state)
+TEST(closed_forms)
 {
-    (void)state;
     const struct measured x[] = {{1, 1}, {2, 1}, {4, 1}}, bare[] = {{1, 0}, {2, 0}, {4, 0}};
     struct repeat r;
     assert_false(repeat_values(x, 1, &r));
@@ -82,9 +76,4 @@ static void closed_forms(void **state)
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-14));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_quoted_covers),
-                                       cmocka_unit_test(closed_forms)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

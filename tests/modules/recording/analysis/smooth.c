@@ -1,20 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Periods of series without noise: exact, whatever the decay and the centre, or not claimed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
 
 /* From steady motion to what underflows or grows by 200 powers of ten, about any centre. */
-static void smooth_periods_are_exact(void **state)
+TEST(smooth_periods_are_exact)
 {
-    (void)state;
     const int runs = is_long() ? 4000 : 400;
     double square = 0, largest = 0;
     int pulls = 0;
@@ -53,9 +48,8 @@ static void smooth_periods_are_exact(void **state)
 }
 
 /* A wave whose lobes alternate repeats after two of them, however even its crossings are. */
-static void even_crossings_are_not_all(void **state)
+TEST(even_crossings_are_not_all)
 {
-    (void)state;
     static double t[4000], y[4000];
     struct arena arena = {0};
     struct error error = {0};
@@ -71,9 +65,4 @@ static void even_crossings_are_not_all(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(smooth_periods_are_exact),
-                                       cmocka_unit_test(even_crossings_are_not_all)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -72,9 +72,8 @@ static void film_once(double rate, int decimals, struct coverage of[2])
 
 /* Chance leaves 0.95 of the intervals over the truth; the rounding adds its own share, which is
  * bounded: more is allowed, less is not. */
-static void periods_of_films_cover_the_truth(void **state)
+TEST(periods_of_films_cover_the_truth)
 {
-    (void)state;
     const int runs = is_long() ? 20 : 2;
     struct coverage all[2] = {{0}};
     random_state = 30;
@@ -102,9 +101,8 @@ static void periods_of_films_cover_the_truth(void **state)
 
 /* Any step, any rounding up to a third of the span: the stated limits of the step hold, whatever
  * the rounding and the step have in common. */
-static void steps_lie_within_what_the_rounding_leaves(void **state)
+TEST(steps_lie_within_what_the_rounding_leaves)
 {
-    (void)state;
     const int runs = is_long() ? 20000 : 1000;
     static double t[400];
     int covered = 0, even = 0;
@@ -127,9 +125,8 @@ static void steps_lie_within_what_the_rounding_leaves(void **state)
 }
 
 /* Stamps with three significant digits are finer near 0 than far from it, and some repeat. */
-static void significant_digits_are_a_rounding_too(void **state)
+TEST(significant_digits_are_a_rounding_too)
 {
-    (void)state;
     random_state = 32;
     for (int run = 0; run < 50; run++) {
         struct buffer text = {0};
@@ -147,9 +144,8 @@ static void significant_digits_are_a_rounding_too(void **state)
 }
 
 /* Jitter, dropped pictures and a repeated row are no rounding: these stamps are kept. */
-static void what_is_uneven_stays_so(void **state)
+TEST(what_is_uneven_stays_so)
 {
-    (void)state;
     double t[200];
     struct even_times found;
     random_state = 33;
@@ -173,9 +169,8 @@ static void what_is_uneven_stays_so(void **state)
 
 /* Rows lost at equal distances leave the stamps of a longer step that was rounded: the values tell
  * the two apart unless noise hides which it is. */
-static void regular_losses_are_no_rounding(void **state)
+TEST(regular_losses_are_no_rounding)
 {
-    (void)state;
     static double t[2000], y[2000];
     const int runs = is_long() ? 4000 : 400;
     struct even_times found;
@@ -205,12 +200,4 @@ static void regular_losses_are_no_rounding(void **state)
     assert_int_equal(hidden[0], 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(periods_of_films_cover_the_truth),
-                                       cmocka_unit_test(steps_lie_within_what_the_rounding_leaves),
-                                       cmocka_unit_test(significant_digits_are_a_rounding_too),
-                                       cmocka_unit_test(what_is_uneven_stays_so),
-                                       cmocka_unit_test(regular_losses_are_no_rounding)};
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -27,6 +27,9 @@ struct truth {
     double quantum;                       /* values are rounded to multiples of it; 0: not */
 };
 
+/* A bob 21 cm above the sensor that swings by 5 cm in 0.75 s, and what else is said of it. */
+#define BOB(...) ((struct truth){.amplitude = 5, .offset = 21, .period = 0.75, __VA_ARGS__})
+
 struct synthetic {
     double *t, *y;
     struct series series;

@@ -4,13 +4,9 @@
  * jitter, an amplitude that is modulated, neighbours that differ by about the noise. What is read
  * covers the truth, or a warning says that it may be another.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/detect_recordings.h"
@@ -114,9 +110,8 @@ static double random_cycles(int i)
 }
 
 /* Each pulse comes some random time after the one before, or off its own place. */
-static void pulses_that_come_at_random_times(void **state)
+TEST(pulses_that_come_at_random_times)
 {
-    (void)state;
     struct tally tally[2] = {{0}, {0}};
     random_state = 901;
     for (int i = 0; i < cases(48); i++) {
@@ -143,9 +138,8 @@ static void pulses_that_come_at_random_times(void **state)
 }
 
 /* The height is modulated by 5 to 60 % after whole numbers of pulses, or others. */
-static void pulses_of_modulated_height(void **state)
+TEST(pulses_of_modulated_height)
 {
-    (void)state;
     struct tally tally[2] = {{0}, {0}};
     random_state = 902;
     for (int i = 0; i < cases(48); i++) {
@@ -170,9 +164,8 @@ static void pulses_of_modulated_height(void **state)
 
 /* Every second pulse, or wave, is higher by about the noise. Where it is by five standard
  * deviations of what all rows show of it, one period alone is wrong. */
-static void neighbours_that_differ_by_the_noise(void **state)
+TEST(neighbours_that_differ_by_the_noise)
 {
-    (void)state;
     struct tally tally[2] = {{0}, {0}};
     random_state = 903;
     for (int i = 0; i < cases(48); i++) {
@@ -207,9 +200,8 @@ static void neighbours_that_differ_by_the_noise(void **state)
 }
 
 /* Waves that are all alike bring hardly a warning. */
-static void waves_alike(void **state)
+TEST(waves_alike)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 904;
     for (int i = 0; i < cases(72); i++) {
@@ -236,11 +228,4 @@ static void waves_alike(void **state)
     assert_true(100 * tally.said <= 4 * tally.all);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pulses_that_come_at_random_times),
-                                       cmocka_unit_test(pulses_of_modulated_height),
-                                       cmocka_unit_test(neighbours_that_differ_by_the_noise),
-                                       cmocka_unit_test(waves_alike)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -3,12 +3,7 @@
  * What the uncertainties of single readings are worth: the period by the autocorrelation, the
  * amplitude at a time, the lines of a spectrum, of recordings whose truth is known.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/analysis/testing.h"
@@ -48,9 +43,8 @@ static struct truth random_truth(double decay)
     return truth;
 }
 
-static void periods_by_the_autocorrelation_cover_the_truth(void **state)
+TEST(periods_by_the_autocorrelation_cover_the_truth)
 {
-    (void)state;
     const int runs = is_long() ? 1000 : 120;
     random_state = 81;
     for (int kind = 0; kind < 3; kind++) {
@@ -83,9 +77,8 @@ static double true_amplitude(const struct truth *truth, double t)
     return truth->amplitude * exp(-0.5 * truth->gamma * t) / (1 + truth->quadratic * phi);
 }
 
-static void amplitudes_cover_the_truth(void **state)
+TEST(amplitudes_cover_the_truth)
 {
-    (void)state;
     const int runs = is_long() ? 600 : 80;
     random_state = 82;
     for (int kind = 0; kind < 2; kind++) {
@@ -115,9 +108,8 @@ static void amplitudes_cover_the_truth(void **state)
 
 /* Within a window of two periods out of four, an envelope under quadratic drag bends by much more
  * than the noise. */
-static void amplitudes_of_bent_envelopes_are_wider(void **state)
+TEST(amplitudes_of_bent_envelopes_are_wider)
 {
-    (void)state;
     const int runs = is_long() ? 600 : 80;
     struct coverage of = {0}, periods = {0};
     random_state = 86;
@@ -148,9 +140,8 @@ static void amplitudes_of_bent_envelopes_are_wider(void **state)
 
 /* Covered, and no more uncertain than the noise makes it: for a tone that decays as exp(-gamma t/2)
  * the bound is some times that of a steady one. */
-static void lines_of_spectra_cover_the_truth(void **state)
+TEST(lines_of_spectra_cover_the_truth)
 {
-    (void)state;
     const int runs = is_long() ? 600 : 80;
     random_state = 83;
     for (int kind = 0; kind < 2; kind++) {
@@ -179,9 +170,8 @@ static void lines_of_spectra_cover_the_truth(void **state)
 }
 
 /* 1/gamma of a gamma that may be 0 is not a number with an uncertainty, but more than something. */
-static void reciprocals_of_what_may_be_zero_have_a_bound(void **state)
+TEST(reciprocals_of_what_may_be_zero_have_a_bound)
 {
-    (void)state;
     double least;
     struct measured tau = measured_reciprocal(2, (struct measured){0.05, 0.001}, &least);
     assert_true(close_to(tau.value, 40, 1e-9) && close_to(tau.uncertainty, 0.8, 1e-9));
@@ -195,9 +185,8 @@ static void reciprocals_of_what_may_be_zero_have_a_bound(void **state)
 }
 
 /* A simulation of one period: the interpolation between its samples is all that is uncertain. */
-static void one_clean_period_is_as_good_as_its_interpolation(void **state)
+TEST(one_clean_period_is_as_good_as_its_interpolation)
 {
-    (void)state;
     random_state = 84;
     for (int run = 0; run < 60; run++) {
         struct truth truth = {.amplitude = 1,
@@ -223,9 +212,8 @@ static void one_clean_period_is_as_good_as_its_interpolation(void **state)
  * A sensor without noise whose step is 1/2 to 1/13 of the amplitude: what lies within a step is not
  * known, though no scatter shows it, least of all where a period is nearly a whole number of rows.
  */
-static void coarse_steps_leave_the_period_open(void **state)
+TEST(coarse_steps_leave_the_period_open)
 {
-    (void)state;
     static const double steps[] = {1.5, 2, 3, 5, 8, 13};
     const int runs = is_long() ? 1500 : 200;
     struct coverage of[2] = {{0}};
@@ -260,15 +248,4 @@ static void coarse_steps_leave_the_period_open(void **state)
                     of[i].worst < 5);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(periods_by_the_autocorrelation_cover_the_truth),
-        cmocka_unit_test(amplitudes_cover_the_truth),
-        cmocka_unit_test(amplitudes_of_bent_envelopes_are_wider),
-        cmocka_unit_test(lines_of_spectra_cover_the_truth),
-        cmocka_unit_test(reciprocals_of_what_may_be_zero_have_a_bound),
-        cmocka_unit_test(coarse_steps_leave_the_period_open),
-        cmocka_unit_test(one_clean_period_is_as_good_as_its_interpolation)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -4,13 +4,9 @@
  * cycles that differ in turn, a clock that jumps. The period is right within its uncertainty, or a
  * warning says more.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/detect_recordings.h"
@@ -72,9 +68,8 @@ static void assert_hardly_silent(const char *name, const struct tally *t)
 }
 
 /* Sines and pulses whose frequency is modulated by 1 to 60 % every 3 to 12 waves. */
-static void modulated_frequencies(void **state)
+TEST(modulated_frequencies)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 821;
     for (int i = 0; i < cases(60); i++) {
@@ -97,9 +92,8 @@ static void modulated_frequencies(void **state)
 }
 
 /* Pulses each of which comes some random time off its place, or off the pulse before. */
-static void pulses_with_jitter(void **state)
+TEST(pulses_with_jitter)
 {
-    (void)state;
     enum { PULSES = 100 };
     struct tally tally = {0};
     random_state = 822;
@@ -124,9 +118,8 @@ static void pulses_with_jitter(void **state)
 }
 
 /* 3 to 10 cycles of which every second is alike. */
-static void few_cycles_in_turn(void **state)
+TEST(few_cycles_in_turn)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 823;
     for (int i = 0; i < cases(60); i++) {
@@ -147,9 +140,8 @@ static void few_cycles_in_turn(void **state)
 }
 
 /* Cycles that are alike, damped or not, stay what they are. */
-static void few_cycles_alike(void **state)
+TEST(few_cycles_alike)
 {
-    (void)state;
     struct tally tally = {0};
     int said = 0;
     random_state = 824;
@@ -171,9 +163,8 @@ static void few_cycles_alike(void **state)
 }
 
 /* A clock that is set on while the motion is recorded evenly, and a recording that pauses. */
-static void jumps_of_the_clock(void **state)
+TEST(jumps_of_the_clock)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 825;
     for (int i = 0; i < cases(60); i++) {
@@ -195,9 +186,8 @@ static void jumps_of_the_clock(void **state)
 }
 
 /* Pulses two samples wide, whose place between the samples recurs only after several periods. */
-static void pulses_of_two_samples(void **state)
+TEST(pulses_of_two_samples)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 826;
     for (int i = 0; i < cases(60); i++) {
@@ -212,11 +202,4 @@ static void pulses_of_two_samples(void **state)
     assert_hardly_silent("pulses of two samples", &tally);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(modulated_frequencies), cmocka_unit_test(pulses_with_jitter),
-        cmocka_unit_test(few_cycles_in_turn),    cmocka_unit_test(few_cycles_alike),
-        cmocka_unit_test(jumps_of_the_clock),    cmocka_unit_test(pulses_of_two_samples)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

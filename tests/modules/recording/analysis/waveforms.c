@@ -4,14 +4,10 @@
  * knock before or a hand after them. The truth is a closed form, or crossings by another
  * integration.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "unit/detect_recordings.h"
@@ -80,9 +76,8 @@ static struct drawn pendulum(double amplitude, double periods, double samples, d
     return d;
 }
 
-static void pendulums_up_to_the_top(void **state)
+TEST(pendulums_up_to_the_top)
 {
-    (void)state;
     struct tally clean = {0}, noisy = {0};
     random_state = 171;
     for (int i = 0; i < cases(30); i++) {
@@ -132,9 +127,8 @@ static double wave_shape(int shape, double phase, double sharp)
 
 enum { SHAPES = 9 };
 
-static void waves_of_any_shape(void **state)
+TEST(waves_of_any_shape)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 172;
     for (int i = 0; i < cases(63); i++) {
@@ -156,9 +150,8 @@ static void waves_of_any_shape(void **state)
 
 /* Pulses of one or two samples and of two heights are taken for what they are, wherever they fall
  * between samples. */
-static void pulses_of_few_samples(void **state)
+TEST(pulses_of_few_samples)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 177;
     for (int i = 0; i < cases(40); i++) {
@@ -181,9 +174,8 @@ static void pulses_of_few_samples(void **state)
 }
 
 /* Pulses with edges are not taken for several by where their edges fall between samples. */
-static void pulses_with_edges(void **state)
+TEST(pulses_with_edges)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 185;
     for (int i = 0; i < cases(60); i++) {
@@ -205,9 +197,8 @@ static void pulses_with_edges(void **state)
 }
 
 /* A line near a third of the frequency, as of a load that also swings, makes no period of three. */
-static void lines_near_a_third(void **state)
+TEST(lines_near_a_third)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 186;
     for (int i = 0; i < cases(30); i++) {
@@ -227,9 +218,8 @@ static void lines_near_a_third(void **state)
 
 /* Waves whose successive cycles differ a little: pulses of two heights in turn, a weak line at half
  * or a third of the strongest frequency. The period is that after which they repeat. */
-static void cycles_that_differ_in_turn(void **state)
+TEST(cycles_that_differ_in_turn)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 182;
     for (int i = 0; i < cases(60); i++) {
@@ -255,9 +245,8 @@ static void cycles_that_differ_in_turn(void **state)
 }
 
 /* The lines of narrow pulses have the amplitudes of their Fourier series: no pulse is left out. */
-static void spectra_of_narrow_pulses(void **state)
+TEST(spectra_of_narrow_pulses)
 {
-    (void)state;
     random_state = 183;
     for (int i = 0; i < cases(30); i++) {
         const double samples = of_random_size(60, 300), width = random_between(1.5, 6) / samples,
@@ -283,9 +272,8 @@ static void spectra_of_narrow_pulses(void **state)
 }
 
 /* The uncertainty of a wave with edges or unequal flanks holds. */
-static void uncertainties_of_waves(void **state)
+TEST(uncertainties_of_waves)
 {
-    (void)state;
     int beyond = 0, all = 0;
     random_state = 178;
     for (int i = 0; i < cases(60); i++, all++) {
@@ -347,9 +335,8 @@ static struct drawn relaxation(size_t cycles, size_t slow, size_t fast, double j
     return d;
 }
 
-static void stiff_runs(void **state)
+TEST(stiff_runs)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 179;
     for (int i = 0; i < cases(40); i++) {
@@ -385,9 +372,8 @@ static struct drawn ring_down(double before, double swings, double after, double
     return d;
 }
 
-static void step_responses(void **state)
+TEST(step_responses)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 173;
     for (int i = 0; i < cases(40); i++) {
@@ -401,9 +387,8 @@ static void step_responses(void **state)
     assert_tally("steps", &tally);
 }
 
-static void knocks_and_hands(void **state)
+TEST(knocks_and_hands)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 174;
     for (int i = 0; i < cases(40); i++) {
@@ -427,9 +412,8 @@ static void knocks_and_hands(void **state)
 }
 
 /* Where one damped sine does not follow it all, the refusal names a window that it does follow. */
-static void refusals_name_the_window(void **state)
+TEST(refusals_name_the_window)
 {
-    (void)state;
     int refused = 0, followed = 0;
     random_state = 176;
     for (int i = 0; i < cases(30); i++) {
@@ -462,9 +446,8 @@ static void refusals_name_the_window(void **state)
 
 /* ---- coarse sensors ---- */
 
-static void coarse_sensors(void **state)
+TEST(coarse_sensors)
 {
-    (void)state;
     struct tally tally = {0};
     random_state = 175;
     for (int i = 0; i < cases(20); i++) {
@@ -481,20 +464,4 @@ static void coarse_sensors(void **state)
     assert_tally("coarse", &tally);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pendulums_up_to_the_top),
-                                       cmocka_unit_test(waves_of_any_shape),
-                                       cmocka_unit_test(pulses_of_few_samples),
-                                       cmocka_unit_test(pulses_with_edges),
-                                       cmocka_unit_test(lines_near_a_third),
-                                       cmocka_unit_test(cycles_that_differ_in_turn),
-                                       cmocka_unit_test(spectra_of_narrow_pulses),
-                                       cmocka_unit_test(uncertainties_of_waves),
-                                       cmocka_unit_test(step_responses),
-                                       cmocka_unit_test(knocks_and_hands),
-                                       cmocka_unit_test(refusals_name_the_window),
-                                       cmocka_unit_test(coarse_sensors),
-                                       cmocka_unit_test(stiff_runs)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

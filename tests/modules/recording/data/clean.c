@@ -60,9 +60,8 @@ static void assert_only(const struct findings *f, int expected, const char *what
                      f->of[k].first[0], f->of[k].size);
 }
 
-static void nothing_is_found_where_nothing_is_wrong(void **state)
+TEST(nothing_is_found_where_nothing_is_wrong)
 {
-    (void)state;
     static const double noises[] = {0, 0.01, 0.03, 0.1, 0.3}, rates[] = {20, 60, 125},
                         gammas[] = {0, 0.03, 0.3};
     static const double seconds[] = {4, 10, 60};
@@ -92,9 +91,8 @@ static void nothing_is_found_where_nothing_is_wrong(void **state)
     print_message("%d recordings\n", tried);
 }
 
-static void bad_echoes_are_masked_and_nothing_else(void **state)
+TEST(bad_echoes_are_masked_and_nothing_else)
 {
-    (void)state;
     static struct made m;
     static bool bad[ROWS_MAX];
     m = (struct made){
@@ -146,9 +144,8 @@ static void bad_echoes_are_masked_and_nothing_else(void **state)
     recording_destroy(recording);
 }
 
-static void flat_tops_are_found_and_kept(void **state)
+TEST(flat_tops_are_found_and_kept)
 {
-    (void)state;
     static const double noises[] = {0, 0.02, 0.05};
     static struct made m;
     for (size_t k = 0; k < COUNT_OF(noises); k++) {
@@ -171,9 +168,8 @@ static void flat_tops_are_found_and_kept(void **state)
 }
 
 /* Seven rows a period in noise of a third of the amplitude and more, of which half are at rest. */
-static void noise_is_no_flat_top(void **state)
+TEST(noise_is_no_flat_top)
 {
-    (void)state;
     static struct made m;
     for (size_t k = 0; k < 24; k++) {
         m = (struct made){.n = 4000,
@@ -194,9 +190,8 @@ static void noise_is_no_flat_top(void **state)
     }
 }
 
-static void a_stuck_sensor_is_masked(void **state)
+TEST(a_stuck_sensor_is_masked)
 {
-    (void)state;
     static struct made m;
     m = (struct made){
         .n = 2000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 5};
@@ -217,9 +212,8 @@ static void a_stuck_sensor_is_masked(void **state)
 
 /* In steps of 1 cm equal values about a turning point are the motion; the rows lie where one
  * stretch meets the next. */
-static void coarse_steps_are_not_stuck(void **state)
+TEST(coarse_steps_are_not_stuck)
 {
-    (void)state;
     for (size_t periods = 20; periods < 97; periods += 7) {
         struct made m = {
             .n = 73 * periods + 1, .rate = 100, .amplitude = 6, .noise = 0.05, .seed = periods};
@@ -232,9 +226,8 @@ static void coarse_steps_are_not_stuck(void **state)
     }
 }
 
-static void steps_gaps_and_empty_cells_are_said(void **state)
+TEST(steps_gaps_and_empty_cells_are_said)
 {
-    (void)state;
     static struct made m;
     m = (struct made){
         .n = 1500, .rate = 50, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 9};
@@ -271,9 +264,8 @@ static void steps_gaps_and_empty_cells_are_said(void **state)
 /* Held at the side for three seconds, released, and caught after 25 s. */
 /* Strong decays without noise, and flat tops, in any phase: the fits at the ends are one-sided, or
  * have few samples, and that is no hand. */
-static void ends_of_exact_motions_are_theirs(void **state)
+TEST(ends_of_exact_motions_are_theirs)
 {
-    (void)state;
     static struct made m;
     for (int i = 0; i < 200; i++) {
         const bool flat = i % 3 == 2;
@@ -296,9 +288,8 @@ static void ends_of_exact_motions_are_theirs(void **state)
 }
 
 /* Held at the ceiling of the sensor until it is let go; a gap later leaves out periods. */
-static void a_clipped_rest_is_found_beside_a_gap(void **state)
+TEST(a_clipped_rest_is_found_beside_a_gap)
 {
-    (void)state;
     static struct made m;
     for (int i = 0; i < 20; i++) {
         uint64_t seed = 100 + (uint64_t)i;
@@ -322,9 +313,8 @@ static void a_clipped_rest_is_found_beside_a_gap(void **state)
     }
 }
 
-static void rest_and_release_give_a_window(void **state)
+TEST(rest_and_release_give_a_window)
 {
-    (void)state;
     static struct made m;
     m = (struct made){
         .n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0, .seed = 11};
@@ -350,9 +340,8 @@ static void rest_and_release_give_a_window(void **state)
     recording_destroy(recording);
 }
 
-static void sway_is_said_and_left(void **state)
+TEST(sway_is_said_and_left)
 {
-    (void)state;
     static struct made m;
     m = (struct made){
         .n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 13};
@@ -368,20 +357,4 @@ static void sway_is_said_and_left(void **state)
     recording_destroy(recording);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_found_where_nothing_is_wrong),
-        cmocka_unit_test(bad_echoes_are_masked_and_nothing_else),
-        cmocka_unit_test(flat_tops_are_found_and_kept),
-        cmocka_unit_test(noise_is_no_flat_top),
-        cmocka_unit_test(a_stuck_sensor_is_masked),
-        cmocka_unit_test(coarse_steps_are_not_stuck),
-        cmocka_unit_test(steps_gaps_and_empty_cells_are_said),
-        cmocka_unit_test(ends_of_exact_motions_are_theirs),
-        cmocka_unit_test(a_clipped_rest_is_found_beside_a_gap),
-        cmocka_unit_test(rest_and_release_give_a_window),
-        cmocka_unit_test(sway_is_said_and_left),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

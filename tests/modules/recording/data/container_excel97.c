@@ -196,9 +196,8 @@ static void put_old_workbook(struct buffer *out, int claimed, size_t words)
     buffer_free(&stream);
 }
 
-static void a_workbook_of_excel_97_is_read(void **state)
+TEST(a_workbook_of_excel_97_is_read)
 {
-    (void)state;
     struct buffer bytes = {0};
     struct error error;
     put_old_workbook(&bytes, ROWS + 1, 2);
@@ -221,9 +220,8 @@ static void a_workbook_of_excel_97_is_read(void **state)
 
 /* FreeXL 1.0.6 opens such a workbook without an error and without a handle; another version may
  * read it. */
-static void an_empty_word_is_read_or_named(void **state)
+TEST(an_empty_word_is_read_or_named)
 {
-    (void)state;
     struct buffer bytes = {0};
     struct error error;
     put_old_workbook(&bytes, ROWS + 1, 3);
@@ -246,9 +244,8 @@ static void an_empty_word_is_read_or_named(void **state)
 
 /* Cut anywhere, and with any word of its tables of sectors replaced: refused, or the rows that are
  * left are true. */
-static void damaged_workbooks_of_excel_97_do_no_harm(void **state)
+TEST(damaged_workbooks_of_excel_97_do_no_harm)
 {
-    (void)state;
     struct buffer whole = {0};
     struct error error;
     put_old_workbook(&whole, ROWS + 1, 2);
@@ -280,12 +277,4 @@ static void damaged_workbooks_of_excel_97_do_no_harm(void **state)
     buffer_free(&whole);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_workbook_of_excel_97_is_read),
-        cmocka_unit_test(an_empty_word_is_read_or_named),
-        cmocka_unit_test(damaged_workbooks_of_excel_97_do_no_harm),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

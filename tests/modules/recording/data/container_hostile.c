@@ -59,9 +59,8 @@ static void cut_everywhere(const struct buffer *whole)
     }
 }
 
-static void a_container_that_is_cut_is_refused(void **state)
+TEST(a_container_that_is_cut_is_refused)
 {
-    (void)state;
     struct buffer text = {0}, sheet = {0}, bytes = {0};
     if (!ARCHIVES || !XML) {
         skip();
@@ -89,9 +88,8 @@ static void a_container_that_is_cut_is_refused(void **state)
     buffer_free(&bytes);
 }
 
-static void archives_in_archives_are_refused(void **state)
+TEST(archives_in_archives_are_refused)
 {
-    (void)state;
     struct buffer inner = {0}, outer = {0};
     struct error error;
     if (!ARCHIVES || !XML) {
@@ -116,9 +114,8 @@ static void archives_in_archives_are_refused(void **state)
     buffer_free(&outer);
 }
 
-static void documents_that_declare_a_type_or_nest_without_end_are_refused(void **state)
+TEST(documents_that_declare_a_type_or_nest_without_end_are_refused)
 {
-    (void)state;
     static const char *const declared[] = {
         "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ENTITY x SYSTEM "
         "\"file:///etc/passwd\">]><Document>&x;</Document>",
@@ -148,9 +145,8 @@ static void documents_that_declare_a_type_or_nest_without_end_are_refused(void *
 }
 
 /* A megabyte of a word in 3000 cells, and rows of which only the last column is filled. */
-static void workbooks_that_grow_without_bound_are_refused(void **state)
+TEST(workbooks_that_grow_without_bound_are_refused)
 {
-    (void)state;
     struct buffer sheet = {0}, word = {0}, words = {0}, bytes = {0};
     struct error error;
     if (!ARCHIVES || !XML) {
@@ -192,9 +188,8 @@ static void workbooks_that_grow_without_bound_are_refused(void **state)
 }
 
 /* A sheet that a workbook names 250 times is one table. */
-static void a_sheet_named_again_is_read_once(void **state)
+TEST(a_sheet_named_again_is_read_once)
 {
-    (void)state;
     struct buffer sheet = {0}, book = {0}, bytes = {0};
     struct error error;
     if (!ARCHIVES || !XML) {
@@ -225,9 +220,8 @@ static void a_sheet_named_again_is_read_once(void **state)
 }
 
 /* UTF-16 and then UTF-8, and the other way round. */
-static void a_file_that_mixes_encodings_is_refused(void **state)
+TEST(a_file_that_mixes_encodings_is_refused)
 {
-    (void)state;
     struct buffer text = {0}, wide = {0}, both = {0};
     struct error error;
     put_long_table(&text);
@@ -251,15 +245,4 @@ static void a_file_that_mixes_encodings_is_refused(void **state)
     buffer_free(&both);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_container_that_is_cut_is_refused),
-        cmocka_unit_test(archives_in_archives_are_refused),
-        cmocka_unit_test(documents_that_declare_a_type_or_nest_without_end_are_refused),
-        cmocka_unit_test(workbooks_that_grow_without_bound_are_refused),
-        cmocka_unit_test(a_sheet_named_again_is_read_once),
-        cmocka_unit_test(a_file_that_mixes_encodings_is_refused),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -50,9 +50,8 @@ static const char *sparse(const char *head, size_t len, size_t size)
     return path;
 }
 
-static void sparse_files_are_refused_from_their_beginning(void **state)
+TEST(sparse_files_are_refused_from_their_beginning)
 {
-    (void)state;
     static const struct {
         const char *head;
         size_t len, mebibytes;
@@ -75,9 +74,8 @@ static void sparse_files_are_refused_from_their_beginning(void **state)
                         cases[i].part);
 }
 
-static void devices_and_pipes_are_refused(void **state)
+TEST(devices_and_pipes_are_refused)
 {
-    (void)state;
     refused_at_once("/dev/zero", "NUL byte in line 1, column 1");
     refused_at_once("/dev/urandom", "is not a text file");
     refused_at_once("/dev/null", "is empty");
@@ -105,9 +103,8 @@ static const char *repeated(const char *head, const char *again)
     return path;
 }
 
-static void text_without_a_table_is_refused_from_its_beginning(void **state)
+TEST(text_without_a_table_is_refused_from_its_beginning)
 {
-    (void)state;
     refused_at_once(repeated("", "\n"), "no table of numbers");
     refused_at_once(repeated("", "# a remark\n"), "no table of numbers");
     refused_at_once(repeated("", "a word\n"), "no table of numbers");
@@ -117,9 +114,8 @@ static void text_without_a_table_is_refused_from_its_beginning(void **state)
 }
 
 /* A stream that goes on: what came out of how much is known all the time. */
-static void a_bomb_is_told_by_what_went_in(void **state)
+TEST(a_bomb_is_told_by_what_went_in)
 {
-    (void)state;
     struct buffer bytes = {0};
     if (!ARCHIVES) {
         skip();
@@ -131,9 +127,8 @@ static void a_bomb_is_told_by_what_went_in(void **state)
     buffer_free(&bytes);
 }
 
-static void documents_without_end_are_refused(void **state)
+TEST(documents_without_end_are_refused)
 {
-    (void)state;
     struct buffer bytes = {0};
     struct error error;
     if (!XML) {
@@ -155,9 +150,8 @@ static void documents_without_end_are_refused(void **state)
 }
 
 /* Text of any size whose table begins early is read as before: its end is not needed to know it. */
-static void a_large_table_is_read(void **state)
+TEST(a_large_table_is_read)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     buffer_put(&text, TEXT("Time (s),Position (cm)\n"));
@@ -172,15 +166,4 @@ static void a_large_table_is_read(void **state)
     buffer_free(&text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sparse_files_are_refused_from_their_beginning),
-        cmocka_unit_test(devices_and_pipes_are_refused),
-        cmocka_unit_test(text_without_a_table_is_refused_from_its_beginning),
-        cmocka_unit_test(a_bomb_is_told_by_what_went_in),
-        cmocka_unit_test(documents_without_end_are_refused),
-        cmocka_unit_test(a_large_table_is_read),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -20,9 +20,8 @@ static bool is_table(struct recording *recording, const struct error *error)
 
 /* ---- archives ---- */
 
-static void a_gzip_file_is_read_as_what_is_in_it(void **state)
+TEST(a_gzip_file_is_read_as_what_is_in_it)
 {
-    (void)state;
     struct buffer bytes = {0};
     struct error error;
     put_gzip(&bytes, text_of(table));
@@ -39,9 +38,8 @@ static void a_gzip_file_is_read_as_what_is_in_it(void **state)
     buffer_free(&bytes);
 }
 
-static void tables_of_a_zip_archive_are_runs(void **state)
+TEST(tables_of_a_zip_archive_are_runs)
 {
-    (void)state;
     const struct file files[] = {{"meta/device.csv", "property,value\n1,2\n3,4\n5,6\n"},
                                  {"Remarks.txt", "nothing but words\n"},
                                  {"Raw Data.csv", table},
@@ -69,9 +67,8 @@ static void tables_of_a_zip_archive_are_runs(void **state)
     buffer_free(&bytes);
 }
 
-static void an_archive_that_grows_without_bound_is_refused(void **state)
+TEST(an_archive_that_grows_without_bound_is_refused)
 {
-    (void)state;
     struct buffer bytes = {0};
     struct error error;
     if (!ARCHIVES) {
@@ -90,9 +87,8 @@ static void an_archive_that_grows_without_bound_is_refused(void **state)
 
 /* ---- XML ---- */
 
-static void documents_of_instruments_are_read(void **state)
+TEST(documents_of_instruments_are_read)
 {
-    (void)state;
     const struct file files[] = {{"cmbl", cmbl}, {"labx", labx}};
     for (size_t i = 0; i < COUNT_OF(files); i++) {
         struct error error;
@@ -108,9 +104,8 @@ static void documents_of_instruments_are_read(void **state)
     }
 }
 
-static void hostile_documents_are_refused(void **state)
+TEST(hostile_documents_are_refused)
 {
-    (void)state;
     struct error error;
     static const char laughs[] =
         "<?xml version=\"1.0\"?>\n<!DOCTYPE Document [<!ENTITY a \"ha\"><!ENTITY b "
@@ -128,9 +123,8 @@ static void hostile_documents_are_refused(void **state)
 
 /* ---- workbooks ---- */
 
-static void sheets_of_workbooks_are_read(void **state)
+TEST(sheets_of_workbooks_are_read)
 {
-    (void)state;
     static const char plain[] =
         "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" "
         "t=\"s\"><v>1</v></c></row>"
@@ -176,9 +170,8 @@ static void sheets_of_workbooks_are_read(void **state)
     buffer_free(&bytes);
 }
 
-static void an_old_workbook_is_refused_where_it_is_damaged(void **state)
+TEST(an_old_workbook_is_refused_where_it_is_damaged)
 {
-    (void)state;
     struct error error;
     static const char start[] = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1 and nothing behind it";
     struct recording *recording = fixture_load(start, sizeof start, "", &error);
@@ -190,9 +183,8 @@ static void an_old_workbook_is_refused_where_it_is_damaged(void **state)
 }
 
 /* A file with a hole of 10 GB takes no room on the disk and must take none in memory. */
-static void a_sparse_file_is_refused_by_its_size(void **state)
+TEST(a_sparse_file_is_refused_by_its_size)
 {
-    (void)state;
     struct error error = {0};
     const char *path = fixture_path("sparse.csv");
     FILE *file = fopen(path, "wb");
@@ -206,17 +198,4 @@ static void a_sparse_file_is_refused_by_its_size(void **state)
     assert_true(refused(recording_load(path, NULL, &error), &error, "at most"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_gzip_file_is_read_as_what_is_in_it),
-        cmocka_unit_test(tables_of_a_zip_archive_are_runs),
-        cmocka_unit_test(an_archive_that_grows_without_bound_is_refused),
-        cmocka_unit_test(documents_of_instruments_are_read),
-        cmocka_unit_test(hostile_documents_are_refused),
-        cmocka_unit_test(sheets_of_workbooks_are_read),
-        cmocka_unit_test(an_old_workbook_is_refused_where_it_is_damaged),
-        cmocka_unit_test(a_sparse_file_is_refused_by_its_size),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -194,9 +194,8 @@ static void same_number(double a, double b, const char *text)
         fail_msg("%.17g is not %.17g in\n%s", a, b, text);
 }
 
-static void dialects_are_read(void **state)
+TEST(dialects_are_read)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(good); i++) {
         struct recording *r = fixture_good(good[i].text, good[i].options);
         const struct column *value = &r->column[r->value];
@@ -267,9 +266,8 @@ static const struct {
     {"t\n0\n1\n2\n", 0, "", ERROR_IO, "no column of values", "1 t"},
 };
 
-static void others_are_refused(void **state)
+TEST(others_are_refused)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         struct error error;
         struct recording *r = fixture_load(
@@ -287,9 +285,8 @@ static void others_are_refused(void **state)
 
 /* Adding a format is a row: probing goes over the table, so each row must be able to say "not
  * mine". */
-static void formats_are_rows(void **state)
+TEST(formats_are_rows)
 {
-    (void)state;
     assert_non_null(catalog_find(&format_catalog, TEXT("motion-sensor")));
     assert_non_null(catalog_find(&format_catalog, TEXT("motion-index")));
     assert_non_null(catalog_find(&format_catalog, TEXT("table")));
@@ -301,9 +298,8 @@ static void formats_are_rows(void **state)
     }
 }
 
-static void names_come_from_files(void **state)
+TEST(names_come_from_files)
 {
-    (void)state;
     static const struct {
         const char *file, *options, *name;
     } cases[] = {
@@ -326,13 +322,4 @@ static void names_come_from_files(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dialects_are_read),
-        cmocka_unit_test(others_are_refused),
-        cmocka_unit_test(formats_are_rows),
-        cmocka_unit_test(names_come_from_files),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -30,7 +30,7 @@ static const double *errors_of(const char *header, const char *before, double sa
     return half;
 }
 
-static void test_columns(void **state)
+TEST(test_columns)
 {
     static const struct {
         const char *header, *before;
@@ -63,7 +63,7 @@ static void test_columns(void **state)
 }
 
 /* Those of the samples that are left: of a window, without a missing value. */
-static void test_samples(void **state)
+TEST(test_samples)
 {
     static const char text[] = "t (s)\ty (cm)\terr (cm)\n0\t1\t0.1\n1\t\t0.2\n2\t3\t0.3\n3\t2\t-1\n"
                                "4\t1\t0.5\n5\t2\t0.6\n";
@@ -88,9 +88,4 @@ static void test_samples(void **state)
     arena_reset(&arena);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_columns),
-                                       cmocka_unit_test(test_samples)};
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -16,9 +16,8 @@ static const struct table_column columns[] = {
     {"t", "s", times, NULL}, {"y", "m", indices, NULL}, {"say \"hi\"", "", NULL, notes}};
 static const struct table small = {keys, 2, columns, 3, 3, NULL};
 
-static void csv_text(void **state)
+TEST(csv_text)
 {
-    (void)state;
     struct buffer text = {0};
     table_put(&small, table_csv, &text);
     assert_string_equal(
@@ -28,9 +27,8 @@ static void csv_text(void **state)
     buffer_free(&text);
 }
 
-static void tsv_text(void **state)
+TEST(tsv_text)
 {
-    (void)state;
     struct table table = small;
     struct buffer text = {0};
     table.keys = 0;
@@ -40,9 +38,8 @@ static void tsv_text(void **state)
     buffer_free(&text);
 }
 
-static void json_text(void **state)
+TEST(json_text)
 {
-    (void)state;
     struct buffer text = {0};
     table_put(&small, table_json, &text);
     assert_string_equal(
@@ -62,9 +59,8 @@ static void json_text(void **state)
     buffer_free(&text);
 }
 
-static void formulas_are_disarmed(void **state)
+TEST(formulas_are_disarmed)
 {
-    (void)state;
     static const char *const cells[] = {"=1", "+1", "-1", "@x", "\tx", "1-1"};
     static const char *const wanted[] = {"\"'=1\"", "\"'+1\"",  "\"'-1\"",
                                          "\"'@x\"", "\"'\tx\"", "1-1"};
@@ -93,9 +89,8 @@ static bool same_bits(double a, double b)
 }
 
 /* Written, loaded again: every double the same, the unit and the comments understood. */
-static void exported_tables_read_back(void **state)
+TEST(exported_tables_read_back)
 {
-    (void)state;
     const size_t rows = is_long() ? 5000000 : 100000;
     double *t = calloc(rows, sizeof *t), *y = calloc(rows, sizeof *y), *z = calloc(rows, sizeof *z);
     assert_true(t && y && z);
@@ -142,18 +137,16 @@ static void exported_tables_read_back(void **state)
     free(z);
 }
 
-static void failures_are_reported(void **state)
+TEST(failures_are_reported)
 {
-    (void)state;
     struct error error = {0};
     assert_false(table_write(&small, table_csv, fixture_path("no such folder/x.csv"),
                              (struct write_policy){0}, &error));
     assert_int_equal(error.code, ERROR_IO);
 }
 
-static void no_locale_matters(void **state)
+TEST(no_locale_matters)
 {
-    (void)state;
     static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE"};
     bool set = false;
     for (size_t i = 0; i < COUNT_OF(names) && !set; i++)
@@ -169,16 +162,4 @@ static void no_locale_matters(void **state)
     setlocale(LC_ALL, "C");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(csv_text),
-        cmocka_unit_test(tsv_text),
-        cmocka_unit_test(json_text),
-        cmocka_unit_test(formulas_are_disarmed),
-        cmocka_unit_test(exported_tables_read_back),
-        cmocka_unit_test(failures_are_reported),
-        cmocka_unit_test(no_locale_matters),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

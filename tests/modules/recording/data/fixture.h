@@ -6,12 +6,8 @@
 
 #include <hooke/base/number.h>
 #include <hooke/base/unit.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "modules/recording/table/load.h"
 

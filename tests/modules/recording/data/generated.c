@@ -404,9 +404,8 @@ static const char *difference(const struct file *f, const struct recording *r)
     return what;
 }
 
-static void what_was_written_is_read(void **state)
+TEST(what_was_written_is_read)
 {
-    (void)state;
     static struct file f;
     int failures = 0;
     for (size_t kind = 0; kind < COUNT_OF(kinds); kind++)
@@ -426,8 +425,4 @@ static void what_was_written_is_read(void **state)
     assert_int_equal(failures, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_was_written_is_read)};
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -350,9 +350,8 @@ static void compare(const struct dialect *d, const struct recording *r)
     }
 }
 
-static void every_dialect_is_read_as_it_was_written(void **state)
+TEST(every_dialect_is_read_as_it_was_written)
 {
-    (void)state;
     failures = 0;
     for (size_t i = 0; i < COUNT_OF(dialects); i++) {
         const struct dialect *d = &dialects[i];
@@ -385,10 +384,4 @@ static void every_dialect_is_read_as_it_was_written(void **state)
     assert_int_equal(failures, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_dialect_is_read_as_it_was_written),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -30,9 +30,8 @@ static void columns(struct buffer *text, int count)
             buffer_format(text, "%d%c", row + i % 10, i + 1 < count ? ',' : '\n');
 }
 
-static void the_column_limit_is_exact(void **state)
+TEST(the_column_limit_is_exact)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     columns(&text, LIMIT_COLUMNS);
@@ -48,9 +47,8 @@ static void the_column_limit_is_exact(void **state)
     buffer_free(&text);
 }
 
-static void a_million_columns(void **state)
+TEST(a_million_columns)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     columns(&text, 1000000);
@@ -64,9 +62,8 @@ static void a_million_columns(void **state)
 }
 
 /* 100 MB without a line end, of each byte that could lead a scanner astray. */
-static void a_very_long_line(void **state)
+TEST(a_very_long_line)
 {
-    (void)state;
     const size_t size = 100000000;
     const char bytes[] = "1 ,\"\r\n#-";
     char *text = malloc(size);
@@ -89,9 +86,8 @@ static void a_very_long_line(void **state)
 }
 
 /* A table, then a line that is no row: dropped, not fatal, not slow. */
-static void a_long_line_inside(void **state)
+TEST(a_long_line_inside)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     buffer_put(&text, TEXT("t,y\n0,1\n1,2\n2,4\n"));
@@ -106,9 +102,8 @@ static void a_long_line_inside(void **state)
     buffer_free(&text);
 }
 
-static void a_million_rows(void **state)
+TEST(a_million_rows)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error = {0};
     buffer_put(&text, TEXT("Time (s)\tDistance (cm)\tDist Error (cm)\r\n"));
@@ -163,9 +158,8 @@ static void check(const struct recording *r)
     buffer_free(&text);
 }
 
-static void random_bytes_are_answered(void **state)
+TEST(random_bytes_are_answered)
 {
-    (void)state;
     static const char letters[] = "0123456789.,;-+eE \t\t\n\n\r\"#()[]/_tynaifmsc\xB2\xC3\x1B";
     static const char *const options[] = {
         "", "rate=100", "sep=, decimal=.", "decimal=,", "t=1 y=2", "unit=mm tunit=ms", "y=x"};
@@ -214,15 +208,4 @@ static void random_bytes_are_answered(void **state)
     assert_true(loaded > rounds / 10 && loaded < rounds); /* both ways were taken */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_column_limit_is_exact),
-        cmocka_unit_test(a_million_columns),
-        cmocka_unit_test(a_very_long_line),
-        cmocka_unit_test(a_long_line_inside),
-        cmocka_unit_test(a_million_rows),
-        cmocka_unit_test(random_bytes_are_answered),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -48,9 +48,8 @@ static struct recording *load(const char *file, const char *written, struct erro
     return recording_load(path, &options, error);
 }
 
-static void every_dialect_holds_the_motion(void **state)
+TEST(every_dialect_holds_the_motion)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct error error;
         struct recording *r = load(cases[i].file, cases[i].options, &error);
@@ -79,9 +78,8 @@ static void every_dialect_holds_the_motion(void **state)
 
 /* phyphox measures the acceleration; of its axes the one that moves most is taken, and never the
  * absolute value. */
-static void the_axis_that_moves(void **state)
+TEST(the_axis_that_moves)
 {
-    (void)state;
     struct error error;
     struct recording *r = load("phyphox", "", &error);
     assert_non_null(r);
@@ -98,9 +96,8 @@ static void the_axis_that_moves(void **state)
 }
 
 /* Every row of the table has a dialect here, so that a new format brings its look-alike. */
-static void every_format_has_one(void **state)
+TEST(every_format_has_one)
 {
-    (void)state;
     for (size_t i = 0; i < format_catalog.count; i++) {
         const char *name = catalog_row(&format_catalog, i)->name;
         bool found = strcmp(name, "phyphox") == 0;
@@ -111,12 +108,4 @@ static void every_format_has_one(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_dialect_holds_the_motion),
-        cmocka_unit_test(the_axis_that_moves),
-        cmocka_unit_test(every_format_has_one),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -27,9 +27,8 @@ static void put_other(struct buffer *out, int kind)
     buffer_put(out, text_of(others[kind % (int)COUNT_OF(others)]));
 }
 
-static void vectors_are_columns(void **state)
+TEST(vectors_are_columns)
 {
-    (void)state;
     static double t[400], y[400], w[400];
     const int runs = is_long() ? 2000 : 200;
     random_state = 51;
@@ -65,9 +64,8 @@ static void vectors_are_columns(void **state)
     }
 }
 
-static void vectors_of_other_lengths_are_named(void **state)
+TEST(vectors_of_other_lengths_are_named)
 {
-    (void)state;
     static const double t[] = {0, 1, 2, 3, 4, 5, 6, 7, 8}, y[] = {1, 2, 3, 2, 1, 2, 3, 2};
     struct buffer out = {0};
     struct error error;
@@ -82,9 +80,8 @@ static void vectors_of_other_lengths_are_named(void **state)
 }
 
 /* More values than the text holds are no promise to make room for them. */
-static void claims_are_not_believed(void **state)
+TEST(claims_are_not_believed)
 {
-    (void)state;
     struct error error;
     static const char text[] =
         "# Created by Octave\n# name: t\n# type: matrix\n# rows: 100000000\n# columns: 1\n 1\n "
@@ -94,10 +91,4 @@ static void claims_are_not_believed(void **state)
     assert_null(r);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(vectors_are_columns),
-                                       cmocka_unit_test(vectors_of_other_lengths_are_named),
-                                       cmocka_unit_test(claims_are_not_believed)};
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -4,12 +4,8 @@
 #include "modules/recording/table/load.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "unit/random_testing.h"
 
@@ -36,7 +32,7 @@ static int rests(size_t n)
     return motion_rest(&(struct motion_rows){t, y, mask, 0, n}, 1) < n;
 }
 
-static void damped_sine_never_rests(void **state)
+TEST(damped_sine_never_rests)
 {
     static const double q[] = {1.5, 3, 10, 30, 80}, noise[] = {1e-5, 1e-3, 6e-3, 0.03, 0.1};
     (void)state;
@@ -53,7 +49,7 @@ static void damped_sine_never_rests(void **state)
         }
 }
 
-static void few_samples_a_period_do_not_rest(void **state)
+TEST(few_samples_a_period_do_not_rest)
 {
     int claimed = 0;
     (void)state;
@@ -67,7 +63,7 @@ static void few_samples_a_period_do_not_rest(void **state)
 }
 
 /* Coulomb friction: the amplitude falls by the same in each half swing, and then it stays. */
-static void dry_friction_rests(void **state)
+TEST(dry_friction_rests)
 {
     static const double noise[] = {1e-5, 1e-3, 6e-3, 0.03};
     (void)state;
@@ -88,9 +84,8 @@ static void dry_friction_rests(void **state)
 }
 
 /* Stopped by a hand after six swings. */
-static void stopped_by_a_hand(void **state)
+TEST(stopped_by_a_hand)
 {
-    (void)state;
     for (uint64_t seed = 0; seed < SEEDS; seed++) {
         uint64_t seed_of_rest = seed + 500;
         make(ROWS, 50, 60, 6e-3, seed);
@@ -115,7 +110,7 @@ static size_t quiet_from(double period, double moving, size_t all,
 }
 
 /* The unit of time does not matter: powers of two change no digit. */
-static void any_period(void **state)
+TEST(any_period)
 {
     size_t (*const judges[])(const struct motion_rows *, double) = {motion_quiet, motion_rest};
     (void)state;
@@ -128,9 +123,8 @@ static void any_period(void **state)
 }
 
 /* Two periods of rest and two of motion before it, within half a period. */
-static void two_periods_of_both(void **state)
+TEST(two_periods_of_both)
 {
-    (void)state;
     for (double moving = 0; moving <= 10; moving += 0.5) {
         const size_t rest = quiet_from(1, moving, 500, motion_quiet);
         if (moving < 2 || moving > 8)
@@ -141,13 +135,4 @@ static void two_periods_of_both(void **state)
     assert_int_equal(quiet_from(1, 1.9, 199, motion_quiet), 199); /* too short for both */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(damped_sine_never_rests),
-                                       cmocka_unit_test(few_samples_a_period_do_not_rest),
-                                       cmocka_unit_test(dry_friction_rests),
-                                       cmocka_unit_test(stopped_by_a_hand),
-                                       cmocka_unit_test(any_period),
-                                       cmocka_unit_test(two_periods_of_both)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -34,9 +34,8 @@ static size_t put_number(char *out, char decimal, uint64_t *state)
     return len;
 }
 
-static void numbers_keep_every_bit(void **state)
+TEST(numbers_keep_every_bit)
 {
-    (void)state;
     enum { ROWS = 20000, COLUMNS = 4 };
     static const struct {
         char separator, decimal;
@@ -90,9 +89,8 @@ static void numbers_keep_every_bit(void **state)
 }
 
 /* The first lines are long, the others short: there are more rows than they let expect. */
-static void more_rows_than_expected(void **state)
+TEST(more_rows_than_expected)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     for (int i = 0; i < 100000; i++)
@@ -110,9 +108,8 @@ static void more_rows_than_expected(void **state)
 
 /* 28 byte for a row of one column: what fits into 1 GiB is read, one row more is refused with the
  * number. */
-static void memory_has_a_limit(void **state)
+TEST(memory_has_a_limit)
 {
-    (void)state;
     const size_t max = ((size_t)1 << 30) / 28;
     struct error error;
     if (!is_long()) {
@@ -134,12 +131,4 @@ static void memory_has_a_limit(void **state)
     free(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_keep_every_bit),
-        cmocka_unit_test(more_rows_than_expected),
-        cmocka_unit_test(memory_has_a_limit),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -67,9 +67,8 @@ static const struct {
      2, 1, 3, 0, 0, 4, 7},
 };
 
-static void the_run_said_is_read(void **state)
+TEST(the_run_said_is_read)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct error error;
         struct recording *r =
@@ -96,9 +95,8 @@ static void the_run_said_is_read(void **state)
     }
 }
 
-static void what_there_is_is_said(void **state)
+TEST(what_there_is_is_said)
 {
-    (void)state;
     struct buffer text = {0};
     struct recording *r = fixture_good(SIDE_BY_SIDE, "run=3");
     recording_describe(r, &text);
@@ -117,9 +115,8 @@ static void what_there_is_is_said(void **state)
 }
 
 /* Capstone writes up to 150 columns; each run has two here, each shorter than the one before. */
-static void many_runs(void **state)
+TEST(many_runs)
 {
-    (void)state;
     struct buffer text = {0};
     struct error error;
     for (int run = 1; run <= 75; run++)
@@ -145,12 +142,4 @@ static void many_runs(void **state)
     buffer_free(&text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_run_said_is_read),
-        cmocka_unit_test(what_there_is_is_said),
-        cmocka_unit_test(many_runs),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

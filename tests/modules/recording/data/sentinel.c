@@ -54,9 +54,8 @@ static int rows_left_out(const struct sensed *s, bool *warned)
     return missing;
 }
 
-static void sentinels_are_left_out(void **state)
+TEST(sentinels_are_left_out)
 {
-    (void)state;
     static const double sent[] = {0, -1, 400, 8190, 65535, -9999};
     static struct sensed s;
     const int runs = is_long() ? 1500 : 200;
@@ -86,9 +85,8 @@ static void sentinels_are_left_out(void **state)
     }
 }
 
-static void several_sentinels_are_left_out(void **state)
+TEST(several_sentinels_are_left_out)
 {
-    (void)state;
     static struct sensed s;
     bool warned;
     random_state = 102;
@@ -120,9 +118,8 @@ static void lose_rows(const struct sensed *s, int kind, double share, double lim
 
 /* 400 beside 250 +- 40 lies 2.5 ranges off, 330 as much as one of eight, 250 among them; rows may
  * be lost just where the motion comes near the value. */
-static void near_values_are_left_out(void **state)
+TEST(near_values_are_left_out)
 {
-    (void)state;
     static const double sent[] = {400, 330, 350, 175, 302, 251.5};
     static struct sensed s;
     static bool lost[COUNT_OF(s.value)];
@@ -157,9 +154,8 @@ static void near_values_are_left_out(void **state)
 }
 
 /* Noise-free waves of a whole number of samples repeat each value exactly, the highest too. */
-static void exact_waves_are_kept(void **state)
+TEST(exact_waves_are_kept)
 {
-    (void)state;
     static struct sensed s;
     const int runs = is_long() ? 2000 : 200;
     bool warned;
@@ -212,9 +208,8 @@ static void make_true(struct sensed *s, int kind)
         round_to(s, kind == 10 ? 10 : 25);
 }
 
-static void true_values_are_kept(void **state)
+TEST(true_values_are_kept)
 {
-    (void)state;
     static struct sensed s;
     const int runs = is_long() ? 100 : 20;
     bool warned;
@@ -228,11 +223,4 @@ static void true_values_are_kept(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sentinels_are_left_out), cmocka_unit_test(several_sentinels_are_left_out),
-        cmocka_unit_test(near_values_are_left_out), cmocka_unit_test(exact_waves_are_kept),
-        cmocka_unit_test(true_values_are_kept)};
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -4,9 +4,8 @@
 #include "modules/recording/data/fixture.h"
 #include "unit/random_testing.h"
 
-static void times_are_counted_not_differenced(void **state)
+TEST(times_are_counted_not_differenced)
 {
-    (void)state;
     struct buffer text = {0};
     buffer_put(&text, TEXT("Time (s)\tDistance (cm)\tDist Error (cm)\n"));
     for (int i = 0; i < 601; i++)
@@ -23,9 +22,8 @@ static void times_are_counted_not_differenced(void **state)
 }
 
 /* At rest in whole numbers for longer than is looked at to choose the decimal mark. */
-static void a_late_decimal_comma_is_seen(void **state)
+TEST(a_late_decimal_comma_is_seen)
 {
-    (void)state;
     struct buffer text = {0};
     buffer_put(&text, TEXT("t [ms];y [mm]\n"));
     for (int i = 0; i < 1000; i++)
@@ -40,9 +38,8 @@ static void a_late_decimal_comma_is_seen(void **state)
 }
 
 /* Programs leave out a time of day that is 0, and say only the date, in the first row, too. */
-static void a_date_alone_beside_times_is_midnight(void **state)
+TEST(a_date_alone_beside_times_is_midnight)
 {
-    (void)state;
     for (int first = 0; first <= 20; first += 10) {
         struct buffer text = {0};
         buffer_put(&text, TEXT("time;y [m]\n"));
@@ -87,9 +84,8 @@ static void assert_rising(const struct recording *r)
         assert_true(r->t[i] == r->column[0].value[i] / 1000);
 }
 
-static void a_clock_set_back_loses_the_overlap(void **state)
+TEST(a_clock_set_back_loses_the_overlap)
 {
-    (void)state;
     const int t[] = {0, 10, 20, 30, 40, 25, 35, 45, 55, 65, 75, 85, 95};
     struct recording *r = with_times(t, COUNT_OF(t));
     assert_rising(r);
@@ -100,9 +96,8 @@ static void a_clock_set_back_loses_the_overlap(void **state)
     recording_destroy(r);
 }
 
-static void a_wild_time_loses_only_itself(void **state)
+TEST(a_wild_time_loses_only_itself)
 {
-    (void)state;
     const int t[] = {0, 10, 20, 9999, 40, 50, 60, 70, 80, 90, 100, 110};
     struct recording *r = with_times(t, COUNT_OF(t));
     assert_rising(r);
@@ -111,9 +106,8 @@ static void a_wild_time_loses_only_itself(void **state)
     recording_destroy(r);
 }
 
-static void repeated_times_keep_the_first(void **state)
+TEST(repeated_times_keep_the_first)
 {
-    (void)state;
     const int t[] = {0,   10,  10,  20,  20,  20,  30,  40,  50,  60,  70,  80,  90,  100, 110,
                      120, 130, 140, 150, 160, 170, 180, 190, 200, 210, 220, 230, 240, 250, 260,
                      270, 280, 290, 300, 310, 320, 330, 340, 350, 360, 370, 380, 390, 400};
@@ -127,9 +121,8 @@ static void repeated_times_keep_the_first(void **state)
     recording_destroy(r);
 }
 
-static void gaps_and_jitter_are_kept_and_said(void **state)
+TEST(gaps_and_jitter_are_kept_and_said)
 {
-    (void)state;
     const int t[] = {0, 10, 20, 50, 60, 70, 82, 90, 100, 110, 150};
     struct recording *r = with_times(t, COUNT_OF(t));
     assert_int_equal(r->rows, COUNT_OF(t));
@@ -141,9 +134,8 @@ static void gaps_and_jitter_are_kept_and_said(void **state)
     recording_destroy(r);
 }
 
-static void rows_without_a_time_are_dropped(void **state)
+TEST(rows_without_a_time_are_dropped)
 {
-    (void)state;
     struct recording *r = fixture_good(
         "t,y\n0,1\n,2\n2,3\nNaN,4\n4,5\n5,5\n6,5\n7,5\n8,5\n9,5\n10,5\n11,5\n12,5\n", "");
     assert_int_equal(r->rows, 11);
@@ -154,9 +146,8 @@ static void rows_without_a_time_are_dropped(void **state)
 }
 
 /* Without a time column a dropped row still takes its time. */
-static void a_dropped_row_takes_its_time(void **state)
+TEST(a_dropped_row_takes_its_time)
 {
-    (void)state;
     struct recording *r = fixture_good("a;pos\n1;1\n2;2\n3;3\n4\n5;5\n6;6\n", "rate=10 unit=m");
     assert_int_equal(r->rows, 5);
     assert_true(near(r->t[3], 0.4, 1e-15));
@@ -164,9 +155,8 @@ static void a_dropped_row_takes_its_time(void **state)
     recording_destroy(r);
 }
 
-static void a_cut_last_row_is_dropped(void **state)
+TEST(a_cut_last_row_is_dropped)
 {
-    (void)state;
     static const struct {
         const char *text;
         size_t rows;
@@ -202,9 +192,8 @@ static void a_cut_last_row_is_dropped(void **state)
 
 /* A count of the rows is no time; the evenly rising numbers behind it are, what wanders upwards is
  * not. */
-static void the_time_behind_a_count(void **state)
+TEST(the_time_behind_a_count)
 {
-    (void)state;
     struct error error = {0};
     struct recording *r = fixture_good("1,0.02,40.1\n2,0.04,40.3\n3,0.06,40.2\n4,0.08,40.0\n", "");
     assert_int_equal(r->time, 1);
@@ -218,9 +207,8 @@ static void the_time_behind_a_count(void **state)
 }
 
 /* Three digits behind the mark everywhere are decimals, unless the numbers go on so from 999. */
-static void marks_between_thousands(void **state)
+TEST(marks_between_thousands)
 {
-    (void)state;
     struct recording *r = fixture_good("t;y\n0.999;1.234\n1.000;1.236\n1.001;1.235\n", "");
     assert_true(r->t[1] == 1 && r->y[0] == 1.234);
     recording_destroy(r);
@@ -239,9 +227,8 @@ static void marks_between_thousands(void **state)
     recording_destroy(r);
 }
 
-static void windows_and_series(void **state)
+TEST(windows_and_series)
 {
-    (void)state;
     struct error error = {0};
     struct series series;
     struct arena arena = {0};
@@ -279,9 +266,8 @@ static void windows_and_series(void **state)
     recording_destroy(NULL);
 }
 
-static void description_says_what_was_found(void **state)
+TEST(description_says_what_was_found)
 {
-    (void)state;
     struct buffer text = {0};
     struct recording *r = fixture_good(
         "Motion Sensor Data File\nTime (s)\tDistance (cm)\tDist Error (cm)\n0.00\t20.5\t0.239\n"
@@ -301,9 +287,8 @@ static void description_says_what_was_found(void **state)
 }
 
 /* However bad a file is, the warnings stay few. */
-static void warnings_are_few(void **state)
+TEST(warnings_are_few)
 {
-    (void)state;
     struct buffer text = {0};
     buffer_put(&text, TEXT("t"));
     for (int i = 0; i < 30; i++)
@@ -327,7 +312,7 @@ static void warnings_are_few(void **state)
 }
 
 /* Counters of 16 and 32 bits that become full, at any step, with a row missing here and there. */
-static void full_counters_continue(void **state)
+TEST(full_counters_continue)
 {
     static const struct {
         double full;
@@ -362,7 +347,7 @@ static void full_counters_continue(void **state)
 
 /* Every cell has its unit with it, close or behind a blank; another one than before is no number.
  */
-static void units_within_cells(void **state)
+TEST(units_within_cells)
 {
     static const struct {
         const char *unit;
@@ -391,26 +376,4 @@ static void units_within_cells(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(times_are_counted_not_differenced),
-        cmocka_unit_test(a_late_decimal_comma_is_seen),
-        cmocka_unit_test(a_date_alone_beside_times_is_midnight),
-        cmocka_unit_test(a_clock_set_back_loses_the_overlap),
-        cmocka_unit_test(a_wild_time_loses_only_itself),
-        cmocka_unit_test(repeated_times_keep_the_first),
-        cmocka_unit_test(gaps_and_jitter_are_kept_and_said),
-        cmocka_unit_test(rows_without_a_time_are_dropped),
-        cmocka_unit_test(a_dropped_row_takes_its_time),
-        cmocka_unit_test(a_cut_last_row_is_dropped),
-        cmocka_unit_test(the_time_behind_a_count),
-        cmocka_unit_test(marks_between_thousands),
-        cmocka_unit_test(windows_and_series),
-        cmocka_unit_test(description_says_what_was_found),
-        cmocka_unit_test(warnings_are_few),
-        cmocka_unit_test(full_counters_continue),
-        cmocka_unit_test(units_within_cells),
-    };
-    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
-}
+RUN_TESTS(fixture_setup, fixture_teardown)

@@ -4,12 +4,7 @@
  * scatter by? The derivatives by the parameters jump where the motion turns, and end where it
  * sticks.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/scene/fit_testing.h"
@@ -53,9 +48,8 @@ static void scatter_of(const struct scene *truth, double span, const char *names
 }
 
 /* Within 10 %, or what chance leaves of so few (3 standard deviations of a standard deviation). */
-static void uncertainties_are_the_scatter(void **state)
+TEST(uncertainties_are_the_scatter)
 {
-    (void)state;
     const struct {
         const char *preset, *names;
         const struct setting *settings;
@@ -83,8 +77,4 @@ static void uncertainties_are_the_scatter(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(uncertainties_are_the_scatter)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

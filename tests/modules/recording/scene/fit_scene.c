@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes fitted to recordings of known truth: values, intervals, starts, held values, refusals. */
 #include <hooke/base/cancel.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include "long_form.h"
 #include "modules/recording/scene/fit_testing.h"
@@ -57,9 +53,8 @@ static const struct case_of cases[] = {
      "k gamma F0 phase y0 v0"},
 };
 
-static void known_truths_are_found(void **state)
+TEST(known_truths_are_found)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct case_of *c = &cases[i];
         const struct scene truth = scene_with(c->preset, c->truth);
@@ -85,9 +80,8 @@ static void known_truths_are_found(void **state)
 
 /* In 95 of 100 recordings the truth lies inside the interval: three standard deviations of that
  * count are allowed. */
-static void intervals_cover_the_truth(void **state)
+TEST(intervals_cover_the_truth)
 {
-    (void)state;
     const int trials = is_long() ? 200 : 10;
     const char *const names[] = {"k", "gamma", "C", "y0", "v0"};
     int inside = 0, asked = 0;
@@ -121,9 +115,8 @@ static void intervals_cover_the_truth(void **state)
 }
 
 /* k follows from k/m: what is not known of m is not known of k. */
-static void held_values_add_their_uncertainty(void **state)
+TEST(held_values_add_their_uncertainty)
 {
-    (void)state;
     struct error error = {0};
     const struct scene truth = scene_with("damped", SETTINGS({"gamma", 0.1}));
     struct recorded r = record(&truth, 0, 50, 20, 1e-4, 0);
@@ -145,9 +138,8 @@ static void held_values_add_their_uncertainty(void **state)
 
 /* ---- what the series is ---- */
 
-static void velocities_and_accelerations_are_fitted(void **state)
+TEST(velocities_and_accelerations_are_fitted)
 {
-    (void)state;
     const struct scene truth =
         scene_with("damped", SETTINGS({"k", 16}, {"gamma", 0.2}, {"y0", 0.04}, {"v0", 0.2}));
     const struct scene start = scene_with("damped", SETTINGS({"m", 0.2}));
@@ -181,9 +173,8 @@ static void velocities_and_accelerations_are_fitted(void **state)
 
 /* ---- what the data do not tell, and what is not allowed ---- */
 
-static void what_is_not_determined_is_not_converged(void **state)
+TEST(what_is_not_determined_is_not_converged)
 {
-    (void)state;
     const struct scene truth = scene_with("damped", SETTINGS({"gamma", 0.1}));
     struct recorded r = record(&truth, 0, 50, 10, 1e-4, 0);
     struct fitted f = fit_to(&truth, &r.series, "m k gamma y0 v0", false); /* only k/m acts */
@@ -194,9 +185,8 @@ static void what_is_not_determined_is_not_converged(void **state)
 }
 
 /* Without drag in the data C goes to its bound, where it has no uncertainty. */
-static void ranges_hold(void **state)
+TEST(ranges_hold)
 {
-    (void)state;
     const struct scene truth = scene_with("damped", SETTINGS({"gamma", 0.01}));
     struct recorded r = record(&truth, 0, 50, 20, 1e-4, 0);
     for (size_t i = 0; i < r.series.n; i++) /* an envelope that bends the other way */
@@ -210,9 +200,8 @@ static void ranges_hold(void **state)
     forget(&r);
 }
 
-static void a_held_start_must_come_first(void **state)
+TEST(a_held_start_must_come_first)
 {
-    (void)state;
     const struct scene truth = scene_with("damped", SETTINGS({"gamma", 0.1}));
     struct recorded r = record(&truth, 0, 50, 10, 1e-4, 0);
     struct scene late = truth;
@@ -234,9 +223,8 @@ static void a_held_start_must_come_first(void **state)
     forget(&r);
 }
 
-static void the_usual_parameters(void **state)
+TEST(the_usual_parameters)
 {
-    (void)state;
     struct error error = {0};
     int index[PARAM_MAX], fixed[PARAM_MAX], fixed_count;
     struct scene scene = scene_with("drag", NO_SETTINGS);
@@ -252,9 +240,8 @@ static void the_usual_parameters(void **state)
     assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 5);
 }
 
-static void spikes_do_not_pull(void **state)
+TEST(spikes_do_not_pull)
 {
-    (void)state;
     const struct scene truth = scene_with("damped", SETTINGS({"k", 15.5}, {"gamma", 0.05}));
     const struct scene start = scene_with("damped", NO_SETTINGS);
     struct recorded r = record(&truth, 0, 50, 20, 1e-4, 0.2);
@@ -269,9 +256,8 @@ static void spikes_do_not_pull(void **state)
     forget(&r);
 }
 
-static void a_fit_can_be_stopped(void **state)
+TEST(a_fit_can_be_stopped)
 {
-    (void)state;
     const struct scene scene = scene_with("damped", NO_SETTINGS);
     struct recorded r = record(&scene, 0, 50, 20, 1e-4, 0);
     struct cancel cancel = {0};
@@ -294,9 +280,8 @@ static void a_fit_can_be_stopped(void **state)
 
 /* A stiff scene goes by rodas5p, whose Jacobian of the variational equations is that of second
  * derivatives. */
-static void stiff_scenes_are_fitted(void **state)
+TEST(stiff_scenes_are_fitted)
 {
-    (void)state;
     const struct scene truth =
         scene_with("prothero-robinson", SETTINGS({"lambda", -3}, {"y0", 1.7}));
     struct scene stiff =
@@ -331,9 +316,8 @@ static void stiff_scenes_are_fitted(void **state)
 /* ---- linear scenes: the exact solution, by steps that fit the times of the samples ---- */
 
 /* A term too small to be seen makes the same scene one that is not linear, which is integrated. */
-static void exact_and_integrated_curves_agree(void **state)
+TEST(exact_and_integrated_curves_agree)
 {
-    (void)state;
     const struct scene truth =
         scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.2}, {"v0", 0.1}));
     const struct scene linear = scene_with("damped", SETTINGS({"m", 0.2}));
@@ -363,9 +347,8 @@ static void exact_and_integrated_curves_agree(void **state)
 
 /* The disk's drag is not linear: a linear law misses most where the motion is loud, which is no
  * outlier. */
-static void a_loud_start_is_not_rejected(void **state)
+TEST(a_loud_start_is_not_rejected)
 {
-    (void)state;
     const struct scene truth =
         scene_with("drag", SETTINGS({"m", 0.2166}, {"k", 15.1}, {"gamma", 0.005}, {"C", 6},
                                     {"y0", 0.071}, {"v0", 0}));
@@ -386,9 +369,8 @@ static void a_loud_start_is_not_rejected(void **state)
 
 /* More than are fitted at once: the same answer as the exact law demands, within its uncertainty.
  */
-static void long_recordings_are_fitted(void **state)
+TEST(long_recordings_are_fitted)
 {
-    (void)state;
     const struct scene truth =
         scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.01}, {"v0", 0.1}));
     const struct scene start = scene_with("damped", SETTINGS({"m", 0.2}));
@@ -407,23 +389,4 @@ static void long_recordings_are_fitted(void **state)
     forget(&r);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_truths_are_found),
-        cmocka_unit_test(intervals_cover_the_truth),
-        cmocka_unit_test(held_values_add_their_uncertainty),
-        cmocka_unit_test(velocities_and_accelerations_are_fitted),
-        cmocka_unit_test(what_is_not_determined_is_not_converged),
-        cmocka_unit_test(ranges_hold),
-        cmocka_unit_test(a_held_start_must_come_first),
-        cmocka_unit_test(the_usual_parameters),
-        cmocka_unit_test(spikes_do_not_pull),
-        cmocka_unit_test(a_fit_can_be_stopped),
-        cmocka_unit_test(stiff_scenes_are_fitted),
-        cmocka_unit_test(exact_and_integrated_curves_agree),
-        cmocka_unit_test(a_loud_start_is_not_rejected),
-        cmocka_unit_test(long_recordings_are_fitted),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session's file on file systems as those of networks: without locks, slow or unable to put
  * anything on the disk; and how large it gets. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <hooke/base/cancel.h>
 
@@ -155,9 +151,8 @@ static int leave_state(void **state)
 
 /* ---- what has to hold ---- */
 
-static void without_locks_it_goes_on(void **state)
+TEST(without_locks_it_goes_on)
 {
-    (void)state;
     static const int numbers[] = {ENOLCK, EOPNOTSUPP, EINVAL};
     for (size_t i = 0; i < COUNT_OF(numbers); i++) {
         struct saving saving;
@@ -181,9 +176,8 @@ static void without_locks_it_goes_on(void **state)
     }
 }
 
-static void a_disk_that_fails_is_said_once(void **state)
+TEST(a_disk_that_fails_is_said_once)
 {
-    (void)state;
     struct saving saving;
     struct bench again;
     disk.sync = EIO;
@@ -210,9 +204,8 @@ static void a_disk_that_fails_is_said_once(void **state)
 }
 
 /* Nobody waits for the disk, but for the end; and the last write gets there, too. */
-static void a_slow_disk_is_not_waited_for(void **state)
+TEST(a_slow_disk_is_not_waited_for)
 {
-    (void)state;
     struct saving saving;
     disk.stuck = true;
     disk.syncs = disk.synced = 0;
@@ -234,9 +227,8 @@ static void a_slow_disk_is_not_waited_for(void **state)
 }
 
 /* What is collected is counted when it is in the file, also where its end is seen before. */
-static void collected_on_a_slow_disk(void **state)
+TEST(collected_on_a_slow_disk)
 {
-    (void)state;
     struct bench b;
     int ends[2];
     assert_int_equal(pipe(ends), 0);
@@ -270,9 +262,8 @@ static bool count_bytes(void *context, struct text record, struct error *error)
 }
 
 /* What is no longer read goes: the file is as large as the session, not as its past. */
-static void the_file_is_as_large_as_the_session(void **state)
+TEST(the_file_is_as_large_as_the_session)
 {
-    (void)state;
     struct saving saving;
     struct bench again;
     disk.sync_ns = -1;
@@ -307,14 +298,4 @@ static void the_file_is_as_large_as_the_session(void **state)
     bench_close(&again);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_locks_it_goes_on),
-        cmocka_unit_test(a_disk_that_fails_is_said_once),
-        cmocka_unit_test(a_slow_disk_is_not_waited_for),
-        cmocka_unit_test(collected_on_a_slow_disk),
-        cmocka_unit_test(the_file_is_as_large_as_the_session),
-    };
-    return cmocka_run_group_tests(tests, enter_state, leave_state);
-}
+RUN_TESTS(enter_state, leave_state)

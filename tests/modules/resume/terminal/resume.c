@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sessions that save themselves: a terminal that is closed, a program that is killed, files that
  * are not what they should be. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "cmocka_testing.h"
 
 #include <sys/resource.h>
 
@@ -125,9 +121,8 @@ static void await_saved_run(struct person *p, char name[256])
     assert_true(clock_ns() < deadline);
 }
 
-static void test_closed_terminal(void **state)
+TEST(test_closed_terminal)
 {
-    (void)state;
     new_state();
     struct person p;
     begin_work(&p, NULL);
@@ -147,9 +142,8 @@ static void test_closed_terminal(void **state)
     expect_resumed(NULL);
 }
 
-static void test_killed(void **state)
+TEST(test_killed)
 {
-    (void)state;
     new_state();
     struct person p;
     char name[256] = "";
@@ -192,9 +186,8 @@ static bool is_kept_when_killed(bool plain)
 /* A line that was executed is in the file when its answer is seen: also one of several that were
  * pasted, before another that takes long, in panes and at the plain prompt. Where a write took
  * long, the next one waits as long: a machine that stands still meanwhile gets another try. */
-static void test_killed_after_a_line(void **state)
+TEST(test_killed_after_a_line)
 {
-    (void)state;
     for (int plain = 0; plain < 2; plain++) {
         bool kept = false;
         for (int tries = 0; tries < 5 && !kept; tries++)
@@ -204,9 +197,8 @@ static void test_killed_after_a_line(void **state)
 }
 
 /* Whose session is still there is seen by the lock of its file: no number of a process says it. */
-static void test_living_by_lock(void **state)
+TEST(test_living_by_lock)
 {
-    (void)state;
     new_state();
     struct person p, other;
     char name[256] = "", from[256], to[256];
@@ -225,9 +217,8 @@ static void test_living_by_lock(void **state)
     expect_resumed(NULL);
 }
 
-static void test_plain_prompt_saves_too(void **state)
+TEST(test_plain_prompt_saves_too)
 {
-    (void)state;
     new_state();
     struct person p;
     char name[256];
@@ -248,9 +239,8 @@ static void test_plain_prompt_saves_too(void **state)
 }
 
 /* Options of the program hold for the session that is restored, too. */
-static void test_options_of_what_resumes(void **state)
+TEST(test_options_of_what_resumes)
 {
-    (void)state;
     new_state();
     struct person p;
     begin(&p, (struct start){.argument = {"--plain"}});
@@ -265,9 +255,8 @@ static void test_options_of_what_resumes(void **state)
     quit(&p);
 }
 
-static void test_plain_suspend(void **state)
+TEST(test_plain_suspend)
 {
-    (void)state;
     new_state();
     struct person p;
     begin(&p, (struct start){.argument = {"--plain"}, .shell = true});
@@ -286,9 +275,8 @@ static void test_plain_suspend(void **state)
     forget(&p);
 }
 
-static void test_nothing_changed_nothing_saved(void **state)
+TEST(test_nothing_changed_nothing_saved)
 {
-    (void)state;
     new_state();
     struct person p;
     char name[256];
@@ -329,9 +317,8 @@ static int hold(const char *name)
 
 /* The last five are kept, those of living programs anyway; what killed writers left is cleared
  * away. */
-static void test_old_ones_go(void **state)
+TEST(test_old_ones_go)
 {
-    (void)state;
     new_state();
     char name[256];
     for (int i = 0; i < 8; i++) {
@@ -360,9 +347,8 @@ static void test_old_ones_go(void **state)
 }
 
 /* A session that was killed before it had written anything hides no other one. */
-static void test_empty_ones_are_passed_over(void **state)
+TEST(test_empty_ones_are_passed_over)
 {
-    (void)state;
     struct person p;
     new_state();
     plant_session("session-20200101-000001-41" AUTOSAVE_ENDING, 1000);
@@ -376,9 +362,8 @@ static void test_empty_ones_are_passed_over(void **state)
 }
 
 /* What is no session of this program is refused whole; what is in one: faults/command. */
-static void test_bad_files(void **state)
+TEST(test_bad_files)
 {
-    (void)state;
     static const struct {
         const char *text, *said;
     } bad[] = {
@@ -401,9 +386,8 @@ static void test_bad_files(void **state)
     }
 }
 
-static void test_no_place_to_save(void **state)
+TEST(test_no_place_to_save)
 {
-    (void)state;
     new_state();
     struct person p;
     begin(&p, (struct start){.state = "/proc/nowhere", .environment = "HOOKE_AUTOSAVE=0.2"});
@@ -420,9 +404,8 @@ static void test_no_place_to_save(void **state)
 
 /* A lock that another program never gives back, and a pipe that nobody writes to: neither keeps a
  * person waiting, both are told. */
-static void test_history_in_the_way(void **state)
+TEST(test_history_in_the_way)
 {
-    (void)state;
     char path[256];
     struct person p;
     new_state();
@@ -470,22 +453,4 @@ static void test_history_in_the_way(void **state)
     quit(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_terminal),
-        cmocka_unit_test(test_killed),
-        cmocka_unit_test(test_killed_after_a_line),
-        cmocka_unit_test(test_living_by_lock),
-        cmocka_unit_test(test_plain_prompt_saves_too),
-        cmocka_unit_test(test_options_of_what_resumes),
-        cmocka_unit_test(test_plain_suspend),
-        cmocka_unit_test(test_nothing_changed_nothing_saved),
-        cmocka_unit_test(test_old_ones_go),
-        cmocka_unit_test(test_empty_ones_are_passed_over),
-        cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_no_place_to_save),
-        cmocka_unit_test(test_history_in_the_way),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)
